@@ -1,0 +1,77 @@
+"""What a controller is: two equations, one that computes a command and one that learns what became of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from numba import types
+
+from plants.equation import POINTER, compiled, fingerprint, pack, unpack
+from plants.interface import Measurement
+
+
+class Reference(NamedTuple):
+    """What is wanted at one instant, with exact derivatives; for a rotary controller a speed in rad/s."""
+
+    position: Annotated[float, "m"]
+    velocity: Annotated[float, "m/s"]
+    acceleration: Annotated[float, "m/s^2"]
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """A sampled controller: names and units (as NamedTuple classes) and the equations over them.
+
+    step(reference, measurement, state, gains, sample_time) -> (command, state)     at every sample instant
+    commit(realised, state, gains, sample_time) -> state                            then, with the command that
+                                                                                    the amplifier really gave
+    start(measurement, gains) -> state                                              for a plant at rest
+    """
+
+    name: str
+    summary: str
+    Gains: type
+    State: type
+    step: Callable[..., Any]
+    commit: Callable[..., Any]
+    start: Callable[..., Any]
+
+
+STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)
+"""C signature: reference, measurement, state (in and out), gains, sample time -> command."""
+
+COMMIT = types.void(types.float64, POINTER, POINTER, types.float64)
+"""C signature: realised command, state (in and out), gains, sample time."""
+
+
+def compile_step(controller: Controller) -> Any:
+    """The controller's step as a C function of signature `STEP`."""
+    step, state_class, gains_class = controller.step, controller.State, controller.Gains
+    reference_class, measurement_class = Reference, Measurement
+    source = fingerprint(step)
+
+    @compiled(STEP)
+    def entry(reference, measurement, state, gains, sample_time):  # type: ignore[no-untyped-def]
+        _ = source  # part of the key of the compiled code's cache
+        r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
+        command, following = step(
+            r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time
+        )
+        pack(following, state)
+        return command
+
+    return entry
+
+
+def compile_commit(controller: Controller) -> Any:
+    """The controller's commit as a C function of signature `COMMIT`."""
+    commit, state_class, gains_class = controller.commit, controller.State, controller.Gains
+    source = fingerprint(commit)
+
+    @compiled(COMMIT)
+    def entry(realised, state, gains, sample_time):  # type: ignore[no-untyped-def]
+        _ = source  # part of the key of the compiled code's cache
+        s = unpack(state_class, state)
+        pack(commit(realised, s, unpack(gains_class, gains), sample_time), state)
+
+    return entry

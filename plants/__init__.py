@@ -1,0 +1,1 @@
+"""What is controlled: friction laws, hydraulics, the actuators, named parameter sets. Pure maths, SI units."""

@@ -1,0 +1,129 @@
+"""Servo valve, flow, pressure, and the forces on the piston: what the rotating and the other actuator share.
+
+The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal piston areas, no leakage.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from plants.equation import Scalar, equation, select
+
+FLOW_LAWS = {"derived": 0.5, "chapter3": 1.0}
+"""The share of the pressure drop that one edge of the spool sees, by the name of the flow law.
+
+`derived`: both edges share the drop, thesis (3.22) and appendix C. `chapter3`: the flow that reproduces the
+printed phase shifts of chapter 3; the same as a valve gain sqrt(2) times larger, and not what (3.22) gives.
+"""
+
+
+class Hydraulics(NamedTuple):
+    """Supply, valve and cylinder."""
+
+    piston_area_1: Annotated[float, "m^2"]
+    piston_area_2: Annotated[float, "m^2"]
+    stroke: Annotated[float, "m"]
+    hose_volume: Annotated[float, "m^3"]
+    bulk_modulus: Annotated[float, "Pa"]
+    supply_pressure: Annotated[float, "Pa"]
+    tank_pressure: Annotated[float, "Pa"]
+    valve_flow_gain: Annotated[float, "m^2/(s Pa^0.5)"]
+    valve_position_gain: Annotated[float, "m/V"]
+    valve_time_constant: Annotated[float, "s"]
+    spool_limit: Annotated[float, "m"]
+    voltage_limit: Annotated[float, "V"]
+    flow_pressure_share: Annotated[float, "1"]
+
+
+class Mass(NamedTuple):
+    """The moving mass, what pulls at it, and where its travel ends."""
+
+    mass: Annotated[float, "kg"]
+    load_force: Annotated[float, "N"]
+    end_stop_stiffness: Annotated[float, "N/m"]
+    end_stop_damping: Annotated[float, "s/m"]
+
+
+@equation
+def piston_area(p: Hydraulics) -> Scalar:
+    """Mean area A (m^2) of the two sides."""
+    return 0.5 * (p.piston_area_1 + p.piston_area_2)
+
+
+@equation
+def oil_volume(p: Hydraulics) -> Scalar:
+    """V_t = 2 V_h + A L (m^3): both hoses and the cylinder, independent of position."""
+    return 2.0 * p.hose_volume + piston_area(p) * p.stroke
+
+
+@equation
+def chamber_pressures(load_pressure: Scalar, p: Hydraulics) -> tuple[Scalar, Scalar]:
+    """P1 and P2 (Pa) from P_L, for a valve of matched edges: their sum is P_s + P_T. Thesis (3.18), (3.19)."""
+    total = p.supply_pressure + p.tank_pressure
+    return 0.5 * (total + load_pressure), 0.5 * (total - load_pressure)
+
+
+@equation
+def spool_rate(spool: Scalar, voltage: Scalar, p: Hydraulics) -> Scalar:
+    """dx_s/dt (m/s) = (K_sv V - x_s) / tau_sv, thesis 3.2.1; the spool's target stays within its travel."""
+    target = np.minimum(np.maximum(p.valve_position_gain * voltage, -p.spool_limit), p.spool_limit)
+    return (target - spool) / p.valve_time_constant
+
+
+@equation
+def load_flow(spool: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
+    """Q_L (m^3/s) = K x_s sqrt(share (P_s - P_T - sgn(x_s) P_L)), thesis (3.22) with share = 1/2."""
+    drop = p.supply_pressure - p.tank_pressure - np.sign(spool) * load_pressure
+    return p.valve_flow_gain * spool * np.sqrt(np.maximum(p.flow_pressure_share * drop, 0.0))
+
+
+@equation
+def load_pressure_rate(flow: Scalar, velocity: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
+    """dP_L/dt (Pa/s) = 4 beta / V_t (Q_L - A v), held at |P_L| = P_s. Thesis (3.28) and 3.2.3."""
+    rate = 4.0 * p.bulk_modulus / oil_volume(p) * (flow - piston_area(p) * velocity)
+    return select(
+        load_pressure >= p.supply_pressure,
+        np.minimum(rate, 0.0),
+        select(load_pressure <= -p.supply_pressure, np.maximum(rate, 0.0), rate),
+    )
+
+
+@equation
+def pressure_force(load_pressure: Scalar, p: Hydraulics) -> Scalar:
+    """P1 A1 - P2 A2 (N). Thesis (3.29)."""
+    pressure_1, pressure_2 = chamber_pressures(load_pressure, p)
+    return pressure_1 * p.piston_area_1 - pressure_2 * p.piston_area_2
+
+
+@equation
+def end_stop_force(position: Scalar, velocity: Scalar, stroke: Scalar, p: Mass) -> Scalar:
+    """Force (N) of the end stops on the mass; position 0 is the middle of the stroke.
+
+    F = -sgn(x) k d max(1 + c d', 0) with d the penetration beyond +-stroke/2 (Hunt and Crossley 1975): damped,
+    never sticking, and 0 inside the stroke.
+    """
+    side = np.sign(position)
+    depth = np.maximum(np.abs(position) - 0.5 * stroke, 0.0)
+    return -side * p.end_stop_stiffness * depth * np.maximum(1.0 + p.end_stop_damping * side * velocity, 0.0)
+
+
+@equation
+def piston_acceleration(
+    position: Scalar,
+    velocity: Scalar,
+    load_pressure: Scalar,
+    friction: Scalar,
+    disturbance: Scalar,
+    h: Hydraulics,
+    m: Mass,
+) -> Scalar:
+    """dv/dt (m/s^2) = (P1 A1 - P2 A2 - F_friction - F_load - disturbance + end stops) / M. Thesis (3.29)."""
+    stop = end_stop_force(position, velocity, h.stroke, m)
+    return (pressure_force(load_pressure, h) - friction - m.load_force - disturbance + stop) / m.mass
+
+
+@equation
+def no_load_velocity_gain(p: Hydraulics) -> Scalar:
+    """K_q (m/s per V): velocity of the unloaded piston for one volt at the valve."""
+    root = np.sqrt(p.flow_pressure_share * (p.supply_pressure - p.tank_pressure))
+    return p.valve_flow_gain * p.valve_position_gain * root / piston_area(p)

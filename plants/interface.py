@@ -1,0 +1,92 @@
+"""What a plant is: its equations, what they are made of, and what a rig measures of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from numba import types
+
+from plants.equation import POINTER, compiled, fields, fingerprint, pack, unpack
+
+
+class Measurement(NamedTuple):
+    """What a rig's sensors deliver, and all that a controller ever sees of a plant; NaN where it has none."""
+
+    position: Annotated[float, "m"]
+    pressure_1: Annotated[float, "Pa"]
+    pressure_2: Annotated[float, "Pa"]
+    rotation_speed: Annotated[float, "rad/s"]
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A plant: names and units (as NamedTuple classes) and the equations over them.
+
+    derivatives(time, state, inputs, parameters) -> State      rates of the states
+    signals(time, state, inputs, parameters) -> Signals        all that is worth plotting, SI
+    measure(state, parameters) -> Measurement                  noise-free readings
+    equilibrium(parameters, surface_speed) -> (State, Inputs)  at rest in mid-stroke, rotating at that speed (m/s)
+    command_limit(parameters) -> float                         the amplifier's limit, unit of the command
+
+    `command` is the input that the position controller drives, `rotary_command` the one that rotates.
+    `balances` names the state whose rate each physical balance gives.
+    """
+
+    name: str
+    summary: str
+    State: type
+    Inputs: type
+    Parameters: type
+    Signals: type
+    derivatives: Callable[..., Any]
+    signals: Callable[..., Any]
+    measure: Callable[..., Any]
+    equilibrium: Callable[..., Any]
+    command_limit: Callable[..., float]
+    command: str
+    balances: dict[str, str]
+    rotary_command: str | None = None
+
+    @property
+    def command_unit(self) -> str:
+        """Unit of the command, "V" or "N"."""
+        return next(field.unit for field in fields(self.Inputs) if field.name == self.command)
+
+    def input_index(self, name: str) -> int:
+        """Place of an input among `Inputs`."""
+        return [field.name for field in fields(self.Inputs)].index(name)
+
+
+DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
+"""C signature: time, state, inputs, parameters, rates (out)."""
+
+MEASURE = types.void(POINTER, POINTER, POINTER)
+"""C signature: state, parameters, measurement (out)."""
+
+
+def compile_derivatives(plant: Plant) -> Any:
+    """The plant's derivatives as a C function of signature `DERIVATIVES`."""
+    derivatives, state_class = plant.derivatives, plant.State
+    inputs_class, parameters_class = plant.Inputs, plant.Parameters
+    source = fingerprint(derivatives)
+
+    @compiled(DERIVATIVES)
+    def entry(time, state, inputs, parameters, rates):  # type: ignore[no-untyped-def]
+        _ = source  # part of the key of the compiled code's cache
+        s, u = unpack(state_class, state), unpack(inputs_class, inputs)
+        pack(derivatives(time, s, u, unpack(parameters_class, parameters)), rates)
+
+    return entry
+
+
+def compile_measure(plant: Plant) -> Any:
+    """The plant's noise-free readings as a C function of signature `MEASURE`."""
+    measure, state_class, parameters_class = plant.measure, plant.State, plant.Parameters
+    source = fingerprint(measure)
+
+    @compiled(MEASURE)
+    def entry(state, parameters, measurement):  # type: ignore[no-untyped-def]
+        _ = source  # part of the key of the compiled code's cache
+        pack(measure(unpack(state_class, state), unpack(parameters_class, parameters)), measurement)
+
+    return entry

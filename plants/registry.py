@@ -1,0 +1,20 @@
+"""The plants by name: ours, and those that other packages bring by entry point."""
+
+from importlib.metadata import entry_points
+
+from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
+from plants.interface import Plant
+from plants.non_rotating import NON_ROTATING
+from plants.rotating import HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL
+
+ENTRY_POINT_GROUP = "friction_workbench.plants"
+
+_BUILT_IN = (NON_ROTATING, HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL, DRIVE_FORCE, DRIVE_VOLTAGE)
+
+
+def plants() -> dict[str, Plant]:
+    """All plants by name, in a fixed order: ours first."""
+    known = {plant.name: plant for plant in _BUILT_IN}
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
+        known[point.name] = point.load()
+    return known

@@ -1,0 +1,1 @@
+"""What runs plants and controllers: simulation, metrics, studies, tables, figures, the command line."""

@@ -1,0 +1,1 @@
+"""A continuous plant in the loop with a sampled controller."""

@@ -1,0 +1,198 @@
+"""The compiled loop: sample, control, saturate, log, integrate to the next sample.
+
+Compiled once for the C signatures of `plants.interface` and `controllers.interface`; plants and controllers plug
+in as function pointers.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+from numba import njit, types
+from numba.extending import register_jitable
+
+from controllers.interface import COMMIT, STEP
+from plants.equation import address, shift
+from plants.interface import DERIVATIVES, MEASURE
+from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
+
+COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
+"""How a loop ended."""
+
+DIVERGENCE_BOUND = 1e6
+"""A state beyond this many times its typical magnitude (and its initial value) has diverged."""
+
+_function = types.FunctionType
+_vector = types.float64[::1]
+_table = types.float64[:, ::1]
+_number = types.float64
+_integer = types.int64
+
+_SIGNATURE = types.Tuple((_integer, _integer, _integer))(
+    types.Tuple((_function(DERIVATIVES), _function(MEASURE))),
+    types.Tuple((_function(STEP), _function(COMMIT), _function(STEP), _function(COMMIT))),
+    types.Tuple((_vector, _vector, _vector, _vector)),  # y, inputs, parameters, scales
+    types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
+    types.Tuple((_integer, _number, _integer)),  # command's input, its limit, rotary command's input
+    types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
+    types.Tuple((_table, _vector, _vector)),  # noise, resolution, filter cutoffs
+    types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
+    types.Tuple((_number, _integer, _integer, _number)),  # sample time, method, steps a sample, tolerance
+    types.Tuple((_table, _table, _table)),  # logs: states, inputs, measurements
+)
+
+
+def _scalar_loops(function: Any) -> Any:
+    """Compile for `_SIGNATURE` without vectorised loops: over a handful of states they cost more than they give."""
+    vectorize = numba.config.LOOP_VECTORIZE
+    numba.config.LOOP_VECTORIZE = 0
+    try:
+        return njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy")(function)
+    finally:
+        numba.config.LOOP_VECTORIZE = vectorize
+
+
+@register_jitable
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
+
+
+@register_jitable
+def _read(system: Any, y: Any, out: Any) -> None:
+    """The sensors' analogue outputs into `out`: of the filter where there is one, else of the plant."""
+    _, measure, parameters, cutoffs, _, sizes = system
+    total, plant_states, _, channels = sizes
+    measure(y, parameters, out)
+    if total > plant_states:
+        for j in range(channels):
+            if cutoffs[j] > 0.0:
+                out[j] = y[plant_states + j]
+
+
+@_scalar_loops
+def run_loop(
+    plant: Any,
+    control: Any,
+    vectors: Any,
+    memory: Any,
+    channels: Any,
+    signals: Any,
+    sensors: Any,
+    delay: Any,
+    clock: Any,
+    logs: Any,
+) -> tuple[int, int, int]:
+    """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
+
+    At sample k: the sensors deliver y(k h - delay) with noise and quantisation; the controllers step; the sum of
+    command and exogenous input is saturated and committed; the plant is integrated to (k + 1) h. An exogenous
+    input is held over the sample, or a ramp to its next value where its hold is linear.
+
+    Returns:
+        how it ended, the number of samples logged, the number of integration steps.
+    """
+    derivatives, measure = plant
+    step, commit, rotary_step, rotary_commit = control
+    y, base, parameters, scales = vectors
+    state, gains, rotary_state, rotary_gains = memory
+    command_input, command_limit, rotary_input = channels
+    references, rotary_references, exogenous, linear = signals
+    noise, resolution, cutoffs = sensors
+    delay_samples, delay_rest = delay
+    h, method, steps_a_sample, tolerance = clock
+    log_states, log_inputs, log_measurements = logs
+
+    plant_states = log_states.shape[1]
+    n, m, channel_count = y.size, base.size, cutoffs.size
+    readings, work = np.zeros(channel_count), np.zeros(8 * n)
+    system = (
+        derivatives,
+        measure,
+        address(parameters),
+        address(cutoffs),
+        address(readings),
+        (n, plant_states, m, channel_count),
+    )
+    now, initial, slopes = base.copy(), base.copy(), np.zeros(m)
+    measured = np.zeros(channel_count)
+    bounds = DIVERGENCE_BOUND * (scales + np.abs(y))
+    samples = log_states.shape[0]
+    slots = delay_samples + 1
+    delayed = np.zeros((slots, channel_count))
+    ramped = np.any(linear > 0.0)
+    guess = h
+    total_steps = 0
+
+    # From here on pointers: an array handed to a function costs a reference count, at every sample.
+    p_y, p_base, p_scales, p_bounds = address(y), address(base), address(scales), address(bounds)
+    p_now, p_initial, p_slopes, p_linear = address(now), address(initial), address(slopes), address(linear)
+    p_measured, p_delayed, p_work = address(measured), address(delayed), address(work)
+    p_state, p_gains = address(state), address(gains)
+    p_rotary_state, p_rotary_gains = address(rotary_state), address(rotary_gains)
+    p_references, p_rotary_references = address(references), address(rotary_references)
+    p_exogenous, p_noise, p_resolution = address(exogenous), address(noise), address(resolution)
+    p_log_states, p_log_inputs, p_log_read = (
+        address(log_states),
+        address(log_inputs),
+        address(log_measurements),
+    )
+    inputs = (p_now, p_initial, p_slopes)
+    for i in range(slots):
+        _read(system, p_y, shift(p_delayed, i * channel_count))
+
+    for k in range(samples):
+        if delay_rest == 0.0:
+            _read(system, p_y, shift(p_delayed, (k % slots) * channel_count))
+        oldest = shift(p_delayed, ((k + 1) % slots) * channel_count)
+        for j in range(channel_count):
+            value = oldest[j] + p_noise[k * channel_count + j]
+            if p_resolution[j] > 0.0:
+                value = p_resolution[j] * np.rint(value / p_resolution[j])
+            p_measured[j] = value
+            p_log_read[k * channel_count + j] = value
+        for j in range(m):
+            p_initial[j] = p_base[j] + p_exogenous[k * m + j]
+            if ramped and p_linear[j] > 0.0:
+                p_slopes[j] = (p_exogenous[(k + 1) * m + j] - p_exogenous[k * m + j]) / h
+        command = step(shift(p_references, 3 * k), p_measured, p_state, p_gains, h)
+        feed = p_initial[command_input]
+        p_initial[command_input] = _clip(command + feed, command_limit)
+        if p_slopes[command_input] != 0.0:
+            following = _clip(command + feed + h * p_slopes[command_input], command_limit)
+            p_slopes[command_input] = (following - p_initial[command_input]) / h
+        commit(p_initial[command_input] - feed, p_state, p_gains, h)
+        if rotary_input >= 0:
+            rotary = rotary_step(
+                shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h
+            )
+            p_initial[rotary_input] += rotary
+            rotary_commit(rotary, p_rotary_state, p_rotary_gains, h)
+        for j in range(plant_states):
+            p_log_states[k * plant_states + j] = p_y[j]
+        for j in range(m):
+            p_log_inputs[k * m + j] = p_initial[j]
+            p_now[j] = p_initial[j]
+        if k + 1 == samples:
+            break
+
+        middle = (k + 1) * h - delay_rest
+        for part in range(2 if delay_rest > 0.0 else 1):
+            interval = (k * h, middle) if part == 0 else (middle, (k + 1) * h)
+            if method == DORMAND_PRINCE:
+                ended, guess, tried = dormand_prince(
+                    system, interval, guess, tolerance, p_scales, p_y, (*inputs, k * h, ramped), p_work
+                )
+                total_steps += tried
+            else:
+                ended = fixed_step(
+                    system, interval, method, steps_a_sample, p_y, (*inputs, k * h, ramped), p_work
+                )
+                total_steps += steps_a_sample
+            if ended != OK:
+                return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
+            if part == 0 and delay_rest > 0.0:
+                _read(system, p_y, shift(p_delayed, ((k + 1) % slots) * channel_count))
+        for j in range(n):
+            if not abs(p_y[j]) <= p_bounds[j]:
+                return DIVERGED, k + 1, total_steps
+    return COMPLETED, samples, total_steps

@@ -1,0 +1,279 @@
+"""One run: a plant, its controllers, a reference, sensors, and how exactly to integrate.
+
+    run = simulate(setup)            # Run: time, states, inputs, measurements, outcome
+    run.signals["axial_friction"]    # any signal of the plant, over time
+    solver_error(setup, run)         # how far the positions are off (m)
+"""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from controllers.interface import Controller, compile_commit, compile_step
+from controllers.open_loop import OPEN_LOOP
+from controllers.open_loop import Gains as OpenLoopGains
+from plants.equation import fields, from_array, to_array
+from plants.interface import Measurement, Plant, compile_derivatives, compile_measure
+from workbench.simulation import engine, steppers
+from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.sensors import Sensors
+
+FIXED_STEP = {"euler": steppers.EULER, "heun": steppers.HEUN, "rk4": steppers.RK4}
+"""Fixed-step methods, of order 1, 2 and 4."""
+
+METHODS = {**FIXED_STEP, "dormand_prince": steppers.DORMAND_PRINCE}
+
+DEFAULT_TOLERANCE = 1e-6
+TIGHTER = 100.0
+"""The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
+
+STUCK_SPEED = 1e-4
+"""m/s. Slower than this counts as not moving."""
+
+DELAY_SLACK = 1e-9
+"""A delay this close (in samples) to a whole number of samples is one."""
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """How to integrate: an error-controlled method with its `tolerance`, or a fixed-step one with its `step` (s).
+
+    A fixed step is shortened so that a whole number of steps makes one sample.
+    """
+
+    method: str = "dormand_prince"
+    step: float = 1e-4
+    tolerance: float = DEFAULT_TOLERANCE
+
+    def finer(self) -> "Integrator":
+        """The integrator against which this one's error is taken."""
+        return replace(self, step=self.step / 2.0, tolerance=self.tolerance / TIGHTER)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A sampled controller with its gains."""
+
+    controller: Controller
+    gains: Any
+
+
+@dataclass(frozen=True)
+class Feed:
+    """An input of the plant that follows a signal: open-loop commands, disturbances, moving spring ends.
+
+    `linear`: a ramp from sample to sample; otherwise each sample's value is held.
+    """
+
+    input: str
+    signal: ReferenceSignal
+    linear: bool = True
+
+
+NO_LOOP = Loop(OPEN_LOOP, OpenLoopGains(0.0))
+"""No feedback: the command is what a feed gives."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything that a run depends on.
+
+    `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
+    `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed.
+    """
+
+    plant: Plant
+    parameters: Any
+    state: Any
+    inputs: Any
+    duration: float
+    loop: Loop = NO_LOOP
+    reference: ReferenceSignal | None = None
+    rotary: Loop | None = None
+    rotation_speed: float = 0.0
+    feeds: tuple[Feed, ...] = ()
+    sensors: Sensors = field(default_factory=Sensors)
+    integrator: Integrator = field(default_factory=Integrator)
+    sample_time: float = 1e-3
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Run:
+    """What happened. Arrays over the sample instants; `outcome` in words."""
+
+    plant: Plant
+    parameters: Any
+    time: np.ndarray
+    states: np.ndarray
+    inputs: np.ndarray
+    measurements: np.ndarray
+    reference: tuple[np.ndarray, np.ndarray, np.ndarray] | None
+    outcome: str
+    steps: int
+
+    @functools.cached_property
+    def signals(self) -> Mapping[str, np.ndarray]:
+        """All signals, by name, over time: the plant's, its inputs, and the reference and tracking error."""
+        with np.errstate(all="ignore"):  # a diverged run holds numbers beyond all bounds
+            state = from_array(self.plant.State, self.states.T)
+            inputs = from_array(self.plant.Inputs, self.inputs.T)
+            values = self.plant.signals(self.time, state, inputs, self.parameters)
+        named = dict(zip(self.plant.Signals._fields, values, strict=True))  # type: ignore[attr-defined]
+        for i, item in enumerate(fields(self.plant.Inputs)):
+            named.setdefault(item.name, self.inputs[:, i])
+        named["measured_position"] = self.measurements[:, 0]
+        if self.reference is not None:
+            named["reference_position"] = self.reference[0]
+            named["reference_velocity"] = self.reference[1]
+            named["error"] = self.reference[0] - named["position"]
+        return {name: np.broadcast_to(value, self.time.shape) for name, value in named.items()}
+
+    def state(self, name: str) -> np.ndarray:
+        """One state of the plant over time."""
+        return self.states[:, self.plant.State._fields.index(name)]  # type: ignore[attr-defined]
+
+    @property
+    def command(self) -> np.ndarray:
+        """The realised command of the position loop."""
+        return self.inputs[:, self.plant.input_index(self.plant.command)]
+
+    @property
+    def diverged(self) -> bool:
+        """Whether it ended before its time."""
+        return self.outcome in ("diverged", "step too small")
+
+
+@functools.cache
+def _compiled_plant(plant: Plant) -> tuple[Any, Any]:
+    return compile_derivatives(plant), compile_measure(plant)
+
+
+@functools.cache
+def _compiled_controller(controller: Controller) -> tuple[Any, Any]:
+    return compile_step(controller), compile_commit(controller)
+
+
+def simulate(setup: Setup) -> Run:
+    """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so."""
+    plant, h = setup.plant, setup.sample_time
+    samples = round(setup.duration / h) + 1
+    time = h * np.arange(samples)
+    state = to_array(setup.state)
+    parameters = to_array(setup.parameters)
+    inputs = to_array(setup.inputs)
+    scales = np.array([item.scale for item in fields(plant.State)])
+    cutoffs = setup.sensors.cutoffs()
+    reading = plant.measure(setup.state, setup.parameters)
+    if np.any(cutoffs > 0.0):
+        analogue = np.where(cutoffs > 0.0, np.nan_to_num(to_array(reading)), 0.0)
+        state = np.concatenate([state, analogue])
+        typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
+        scales = np.concatenate([scales, typical])
+
+    references, profile = _sampled_reference(setup.reference, time)
+    rotary_references = np.zeros((samples, 3))
+    rotary_references[:, 0] = setup.rotation_speed
+    exogenous, linear = _sampled_feeds(setup, samples)
+    rotary = setup.rotary or NO_LOOP
+    log = (
+        np.empty((samples, len(fields(plant.State)))),
+        np.empty((samples, inputs.size)),
+        np.empty((samples, len(Measurement._fields))),
+    )
+    delay_samples = int(np.floor(setup.sensors.delay / h + DELAY_SLACK))
+    delay_rest = setup.sensors.delay - delay_samples * h
+    integrator = setup.integrator
+    limit = float(plant.command_limit(setup.parameters))
+    ended, count, steps = engine.run_loop(
+        _compiled_plant(plant),
+        (*_compiled_controller(setup.loop.controller), *_compiled_controller(rotary.controller)),
+        (state, inputs, parameters, scales),
+        (*_memory(setup.loop, reading), *_memory(rotary, reading)),
+        (
+            plant.input_index(plant.command),
+            limit,
+            plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
+        ),
+        (references, rotary_references, exogenous, linear),
+        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs),
+        (delay_samples, delay_rest if delay_rest > DELAY_SLACK * h else 0.0),
+        (h, METHODS[integrator.method], int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
+        log,
+    )
+    states, realised, measurements = (table[:count] for table in log)
+    run = Run(
+        plant,
+        setup.parameters,
+        time[:count],
+        states,
+        realised,
+        measurements,
+        None if profile is None else tuple(part[:count] for part in profile),  # type: ignore[arg-type]
+        "",
+        steps,
+    )
+    return replace(run, outcome=_outcome(run, ended, limit))
+
+
+def _memory(loop: Loop, reading: Measurement) -> tuple[np.ndarray, np.ndarray]:
+    return to_array(loop.controller.start(reading, loop.gains)), to_array(loop.gains)
+
+
+def _sampled_reference(
+    reference: ReferenceSignal | None, time: np.ndarray
+) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray] | None]:
+    if reference is None:
+        return np.zeros((time.size, 3)), None
+    profile = reference(time)
+    return np.column_stack(profile), profile
+
+
+def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the fed inputs at each sample and one beyond, and which of them are ramps between samples."""
+    count = len(fields(setup.plant.Inputs))
+    values, linear = np.zeros((samples + 1, count)), np.zeros(count)
+    time = setup.sample_time * np.arange(samples + 1)
+    for feed in setup.feeds:
+        index = setup.plant.input_index(feed.input)
+        values[:, index] += feed.signal(time)[0]
+        linear[index] = 1.0 if feed.linear else 0.0
+    return values, linear
+
+
+def _outcome(run: Run, ended: int, limit: float) -> str:
+    """What happened, in words; the first that applies."""
+    if ended == engine.DIVERGED:
+        return "diverged"
+    if ended == engine.STEP_TOO_SMALL:
+        return "step too small"
+    if np.all(np.abs(run.command) >= limit):
+        return "saturated throughout"
+    if (
+        run.parameters.body.end_stop_stiffness > 0.0
+        and np.max(np.abs(run.state("position"))) > 0.5 * stroke_of(run.parameters)
+    ):
+        return "end stop"
+    asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0
+    if asked_to_move and np.max(np.abs(run.state("velocity"))) < STUCK_SPEED:
+        return "stuck"
+    return "completed"
+
+
+def stroke_of(parameters: Any) -> float:
+    """Distance between the end stops (m)."""
+    return float(getattr(parameters, "stroke", None) or parameters.hydraulics.stroke)
+
+
+def solver_error(setup: Setup, run: Run) -> float | None:
+    """Largest distance (m) of the run's positions from those of a finer integration, or None if it diverged.
+
+    Finer is half the step, or a tolerance `TIGHTER` times smaller.
+    """
+    finer = simulate(replace(setup, integrator=setup.integrator.finer()))
+    if run.diverged or finer.diverged:
+        return None
+    return float(np.max(np.abs(run.state("position") - finer.state("position"))))
