@@ -1,0 +1,137 @@
+"""Reading TOML files: every mistake is one line with file, line, key, what was expected and the nearest name."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from workbench.errors import UserError, nearest
+
+Key = tuple[str | int, ...]
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+class Strict(BaseModel):
+    """Base of all file schemas: unknown keys are mistakes, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def read_toml(path: Path) -> tuple[dict[str, Any], str]:
+    """The content of a TOML file, as a dictionary and as text.
+
+    Raises:
+        UserError: no such file, not readable, or not TOML.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        siblings = sorted(p.name for p in path.parent.glob("*.toml")) if path.parent.is_dir() else []
+        hint = nearest(path.name, siblings) if siblings else "check the path"
+        raise UserError(f"{path}: no such file; {hint}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot be read as text ({error})") from None
+    try:
+        return tomllib.loads(text), text
+    except tomllib.TOMLDecodeError as error:
+        raise UserError(f"{path}: not a TOML file: {error}") from None
+
+
+_HEADER = re.compile(r"^\s*\[(\[)?\s*(?P<name>[^\]]+?)\s*\]")
+_ASSIGN = re.compile(r"^\s*(?P<name>(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|\"[^\"]*\"))*)\s*=")
+
+
+def _parts(dotted: str) -> Key:
+    return tuple(part.strip().strip("\"'") for part in re.findall(r"\"[^\"]*\"|'[^']*'|[^.]+", dotted))
+
+
+def line_of(text: str, key: Key) -> int | None:
+    """The line (from 1) on which `key` stands, or that of the nearest table above it, or None."""
+    found: dict[Key, int] = {}
+    table: Key = ()
+    counts: dict[Key, int] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        if header := _HEADER.match(line):
+            table = _parts(header["name"])
+            if header[1]:
+                index = counts.get(table, -1) + 1
+                counts[table] = index
+                table = (*table, index)
+            else:
+                table = _placed(table, counts)
+            found.setdefault(table, number)
+        elif assign := _ASSIGN.match(line):
+            found.setdefault((*table, *_parts(assign["name"])), number)
+    for length in range(len(key), 0, -1):
+        if (number_found := found.get(tuple(key[:length]))) is not None:
+            return number_found
+    return None
+
+
+def _placed(table: Key, counts: dict[Key, int]) -> Key:
+    """A table inside an array of tables belongs to the latest element of that array."""
+    for length in range(len(table) - 1, 0, -1):
+        if table[:length] in counts:
+            return (*table[:length], counts[table[:length]], *table[length:])
+    return table
+
+
+def at(path: Path | None, text: str, key: Key, message: str) -> UserError:
+    """The error for a mistake at `key` of a file."""
+    line = line_of(text, key)
+    place = f"{path}{f':{line}' if line else ''}" if path else "study"
+    name = ".".join(str(part) for part in key)
+    return UserError(f"{place}: {name}: {message}" if name else f"{place}: {message}")
+
+
+def validate(model: type[ModelT], data: dict[str, Any], path: Path | None, text: str) -> ModelT:
+    """`data` as an instance of `model`.
+
+    Raises:
+        UserError: the first mistake, with its place and the nearest valid name.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = tuple(part for part in first["loc"] if not (isinstance(part, str) and part.startswith("function-")))
+        raise at(path, text, key, _message(model, first, key)) from None
+
+
+def _message(model: type[BaseModel], error: Any, key: Key) -> str:
+    if error["type"] == "extra_forbidden":
+        valid = _valid_keys(model, key[:-1])
+        return f"unknown key; {nearest(str(key[-1]), valid)}"
+    if error["type"] == "missing":
+        return "is missing; this key is needed here"
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    if error["type"] == "literal_error":
+        return f'got "{error["input"]}", expected {error["ctx"]["expected"]}'
+    message = error["msg"]
+    return f"got {error['input']!r}: {message[0].lower()}{message[1:]}"
+
+
+def _valid_keys(model: Any, key: Key) -> list[str]:
+    """Names of the fields of the model at `key` inside `model`."""
+    for part in key:
+        model = _inner(model, part)
+        if model is None:
+            return []
+    return list(model.model_fields) if hasattr(model, "model_fields") else []
+
+
+def _inner(model: Any, part: str | int) -> Any:
+    annotation = model.model_fields[part].annotation if hasattr(model, "model_fields") else model
+    return _model_in(annotation)
+
+
+def _model_in(annotation: Any) -> Any:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for inner in getattr(annotation, "__args__", ()):
+        if (found := _model_in(inner)) is not None:
+            return found
+    return None

@@ -1,0 +1,169 @@
+"""Named parameter sets and parameter files: physical values with units and sources, checked, for any plant."""
+
+import functools
+import math
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import Field
+
+import workbench.files as toml
+from plants.equation import NEGATIVE, fields, from_array
+from plants.hydraulics import FLOW_LAWS
+from plants.registry import plants
+from workbench.errors import UserError, nearest
+from workbench.units import QuantityError, si
+
+ParametersT = TypeVar("ParametersT")
+
+FLOW_SHARE = "flow_pressure_share"
+"""Not in parameter sets: the flow law of a study gives it."""
+
+SIGNED = {"load_force"}
+UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
+MAY_BE_ZERO = {
+    "hose_volume",
+    "tank_pressure",
+    "coulomb",
+    "stribeck",
+    "viscous",
+    "bristle_stiffness",
+    "bristle_damping",
+    "end_stop_stiffness",
+    "end_stop_damping",
+    "spring_stiffness",
+}
+
+
+class Entry(toml.Strict):
+    """One parameter of a file."""
+
+    value: float | str
+    source: str
+    std: float | str | None = None
+    correction: str | None = None
+    note: str | None = None
+
+
+class ParameterFile(toml.Strict):
+    """A parameter set as it stands in a file."""
+
+    title: str
+    source: str
+    parameters: dict[str, Entry] = Field(min_length=1)
+
+
+@functools.cache
+def known_units() -> dict[str, str]:
+    """The unit of every parameter that some plant has, by its canonical name."""
+    known: dict[str, str] = {}
+    for plant in plants().values():
+        for item in fields(plant.Parameters):
+            known.setdefault(item.name, item.unit)
+    return known
+
+
+def named_sets() -> dict[str, Path]:
+    """The parameter sets that come with the program, by name."""
+    folder = Path(str(files("plants"))) / "parameters"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def parameter_path(name: str, folder: Path) -> Path:
+    """The file of a named set, or of a path relative to `folder`.
+
+    Raises:
+        UserError: neither a known set nor a TOML file's name.
+    """
+    sets = named_sets()
+    if name in sets:
+        return sets[name]
+    if name.endswith(".toml"):
+        return folder / name
+    raise UserError(f'unknown parameter set "{name}"; {nearest(name, sets)} (a file needs the ending .toml)')
+
+
+@functools.cache
+def read_parameters(path: Path) -> Mapping[str, float]:
+    """Values (SI) of a parameter file by canonical name.
+
+    Raises:
+        UserError: unknown name, wrong unit, impossible value.
+    """
+    data, text = toml.read_toml(path)
+    content = toml.validate(ParameterFile, data, path, text)
+    values = {}
+    for name, entry in content.parameters.items():
+        key = ("parameters", name, "value")
+        try:
+            values[name] = parameter_value(name, entry.value)
+            if entry.std is not None:
+                si(entry.std, known_units()[name])
+        except (QuantityError, UserError) as error:
+            raise toml.at(path, text, key, str(error)) from None
+    return values
+
+
+def parameter_value(name: str, value: Any) -> float:
+    """One parameter's value (SI) from text or number.
+
+    Raises:
+        UserError: unknown name or impossible value.
+        QuantityError: wrong unit.
+    """
+    units = known_units()
+    if name not in units or name == FLOW_SHARE:
+        raise UserError(f'unknown parameter "{name}"; {nearest(name, [n for n in units if n != FLOW_SHARE])}')
+    number = si(value, units[name])
+    check_range(name, number)
+    return number
+
+
+def check_range(name: str, number: float) -> None:
+    """Raise UserError where `number` (SI) is impossible for the parameter."""
+    plain = name.removesuffix(f"_{NEGATIVE}")
+    if math.isinf(number) and plain not in UNBOUNDED:
+        raise UserError(f"got {number}, expected a finite value")
+    if plain in SIGNED:
+        return
+    if number < 0.0:
+        raise UserError(f"got {number:g} {known_units()[name]}, expected a value that is not negative")
+    if number == 0.0 and plain not in MAY_BE_ZERO:
+        raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
+
+
+def build(cls: type[ParametersT], values: Mapping[str, float], flow: str = "derived") -> ParametersT:
+    """The parameters of a plant class from values by canonical name; values that it does not know are left out.
+
+    A `_negative` value that is not given is that of the positive direction.
+
+    Raises:
+        UserError: parameters are missing, or the values do not fit together.
+    """
+    available = {**values, FLOW_SHARE: FLOW_LAWS[flow]}
+    numbers, missing = [], []
+    for item in fields(cls):
+        plain = item.name.removesuffix(f"_{NEGATIVE}")
+        number = available.get(item.name, available.get(plain, item.default))
+        if number is None:
+            missing.append(item.name)
+        else:
+            numbers.append(number)
+    if missing:
+        raise UserError(f"the parameter set lacks {', '.join(missing)}")
+    _check_together(available, [item.name for item in fields(cls)])
+    return from_array(cls, numbers)
+
+
+def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:
+    if "piston_area_2" in names and values["piston_area_1"] != values["piston_area_2"]:
+        raise UserError(
+            f"piston areas {values['piston_area_1']:g} and {values['piston_area_2']:g} m^2 differ: the load-pressure "
+            "form holds for equal areas only"
+        )
+    if values.get("coulomb") == values.get("stribeck") == 0.0 and values.get("bristle_stiffness"):
+        raise UserError(
+            "coulomb and stribeck are both 0: a contact without any friction level needs bristle_stiffness = 0 too"
+        )
