@@ -26,12 +26,20 @@ class Controller:
     commit(realised, state, gains, sample_time) -> state                            then, with the command that
                                                                                     the amplifier really gave
     start(measurement, gains) -> state                                              for a plant at rest
+    design(settings, belief, sample_time) -> gains                                  once, before the run
+
+    `Settings` is what a user writes: a NamedTuple of `Annotated[float, unit]` (the unit may name the plant's
+    `command`) and `Annotated[str, choice, choice, ...]`, with defaults. `belief` is what the controller believes
+    of the plant: an object of the plant's parameter class, never the truth. `design` raises ValueError where
+    settings or belief do not serve.
     """
 
     name: str
     summary: str
+    Settings: type
     Gains: type
     State: type
+    design: Callable[..., Any]
     step: Callable[..., Any]
     commit: Callable[..., Any]
     start: Callable[..., Any]
@@ -54,9 +62,7 @@ def compile_step(controller: Controller) -> Any:
     def entry(reference, measurement, state, gains, sample_time):  # type: ignore[no-untyped-def]
         _ = source  # part of the key of the compiled code's cache
         r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
-        command, following = step(
-            r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time
-        )
+        command, following = step(r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time)
         pack(following, state)
         return command
 

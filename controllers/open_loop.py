@@ -1,10 +1,17 @@
 """No feedback: the command comes from a recorded or generated input."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
+
+
+class Settings(NamedTuple):
+    """Which input of the plant the reference goes to (default: its command), and how it goes on between samples."""
+
+    input: Annotated[str, "any"] = ""
+    hold: Annotated[str, "linear", "zero"] = "linear"
 
 
 class Gains(NamedTuple):
@@ -34,11 +41,18 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0)
 
 
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """No bias: the reference is fed to the plant's input."""
+    return Gains(0.0)
+
+
 OPEN_LOOP = Controller(
     name="open_loop",
     summary="no feedback: a recorded or generated command",
+    Settings=Settings,
     Gains=Gains,
     State=State,
+    design=design,
     step=step,
     commit=commit,
     start=start,

@@ -1,11 +1,38 @@
 """P, PI, PD, PID with velocity feed-forward and anti-windup: one law, each term optional."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
-from controllers.velocity import Estimator, EstimatorState, at_rest, estimate_velocity
+from controllers.velocity import (
+    Estimator,
+    EstimatorSettings,
+    EstimatorState,
+    at_rest,
+    design_estimator,
+    estimate_velocity,
+)
 from plants.equation import Scalar, equation
+from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
+
+
+class Settings(NamedTuple):
+    """What a user sets. Terms are left out by their 0.
+
+    `feedforward` is the share of the reference's velocity that is fed forward through the believed velocity gain
+    K_q; `tracking_time` the time constant of the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the
+    repeatability of the thesis's potentiometer, and a jerk of 30 m/s^3 that lasts 10 ms.
+    """
+
+    kp: Annotated[float, "command/m"]
+    ki: Annotated[float, "command/(m s)"] = 0.0
+    kd: Annotated[float, "command s/m"] = 0.0
+    feedforward: Annotated[float, "1"] = 0.0
+    tracking_time: Annotated[float, "s"] = 0.0
+    velocity: Annotated[str, "filter", "kalman"] = "filter"
+    velocity_time_constant: Annotated[float, "s"] = 2e-3
+    position_noise: Annotated[float, "m"] = 13e-6
+    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
 
 
 class Gains(NamedTuple):
@@ -55,11 +82,34 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, 0.0, 0.0, at_rest(measurement.position))
 
 
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """Gains from settings, with K_ff = feedforward / K_q.
+
+    Raises:
+        ValueError: feed-forward for a plant whose belief has no velocity gain, or an estimator's setting.
+    """
+    feedforward = 0.0
+    if settings.feedforward:
+        if not hasattr(belief, "hydraulics"):
+            raise ValueError("feedforward needs a plant with a velocity gain (a hydraulic one); leave it out here")
+        feedforward = settings.feedforward / float(no_load_velocity_gain(belief.hydraulics))
+    tracking = 0.0
+    if settings.ki:
+        tracking_time = settings.tracking_time or abs(settings.kp / settings.ki)
+        tracking = 1.0 / max(tracking_time, sample_time)
+    estimator = EstimatorSettings(
+        settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
+    )
+    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, design_estimator(estimator, sample_time))
+
+
 PID = Controller(
     name="pid",
     summary="P, PI, PD, PID with velocity feed-forward and anti-windup",
+    Settings=Settings,
     Gains=Gains,
     State=State,
+    design=design,
     step=step,
     commit=commit,
     start=start,

@@ -1,15 +1,20 @@
 """PI servo that holds the speed of rotation through the motor's voltage."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
-from plants.motor import Motor
 
 DAMPING = 1.0
 BANDWIDTH_RATIO = 3.0
 """Closed-loop natural frequency, as a multiple of the motor's own mechanical rate constant."""
+
+
+class Settings(NamedTuple):
+    """The voltage believed to hold the wanted speed, to which the servo adds."""
+
+    bias: Annotated[float, "V"] = 0.0
 
 
 class Gains(NamedTuple):
@@ -43,30 +48,28 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, 0.0)
 
 
-def place_poles(motor: Motor, viscous: float, bias: float) -> Gains:
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     """Gains for two equal poles at `BANDWIDTH_RATIO` times the motor's own rate constant.
 
     With the winding taken as instantaneous, J domega/dt = K_t (V - K_b omega)/R_m - B omega has the rate constant
     a = (K_t K_b / R_m + B)/J and the gain b = K_t/(R_m J); PI control gives s^2 + (a + b K_p) s + b K_i.
-
-    Args:
-        motor: believed motor.
-        viscous: believed viscous friction at the surface (N s/m).
-        bias: voltage (V) believed to hold the wanted speed.
     """
+    motor = belief.motor
     inertia = motor.rotary_mass * motor.piston_radius**2
-    damping = viscous * motor.piston_radius**2
+    damping = belief.friction.positive.viscous * motor.piston_radius**2
     rate = (motor.torque_constant * motor.back_emf_constant / motor.motor_resistance + damping) / inertia
     gain = motor.torque_constant / (motor.motor_resistance * inertia)
     natural = BANDWIDTH_RATIO * rate
-    return Gains((2.0 * DAMPING * natural - rate) / gain, natural**2 / gain, bias)
+    return Gains((2.0 * DAMPING * natural - rate) / gain, natural**2 / gain, settings.bias)
 
 
 SPEED_SERVO = Controller(
     name="speed_servo",
     summary="PI servo of the speed of rotation",
+    Settings=Settings,
     Gains=Gains,
     State=State,
+    design=design,
     step=step,
     commit=commit,
     start=start,

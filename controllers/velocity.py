@@ -43,9 +43,7 @@ class Estimator(NamedTuple):
 
 
 @equation
-def estimate_velocity(
-    position: Scalar, state: EstimatorState, e: Estimator
-) -> tuple[Scalar, EstimatorState]:
+def estimate_velocity(position: Scalar, state: EstimatorState, e: Estimator) -> tuple[Scalar, EstimatorState]:
     """Velocity estimate (m/s) from a position sample (m), and the estimator's next state."""
     x, v, a = state.first, state.second, state.third
     velocity = e.c1 * x + e.c2 * v + e.c3 * a + e.d * position
@@ -63,20 +61,26 @@ def at_rest(position: float) -> EstimatorState:
 
 
 def filtered_differentiator(time_constant: float, sample_time: float) -> Estimator:
-    """v^ = (x - x_f)/T_v,  x_f <- x_f + (1 - exp(-h/T_v)) (x - x_f). Thesis (2.10), exact hold.
+    """The filtered derivative s / (T_v s + 1), exact for a position that moves linearly between samples.
+
+        v^ <- E v^ + (1 - E) (x - x_before) / h,  E = exp(-h/T_v)        thesis (2.10), sampled
+
+    A ramp comes out with gain 1 and a lag of T_v. (The form v^ = (x - x_f)/T_v with an exponential update of x_f
+    has the gain (h/T_v)/(1 - E) instead: 27 % too much at T_v = 2 ms and 1 kHz.)
 
     Args:
         time_constant: T_v (s), above 0.
         sample_time: h (s).
     """
     keep = float(np.exp(-sample_time / time_constant))
+    gain = (1.0 - keep) / sample_time
     return Estimator(
-        *(keep, 0.0, 0.0),
         *(0.0, 0.0, 0.0),
+        *(-gain, keep, 0.0),
         *(0.0, 0.0, 0.0),
-        *(1.0 - keep, 0.0, 0.0),
-        *(-1.0 / time_constant, 0.0, 0.0),
-        1.0 / time_constant,
+        *(1.0, gain, 0.0),
+        *(-gain, keep, 0.0),
+        gain,
     )
 
 
@@ -114,8 +118,32 @@ def kalman(position_noise: float, jerk_density: float, sample_time: float) -> Es
             f"and jerk density {jerk_density} m^2/s^6/Hz"
         )
     correct = (np.eye(3) - gain @ model.H) @ model.F  # s+ = correct s + gain x
-    output = correct[1]
-    return Estimator(*correct.ravel().tolist(), *gain.ravel().tolist(), *output.tolist(), float(gain[1, 0]))
+    numbers = [*correct.ravel(), *gain.ravel(), *correct[1], gain[1, 0]]
+    return Estimator._make(float(number) for number in numbers)
+
+
+class EstimatorSettings(NamedTuple):
+    """Which estimator, and what it needs."""
+
+    kind: str
+    time_constant: float
+    position_noise: float
+    jerk_density: float
+
+
+def design_estimator(settings: EstimatorSettings, sample_time: float) -> Estimator:
+    """The estimator of that kind: "filter" or "kalman".
+
+    Raises:
+        ValueError: a time constant, noise or density that is not above 0.
+    """
+    needed = ("time_constant",) if settings.kind == "filter" else ("position_noise", "jerk_density")
+    for name in needed:
+        if getattr(settings, name) <= 0.0:
+            raise ValueError(f"{name} is {getattr(settings, name):g}, expected a value above 0")
+    if settings.kind == "filter":
+        return filtered_differentiator(settings.time_constant, sample_time)
+    return kalman(settings.position_noise, settings.jerk_density, sample_time)
 
 
 def fir_differentiator(positions: np.ndarray, sample_time: float, order: int = 16) -> np.ndarray:

@@ -25,7 +25,7 @@ import os
 import typing
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias
 
 import numba
 import numpy as np
@@ -35,18 +35,21 @@ from numba.extending import intrinsic, overload, register_jitable
 Scalar: TypeAlias = Any
 """A float, a NumPy array of floats, or a CasADi symbol: whatever the caller works in."""
 
-TupleT = TypeVar("TupleT")
+
+EQUATION_FOLDERS = ("plants", "controllers", "workbench/simulation")
+"""Folders of the source files that compiled code may be made of."""
 
 
-def _source_hash() -> str:
-    """A hash of every source file that compiled code may be made of.
+@functools.cache
+def source_hash(folders: tuple[str, ...] = EQUATION_FOLDERS) -> str:
+    """A hash of the program's source files in these folders.
 
     Numba's cache notices an edit in the file of a compiled function, not in the files that it calls; a cache
     directory named by this hash does.
     """
     root = Path(__file__).parent.parent
     digest = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
-    for folder in ("plants", "controllers", "workbench/simulation"):
+    for folder in folders:
         for path in sorted((root / folder).glob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
@@ -54,7 +57,7 @@ def _source_hash() -> str:
 
 def _cache_folder() -> Path:
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "friction-workbench" / "compiled" / _source_hash()
+    return Path(base) / "friction-workbench" / "compiled" / source_hash()
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
@@ -92,7 +95,7 @@ are known to users by their plain name with `_negative` behind it."""
 
 
 @functools.cache
-def fields(cls: type) -> tuple[Field, ...]:
+def fields(cls: Any) -> tuple[Field, ...]:
     """The numbers of a NamedTuple class in their order in memory, nested ones spread out."""
     return tuple(_walk(cls, ""))
 
@@ -122,7 +125,7 @@ def _leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def from_array(cls: type[TupleT], values: Any) -> TupleT:
+def from_array(cls: Any, values: Any) -> Any:
     """The inverse of `to_array`; a value may be a float, an array over time or a CasADi symbol."""
     return _build(cls, iter(values))
 

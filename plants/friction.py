@@ -93,9 +93,7 @@ def helical_speed(axial: Scalar, rotary: Scalar) -> Scalar:
 
 
 @equation
-def lugre_helical(
-    axial: Scalar, rotary: Scalar, bristle: Scalar, friction: Friction
-) -> tuple[Scalar, Scalar, Scalar]:
+def lugre_helical(axial: Scalar, rotary: Scalar, bristle: Scalar, friction: Friction) -> tuple[Scalar, Scalar, Scalar]:
     """Axial and rotary friction (N) and bristle rate (m/s) of one scalar bristle along the helix.
 
         v_h   = sqrt(v^2 + w^2),  dz/dt = v_h - sigma0 v_h z / g(v_h)

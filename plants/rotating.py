@@ -102,17 +102,13 @@ class Signals(NamedTuple):
 
 
 @equation
-def _hydraulic_rates(
-    state: Any, inputs: Any, axial_friction: Scalar, p: Parameters
-) -> tuple[Scalar, Scalar, Scalar]:
+def _hydraulic_rates(state: Any, inputs: Any, axial_friction: Scalar, p: Parameters) -> tuple[Scalar, Scalar, Scalar]:
     """Rates of velocity, load pressure and spool: (3.36), (3.37) and the valve, given the axial friction (N)."""
     h = p.hydraulics
     flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
     force = inputs.disturbance_force
     return (
-        hyd.piston_acceleration(
-            state.position, state.velocity, state.load_pressure, axial_friction, force, h, p.body
-        ),
+        hyd.piston_acceleration(state.position, state.velocity, state.load_pressure, axial_friction, force, h, p.body),
         hyd.load_pressure_rate(flow, state.velocity, state.load_pressure, h),
         hyd.spool_rate(state.spool_position, inputs.valve_voltage, h),
     )
@@ -191,17 +187,13 @@ def helical_derivatives(time: Scalar, state: HelicalState, inputs: Inputs, p: Pa
 @equation
 def helical_signals(time: Scalar, state: HelicalState, inputs: Inputs, p: Parameters) -> Signals:
     """What is worth plotting; see `Signals`."""
-    axial, rotary, _ = lugre_helical(
-        state.velocity, state.surface_speed, state.bristle_deflection, p.friction
-    )
+    axial, rotary, _ = lugre_helical(state.velocity, state.surface_speed, state.bristle_deflection, p.friction)
     rotation = (state.surface_speed, state.motor_current, inputs.motor_voltage)
     return _signals(state, inputs, (axial, rotary), rotation, p)
 
 
 @equation
-def isotropic_derivatives(
-    time: Scalar, state: IsotropicState, inputs: Inputs, p: Parameters
-) -> IsotropicState:
+def isotropic_derivatives(time: Scalar, state: IsotropicState, inputs: Inputs, p: Parameters) -> IsotropicState:
     """Rates of the states: as the helical plant, with the bristle of `lugre_isotropic`."""
     axial, rotary, rate_axial, rate_rotary = lugre_isotropic(
         state.velocity, state.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
@@ -279,9 +271,7 @@ def helical_ideal_derivatives(
     time: Scalar, state: HelicalIdealState, inputs: IdealInputs, p: Parameters
 ) -> HelicalIdealState:
     """Rates of the states with an imposed surface speed."""
-    axial, _, bristle_rate = lugre_helical(
-        state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction
-    )
+    axial, _, bristle_rate = lugre_helical(state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction)
     acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
     return HelicalIdealState(state.velocity, acceleration, pressure_rate, bristle_rate, spool_rate)
 
@@ -294,13 +284,9 @@ def _ideal_rotation(rotary_friction: Scalar, inputs: IdealInputs, p: Parameters)
 
 
 @equation
-def helical_ideal_signals(
-    time: Scalar, state: HelicalIdealState, inputs: IdealInputs, p: Parameters
-) -> Signals:
+def helical_ideal_signals(time: Scalar, state: HelicalIdealState, inputs: IdealInputs, p: Parameters) -> Signals:
     """What is worth plotting; see `Signals`. Current and voltage are those of a motor that holds the speed."""
-    axial, rotary, _ = lugre_helical(
-        state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction
-    )
+    axial, rotary, _ = lugre_helical(state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction)
     return _signals(state, inputs, (axial, rotary), _ideal_rotation(rotary, inputs, p), p)
 
 
@@ -313,15 +299,11 @@ def isotropic_ideal_derivatives(
         state.velocity, inputs.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
     )
     acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
-    return IsotropicIdealState(
-        state.velocity, acceleration, pressure_rate, rate_axial, rate_rotary, spool_rate
-    )
+    return IsotropicIdealState(state.velocity, acceleration, pressure_rate, rate_axial, rate_rotary, spool_rate)
 
 
 @equation
-def isotropic_ideal_signals(
-    time: Scalar, state: IsotropicIdealState, inputs: IdealInputs, p: Parameters
-) -> Signals:
+def isotropic_ideal_signals(time: Scalar, state: IsotropicIdealState, inputs: IdealInputs, p: Parameters) -> Signals:
     """What is worth plotting; see `Signals`. Current and voltage are those of a motor that holds the speed."""
     axial, rotary, _, _ = lugre_isotropic(
         state.velocity, inputs.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
@@ -342,9 +324,7 @@ def helical_ideal_equilibrium(p: Parameters, surface_speed: float) -> tuple[Heli
     return HelicalIdealState(0.0, 0.0, pressure, deflection, 0.0), IdealInputs(0.0, surface_speed, 0.0)
 
 
-def isotropic_ideal_equilibrium(
-    p: Parameters, surface_speed: float
-) -> tuple[IsotropicIdealState, IdealInputs]:
+def isotropic_ideal_equilibrium(p: Parameters, surface_speed: float) -> tuple[IsotropicIdealState, IdealInputs]:
     """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
     deflection, _ = _steady_rotation(p, surface_speed)
     pressure = holding_load_pressure(p.hydraulics, p.body)

@@ -40,7 +40,9 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
 
 
 _HEADER = re.compile(r"^\s*\[(\[)?\s*(?P<name>[^\]]+?)\s*\]")
-_ASSIGN = re.compile(r"^\s*(?P<name>(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|\"[^\"]*\"))*)\s*=")
+_ASSIGN = re.compile(
+    r"^\s*(?P<name>(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|\"[^\"]*\"))*)\s*="
+)
 
 
 def _parts(dotted: str) -> Key:
@@ -78,26 +80,51 @@ def _placed(table: Key, counts: dict[Key, int]) -> Key:
     return table
 
 
-def at(path: Path | None, text: str, key: Key, message: str) -> UserError:
+def at(path: Path, text: str, key: Key, message: str) -> UserError:
     """The error for a mistake at `key` of a file."""
     line = line_of(text, key)
-    place = f"{path}{f':{line}' if line else ''}" if path else "study"
+    place = f"{path}{f':{line}' if line else ''}"
     name = ".".join(str(part) for part in key)
     return UserError(f"{place}: {name}: {message}" if name else f"{place}: {message}")
 
 
-def validate(model: type[ModelT], data: dict[str, Any], path: Path | None, text: str) -> ModelT:
+class SchemaError(Exception):
+    """The first mistake of a table: its key inside the table, and what is wrong."""
+
+    def __init__(self, key: Key, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+        self.message = message
+
+
+def conform(model: type[ModelT], data: dict[str, Any]) -> ModelT:
     """`data` as an instance of `model`.
 
     Raises:
-        UserError: the first mistake, with its place and the nearest valid name.
+        SchemaError: the first mistake, with the nearest valid name.
     """
     try:
         return model.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
-        key = tuple(part for part in first["loc"] if not (isinstance(part, str) and part.startswith("function-")))
-        raise at(path, text, key, _message(model, first, key)) from None
+        key = tuple(part for part in first["loc"] if not (isinstance(part, str) and part in _UNION_MEMBERS))
+        raise SchemaError(key, _message(model, first, key)) from None
+
+
+_UNION_MEMBERS = ("float", "str", "int", "list", "dict")
+"""Pydantic names the member of a union in a mistake's place; the file has no such key."""
+
+
+def validate(model: type[ModelT], data: dict[str, Any], path: Path, text: str) -> ModelT:
+    """`data`, the content of the file at `path`, as an instance of `model`.
+
+    Raises:
+        UserError: the first mistake, with its place and the nearest valid name.
+    """
+    try:
+        return conform(model, data)
+    except SchemaError as error:
+        raise at(path, text, error.key, error.message) from None
 
 
 def _message(model: type[BaseModel], error: Any, key: Key) -> str:

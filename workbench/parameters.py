@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import Field
 
@@ -15,8 +15,6 @@ from plants.hydraulics import FLOW_LAWS
 from plants.registry import plants
 from workbench.errors import UserError, nearest
 from workbench.units import QuantityError, si
-
-ParametersT = TypeVar("ParametersT")
 
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
@@ -134,7 +132,7 @@ def check_range(name: str, number: float) -> None:
         raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
 
 
-def build(cls: type[ParametersT], values: Mapping[str, float], flow: str = "derived") -> ParametersT:
+def build(cls: Any, values: Mapping[str, float], flow: str = "derived") -> Any:
     """The parameters of a plant class from values by canonical name; values that it does not know are left out.
 
     A `_negative` value that is not given is that of the positive direction.

@@ -27,7 +27,7 @@ def _si(text: str, unit: str) -> float:
     try:
         quantity = registry.Quantity(text)
         expected = registry.Unit(unit if unit != "1" else "dimensionless")
-    except Exception as error:  # noqa: BLE001  pint raises whatever its tokenizer meets
+    except Exception as error:
         raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}') from error
     if not isinstance(quantity.magnitude, int | float) or quantity.dimensionality != expected.dimensionality:
         got = f'got "{text}"'
@@ -76,6 +76,6 @@ def factor(unit: str, shown: str) -> float:
     registry = _registry()
     try:
         ratio = registry.Quantity(1.0, unit if unit != "1" else "").to(shown if shown != "1" else "")
-    except Exception as error:  # noqa: BLE001  pint has no common base for its own errors
+    except Exception as error:
         raise QuantityError(f'"{shown}" is not a unit of what is in {unit or "no unit"}') from error
     return float(ratio.magnitude)

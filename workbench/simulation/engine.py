@@ -162,9 +162,7 @@ def run_loop(
             p_slopes[command_input] = (following - p_initial[command_input]) / h
         commit(p_initial[command_input] - feed, p_state, p_gains, h)
         if rotary_input >= 0:
-            rotary = rotary_step(
-                shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h
-            )
+            rotary = rotary_step(shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h)
             p_initial[rotary_input] += rotary
             rotary_commit(rotary, p_rotary_state, p_rotary_gains, h)
         for j in range(plant_states):
@@ -184,9 +182,7 @@ def run_loop(
                 )
                 total_steps += tried
             else:
-                ended = fixed_step(
-                    system, interval, method, steps_a_sample, p_y, (*inputs, k * h, ramped), p_work
-                )
+                ended = fixed_step(system, interval, method, steps_a_sample, p_y, (*inputs, k * h, ramped), p_work)
                 total_steps += steps_a_sample
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps

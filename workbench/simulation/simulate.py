@@ -1,8 +1,8 @@
 """One run: a plant, its controllers, a reference, sensors, and how exactly to integrate.
 
-    run = simulate(setup)            # Run: time, states, inputs, measurements, outcome
-    run.signals["axial_friction"]    # any signal of the plant, over time
-    solver_error(setup, run)         # how far the positions are off (m)
+run = simulate(setup)            # Run: time, states, inputs, measurements, outcome
+run.signals["axial_friction"]    # any signal of the plant, over time
+solver_error(setup, run)         # how far the positions are off (m)
 """
 
 import functools
@@ -122,7 +122,8 @@ class Run:
             state = from_array(self.plant.State, self.states.T)
             inputs = from_array(self.plant.Inputs, self.inputs.T)
             values = self.plant.signals(self.time, state, inputs, self.parameters)
-        named = dict(zip(self.plant.Signals._fields, values, strict=True))  # type: ignore[attr-defined]
+        names = [item.name for item in fields(self.plant.Signals)]
+        named = dict(zip(names, values, strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
         named["measured_position"] = self.measurements[:, 0]
@@ -134,7 +135,8 @@ class Run:
 
     def state(self, name: str) -> np.ndarray:
         """One state of the plant over time."""
-        return self.states[:, self.plant.State._fields.index(name)]  # type: ignore[attr-defined]
+        names = [item.name for item in fields(self.plant.State)]
+        return self.states[:, names.index(name)]
 
     @property
     def command(self) -> np.ndarray:
@@ -252,9 +254,8 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
         return "step too small"
     if np.all(np.abs(run.command) >= limit):
         return "saturated throughout"
-    if (
-        run.parameters.body.end_stop_stiffness > 0.0
-        and np.max(np.abs(run.state("position"))) > 0.5 * stroke_of(run.parameters)
+    if run.parameters.body.end_stop_stiffness > 0.0 and np.max(np.abs(run.state("position"))) > 0.5 * stroke_of(
+        run.parameters
     ):
         return "end stop"
     asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0

@@ -60,9 +60,7 @@ def rates(system: Any, time: float, y: Any, inputs: Any, out: Any) -> None:
 
 
 @register_jitable
-def fixed_step(
-    system: Any, interval: Any, method: int, steps: int, y: Any, inputs: Any, work: Any
-) -> int:
+def fixed_step(system: Any, interval: Any, method: int, steps: int, y: Any, inputs: Any, work: Any) -> int:
     """`steps` equal steps of a fixed-step method over `interval` (s); `y` is advanced in place."""
     start, end = interval
     h = (end - start) / steps
@@ -127,9 +125,7 @@ def dormand_prince(
             trial[j] = y[j] + h * (_A51 * k1[j] + _A52 * k2[j] + _A53 * k3[j] + _A54 * k4[j])
         rates(system, time + _C5 * h, trial, inputs, k5)
         for j in range(n):
-            trial[j] = y[j] + h * (
-                _A61 * k1[j] + _A62 * k2[j] + _A63 * k3[j] + _A64 * k4[j] + _A65 * k5[j]
-            )
+            trial[j] = y[j] + h * (_A61 * k1[j] + _A62 * k2[j] + _A63 * k3[j] + _A64 * k4[j] + _A65 * k5[j])
         rates(system, time + h, trial, inputs, k6)
         for j in range(n):
             trial[j] = y[j] + h * (_B1 * k1[j] + _B3 * k3[j] + _B4 * k4[j] + _B5 * k5[j] + _B6 * k6[j])
@@ -137,9 +133,7 @@ def dormand_prince(
         worst = 0.0
         finite = True
         for j in range(n):
-            error = h * (
-                _E1 * k1[j] + _E3 * k3[j] + _E4 * k4[j] + _E5 * k5[j] + _E6 * k6[j] + _E7 * k7[j]
-            )
+            error = h * (_E1 * k1[j] + _E3 * k3[j] + _E4 * k4[j] + _E5 * k5[j] + _E6 * k6[j] + _E7 * k7[j])
             ratio = abs(error) / (tolerance * (scales[j] + max(abs(y[j]), abs(trial[j]))))
             worst = max(worst, ratio)
             finite = finite and np.isfinite(ratio)

@@ -1,0 +1,37 @@
+# Two commands do everything: `make study` and `make test`. Both make the environment first.
+PYTHON ?= python3
+ENVIRONMENT := .venv
+BIN := $(ENVIRONMENT)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference
+
+.PHONY: study test lint benchmark clean
+
+study: $(ENVIRONMENT)/ready
+	@set -e; for name in $(STUDIES); do \
+		$(BIN)/workbench run studies/$$name.toml --out results/$$name --overwrite; \
+	done
+
+test: lint
+	$(BIN)/python -m pytest -n 2
+
+lint: $(ENVIRONMENT)/ready-for-tests
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+benchmark: $(ENVIRONMENT)/ready-for-tests
+	$(BIN)/python benchmarks/closed_loop.py
+
+clean:
+	rm -rf $(ENVIRONMENT) results
+
+$(ENVIRONMENT)/ready: pyproject.toml
+	$(PYTHON) -m venv $(ENVIRONMENT)
+	$(INSTALL) --editable .
+	@touch $@
+
+$(ENVIRONMENT)/ready-for-tests: $(ENVIRONMENT)/ready
+	$(INSTALL) --editable ".[test]"
+	@touch $@

@@ -1,0 +1,250 @@
+"""The command line. What a command does not need it does not import: help appears at once."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import typer
+
+from workbench.errors import UserError, nearest
+
+app = typer.Typer(
+    help="Friction Workbench: an actuator sticks. Compensate the friction, or avoid it?",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+StudyFile = Annotated[Path, typer.Argument(help="A study: a TOML file.", metavar="STUDY.toml")]
+Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DIR")]
+Where = Annotated[
+    list[str] | None, typer.Option(help="Only cases with this value of an axis: rpm=460. May be repeated.")
+]
+
+
+@app.callback()
+def _options(
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Options of every command; `main` reads --debug itself."""
+
+
+@app.command()
+def run(
+    study: StudyFile,
+    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
+    jobs: Annotated[int | None, typer.Option(min=1, help="Cases at a time; default: one a core.")] = None,
+    cluster: Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the results in DIR.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
+    keep_trajectories: Annotated[
+        bool, typer.Option("--keep-trajectories", help="Keep every case's signals, not only those of figures.")
+    ] = False,
+) -> None:
+    """Run a study: every case of it, then its tables and figures."""
+    from workbench.study.document import read_study
+    from workbench.study.runner import plan, run_study
+
+    if resume and overwrite:
+        raise UserError("--resume and --overwrite: choose one")
+    planned = plan(read_study(study))
+    _say_plan(planned)
+    if dry_run:
+        return
+    with _progress(len(planned.cases)) as progress:
+        run_study(
+            planned,
+            out,
+            jobs=jobs,
+            cluster=cluster,
+            resume=resume,
+            overwrite=overwrite,
+            keep_all=keep_trajectories,
+            progress=progress,
+        )
+    _report(out, planned.study.file)
+
+
+@app.command()
+def check(file: Annotated[Path, typer.Argument(help="A study or a parameter set.", metavar="FILE")]) -> None:
+    """Check a file to the last key and say what it would do. Nothing is run or written."""
+    from workbench.files import read_toml
+    from workbench.parameters import read_parameters
+    from workbench.study.document import read_study
+    from workbench.study.runner import plan
+
+    data, _ = read_toml(file)
+    if "parameters" in data:
+        values = read_parameters(file)
+        print(f"{file}: a parameter set of {len(values)} values, all in order")
+        return
+    planned = plan(read_study(file))
+    print(f"{file}: a study, in order")
+    _say_plan(planned)
+
+
+@app.command("list")
+def list_(
+    kind: Annotated[
+        str | None, typer.Argument(help="plants, controllers, parameters, references, integrators or columns.")
+    ] = None,
+) -> None:
+    """List what there is to put into a study."""
+    from workbench.catalogue import catalogue
+
+    sections = catalogue()
+    if kind is not None and kind not in sections:
+        raise UserError(f'nothing called "{kind}" to list; {nearest(kind, sections)}')
+    for name, lines in sections.items():
+        if kind in (None, name):
+            print(name)
+            print("\n".join(f"  {line}" for line in lines))
+
+
+@app.command()
+def table(
+    folder: Folder,
+    column: Annotated[
+        list[str] | None, typer.Option(help="Show this column of the results instead. May be repeated.")
+    ] = None,
+    where: Where = None,
+) -> None:
+    """Write the tables of a study again, or show columns of its results."""
+    from workbench.report.select import columns_of
+    from workbench.study.document import read_study
+    from workbench.study.store import STUDY_COPY, read_results
+
+    frame = read_results(folder)
+    if column or where:
+        print(columns_of(frame, column or [], _conditions(where)).to_markdown(index=False, floatfmt=".6g"))
+        return
+    study = read_study(folder / STUDY_COPY)
+    if not study.file.tables:
+        raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
+    _tables(folder, study.file)
+
+
+@app.command()
+def plot(
+    folder: Folder,
+    y: Annotated[list[str] | None, typer.Option(help="A signal or a column of the results. May be repeated.")] = None,
+    x: Annotated[str, typer.Option(help="What it is drawn against: time, a signal, or an axis of the study.")] = "time",
+    where: Where = None,
+    out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
+) -> None:
+    """Draw the figures of a study again, or any stored signal or column of its results."""
+    from workbench.report.figures import quick_plot, write_figure
+    from workbench.study.document import read_study
+    from workbench.study.store import STUDY_COPY, read_results
+
+    frame = read_results(folder)
+    if y:
+        path = quick_plot(folder, frame, x, y, _conditions(where), out)
+        print(f"wrote {path}")
+        return
+    study = read_study(folder / STUDY_COPY)
+    if not study.file.figures:
+        raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
+    for spec in study.file.figures:
+        print("wrote " + ", ".join(str(path) for path in write_figure(spec, frame, folder)))
+
+
+def _say_plan(planned: Any) -> None:
+    file = planned.study.file
+    print(file.title + (f" ({file.source})" if file.source else ""))
+    for name, values in _axes_of(planned).items():
+        print(f"  {name}: {', '.join(values)}")
+    print(f"  {len(planned.cases)} cases, {planned.simulated_seconds:g} s simulated")
+
+
+def _axes_of(planned: Any) -> dict[str, list[str]]:
+    axes: dict[str, dict[str, None]] = {}
+    for case in planned.cases:
+        for name, value in case.columns.items():
+            axes.setdefault(name, {})[str(value)] = None
+    return {name: list(values) for name, values in axes.items()}
+
+
+def _conditions(where: list[str] | None) -> dict[str, str]:
+    conditions = {}
+    for item in where or []:
+        name, equals, value = item.partition("=")
+        if not equals:
+            raise UserError(f'--where "{item}": expected AXIS=VALUE, such as rpm=460')
+        conditions[name.strip()] = value.strip()
+    return conditions
+
+
+def _report(folder: Path, file: Any) -> None:
+    """Tables and figures of finished results, and which cases did not simply complete."""
+    from workbench.report.figures import write_figure
+    from workbench.study.store import read_results
+
+    frame = read_results(folder)
+    _tables(folder, file)
+    for spec in file.figures:
+        write_figure(spec, frame, folder)
+    unusual = frame[frame["outcome"] != "completed"]
+    for outcome, count in unusual["outcome"].value_counts().items():
+        print(f"{count} of {len(frame)} cases: {outcome}")
+    written = ["results.csv"] + ["tables/"] * bool(file.tables) + ["figures/"] * bool(file.figures)
+    print(f"results in {folder}: {', '.join(written)}")
+
+
+def _tables(folder: Path, file: Any) -> None:
+    from workbench.report.tables import write_table
+    from workbench.study.store import read_results
+
+    frame = read_results(folder)
+    for spec in file.tables:
+        paths = write_table(spec, frame, folder / "tables")
+        print()
+        print(paths[1].read_text(encoding="utf-8"))
+
+
+class _Progress:
+    """A progress bar with the time left, only on a terminal."""
+
+    def __init__(self, total: int) -> None:
+        self._total = total
+        self._bar: Any = None
+
+    def __enter__(self) -> Any:
+        if not sys.stderr.isatty():
+            return None
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
+        self._bar = Progress(*columns, console=Console(stderr=True))
+        self._bar.start()
+        task = self._bar.add_task("", total=self._total)
+        return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+
+def _progress(total: int) -> _Progress:
+    return _Progress(total)
+
+
+def main() -> None:
+    """Run the command line. A user's mistake is one or two lines and exit code 2."""
+    try:
+        app(standalone_mode=False)
+    except UserError as error:
+        if "--debug" in sys.argv:
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+    except click.Abort:
+        print("stopped; finished cases are kept: go on with --resume", file=sys.stderr)
+        sys.exit(130)

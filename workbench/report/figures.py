@@ -1,0 +1,194 @@
+"""Figures of a study: signals over time, signal against signal, figures of the results over an axis.
+
+Each is written as PDF (for a thesis), SVG (for a page) and PNG.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from plants.equation import fields
+from plants.registry import plants
+from workbench.errors import UserError, nearest
+from workbench.report.select import rows, trajectory, unit_of_column
+from workbench.report.style import COLOURS, DASHES, MARKERS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style
+from workbench.study.schema import Curve, FigureSpec, Panel
+from workbench.units import factor
+
+FORMATS = ("pdf", "svg", "png")
+
+SIGNAL_UNITS = {
+    "time": "s",
+    "error": "m",
+    "reference_position": "m",
+    "reference_velocity": "m/s",
+    "measured_position": "m",
+}
+"""Units of signals that no plant declares."""
+
+
+def signal_units() -> dict[str, str]:
+    """The SI unit of every signal that some plant has, by name."""
+    units = dict(SIGNAL_UNITS)
+    for plant in plants().values():
+        for item in (*fields(plant.Signals), *fields(plant.Inputs)):
+            units.setdefault(item.name, item.unit)
+    return units
+
+
+def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> Figure:
+    """Draw a figure from the results and trajectories in `folder`.
+
+    Raises:
+        UserError: a curve picks no case or several, or its trajectory was not kept.
+    """
+    with figure_style():
+        figure = Figure(figsize=(WIDTH, PANEL_HEIGHT * len(spec.panels) + 0.4))
+        FigureCanvasAgg(figure)
+        figure.suptitle(spec.title)
+        for axes, panel in zip(figure.subplots(len(spec.panels), squeeze=False)[:, 0], spec.panels, strict=True):
+            _draw_panel(axes, panel, frame, folder, spec.name)
+        return figure
+
+
+def save(figure: Figure, name: str, folder: Path, formats: tuple[str, ...] = FORMATS) -> list[Path]:
+    """Write a figure in each format, the same bytes for the same content; returns the paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    undated: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+    paths = [folder / f"{name}.{ending}" for ending in formats]
+    with figure_style():
+        for path, ending in zip(paths, formats, strict=True):
+            figure.savefig(path, metadata=undated.get(ending))
+    return paths
+
+
+def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Draw a figure of the results in `folder` and write it to its folder `figures`."""
+    return save(draw(spec, frame, folder), spec.name, folder / "figures")
+
+
+def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str) -> None:
+    for number, curve in enumerate(panel.curves):
+        style = {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
+        if curve.style == "reference":
+            style = {"color": REFERENCE, "linestyle": "-"}
+        elif curve.style == "points":
+            style |= {"linestyle": "none", "marker": MARKERS[number % len(MARKERS)]}
+        if panel.x in frame.columns:
+            _draw_column(axes, panel, curve, frame, number, style)
+        else:
+            _draw_signal(axes, panel, curve, trajectory(folder, frame, curve.where, f"figure {name}"), style)
+    if panel.title:
+        axes.set_title(panel.title)
+    axes.set_xlabel(panel.x_label + (f" ({panel.x_unit})" if panel.x_unit != "1" else ""))
+    axes.set_ylabel(panel.y_label + (f" ({panel.y_unit})" if panel.y_unit != "1" else ""))
+    if panel.x_range:
+        axes.set_xlim(*panel.x_range)
+    if panel.y_range:
+        axes.set_ylim(*panel.y_range)
+    if panel.note:
+        axes.text(0.99, 0.02, panel.note, transform=axes.transAxes, ha="right", va="bottom", fontsize="small")
+    if any(curve.label for curve in panel.curves):
+        placed: dict[str, Any] = {"loc": panel.legend}
+        axes.legend(**placed)
+
+
+def _draw_signal(axes: Axes, panel: Panel, curve: Curve, table: pd.DataFrame, style: dict[str, Any]) -> None:
+    x_name, units = curve.x or panel.x, signal_units()
+    for name in (x_name, curve.y):
+        if name not in table:
+            raise UserError(f'the plant of that case has no signal "{name}"')
+    time = table["time"].to_numpy()
+    window = (time >= panel.start) & (time <= (panel.end if panel.end is not None else np.inf))
+    x = table[x_name].to_numpy()[window] * factor(units.get(x_name, "1"), panel.x_unit)
+    y = table[curve.y].to_numpy()[window] * factor(units.get(curve.y, "1"), panel.y_unit)
+    label = curve.label
+    if curve.fit:
+        label += "\n" + _fit(axes, x, y, curve.fit, style["color"])
+    axes.plot(x, y, label=label or None, **style)
+
+
+FITS = {"line": 1, "cubic": 3}
+
+
+def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> str:
+    """Draw the least-squares polynomial of y on x; returns it in words, with R^2."""
+    polynomial = np.polynomial.Polynomial.fit(x, y, FITS[kind])
+    residual = y - polynomial(x)
+    r_squared = 1.0 - float(np.sum(residual**2) / np.sum((y - np.mean(y)) ** 2))
+    grid = np.linspace(np.min(x), np.max(x), 200)
+    axes.plot(grid, polynomial(grid), color=colour, linewidth=0.8, alpha=0.6)
+    terms = []
+    for power, coefficient in reversed(list(enumerate(polynomial.convert().coef))):
+        variable = "" if power == 0 else " v" if power == 1 else f" v$^{power}$"
+        terms.append(f"{coefficient:+.4g}{variable}")
+    formula = " ".join(terms).lstrip("+").replace("+", "+ ").replace(" -", " - ").replace("e+ ", "e+")
+    return f"F = {formula},  R$^2$ = {r_squared:.4f}"
+
+
+def _draw_column(
+    axes: Axes, panel: Panel, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
+) -> None:
+    found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
+    scale = factor(unit_of_column(curve.y), panel.y_unit) if panel.y_unit != "1" else 1.0
+    marker = {"marker": MARKERS[number % len(MARKERS)]}
+    axes.plot(found[panel.x], found[curve.y] * scale, label=curve.label or None, **{**style, **marker})
+    if curve.published:
+        axes.plot(
+            [float(key) for key in curve.published],
+            list(curve.published.values()),
+            linestyle="none",
+            marker="x",
+            markersize=7,
+            color=COLOURS[-1],
+            label="published",
+        )
+
+
+def quick_plot(
+    folder: Path, frame: pd.DataFrame, x: str, names: list[str], where: dict[str, str], out: Path | None
+) -> Path:
+    """Draw stored signals of the cases that `where` picks, or columns of the results over an axis; SI units.
+
+    Raises:
+        UserError: unknown names, no stored trajectory, or a picture format that is not ours.
+    """
+    path = out or folder / "figures" / f"{'_'.join(names)}_over_{x}.png"
+    if path.suffix[1:] not in FORMATS:
+        raise UserError(f'"{path.name}": expected a picture ending in .{", .".join(FORMATS)}')
+    over_axis = x in frame.columns
+    units = {name: unit_of_column(name) for name in map(str, frame.columns)} if over_axis else signal_units()
+    for name in (x, *names):
+        if name not in units:
+            raise UserError(f'nothing called "{name}" is stored; {nearest(name, units)}')
+    found = rows(frame, where)
+    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    differing = [name for name in axes if found[name].nunique() > 1]
+    curves = []
+    for name in names:
+        if over_axis:
+            curves.append(Curve(y=name, where=where, label=name))
+            continue
+        for _, row in found.iterrows():
+            case = {axis: row[axis] for axis in axes if pd.notna(row[axis])}
+            label = ", ".join([name, *(f"{axis} {row[axis]}" for axis in differing)])
+            curves.append(Curve(y=name, where=case, label=label))
+    if not curves:
+        raise UserError(f"no case has {', '.join(f'{key} {value}' for key, value in where.items())}")
+    shared = {units[name] for name in names}
+    panel = Panel(
+        x=x,
+        x_label=x,
+        x_unit=units[x],
+        y_label=", ".join(names),
+        y_unit=shared.pop() if len(shared) == 1 else "1",
+        curves=curves,
+    )
+    title = ", ".join(f"{key} {value}" for key, value in where.items()) or "all cases"
+    figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
+    return save(figure, path.stem, path.parent, (path.suffix[1:],))[0]

@@ -1,0 +1,42 @@
+"""How figures look: colours that a colour-blind reader and a grey printer can tell apart, text that fits a page."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib as mpl
+
+# Okabe and Ito's palette, without its yellow, which print loses; each colour comes with a dash of its own.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+DASHES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1)))
+MARKERS = ("o", "s", "^", "D", "v", "P", "x")
+REFERENCE = "#666666"
+
+WIDTH = 6.4
+PANEL_HEIGHT = 3.2
+"""Inches."""
+
+_SETTINGS: Any = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": "medium",
+    "figure.constrained_layout.use": True,
+    "figure.titlesize": "large",
+    "font.size": 9.0,
+    "grid.alpha": 0.3,
+    "legend.fontsize": "small",
+    "legend.framealpha": 0.9,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4.5,
+    "pdf.fonttype": 42,
+    "savefig.dpi": 160,
+    "svg.hashsalt": "friction-workbench",
+}
+
+
+@contextmanager
+def figure_style() -> Iterator[None]:
+    """Within this context figures look as ours do; nothing outside is changed, and no screen is needed."""
+    with mpl.rc_context(_SETTINGS):
+        yield

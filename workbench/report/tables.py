@@ -1,0 +1,141 @@
+"""Thesis-style tables: ours beside the published value and the difference, as CSV, Markdown and LaTeX (booktabs)."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.report.select import one_row, rows, unit_of_column
+from workbench.study.schema import Column, Row, TableSpec
+from workbench.units import factor
+
+OURS, PUBLISHED, DIFFERENCE, PERCENT, REMARK = "this program", "published", "difference", "difference (%)", "remark"
+
+
+def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    """The table of a spec, as text ready to be shown. A figure that does not apply is empty.
+
+    Raises:
+        UserError: a row asks for a case that does not exist.
+    """
+    return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
+
+
+def _shown(value: Any, column: str, unit: str, digits: int) -> tuple[str, float | None]:
+    """A result as text in `unit` with `digits` significant digits, and as a number if it is one."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "", None
+    if isinstance(value, str):
+        return value, None
+    number = float(value) * (factor(unit_of_column(column), unit) if unit != "1" else 1.0)
+    return _text(number, digits), number
+
+
+def _text(number: float, digits: int) -> str:
+    """`number` with `digits` significant digits, in plain notation where that is readable."""
+    if number == 0.0 or not 1e-4 <= abs(number) < 1e6:
+        return f"{number:.{digits - 1}e}" if number else "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(number))))
+    return f"{number:.{decimals}f}"
+
+
+def _compared(number: float | None, published: float | None, digits: int) -> dict[str, str]:
+    if number is None or published is None:
+        return {PUBLISHED: "" if published is None else f"{published:g}", DIFFERENCE: "", PERCENT: ""}
+    difference = number - published
+    percent = f"{100.0 * difference / published:+.2f}" if published else ""
+    sign = "+" if difference > 0.0 else ""
+    return {PUBLISHED: f"{published:g}", DIFFERENCE: sign + _text(difference, min(digits, 3)), PERCENT: percent}
+
+
+def _heading(column: Column) -> str:
+    return column.label + (f" ({column.unit})" if column.unit != "1" else "")
+
+
+def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    found = rows(frame, spec.where)
+    index = str(spec.index)
+    lines = []
+    for _, row in found.iterrows():
+        line = {spec.index_label or index: _label(row[index])}
+        for column in spec.columns:
+            text, number = _shown(row[column.result], column.result, column.unit, column.digits)
+            if not column.published:
+                line[_heading(column)] = text
+                continue
+            compared = _compared(number, column.published.get(_label(row[index])), column.digits)
+            line[f"{_heading(column)}, {OURS}"] = text
+            line[PUBLISHED] = compared[PUBLISHED]
+            line[DIFFERENCE] = compared[DIFFERENCE]
+            line[PERCENT] = compared[PERCENT]
+        lines.append(line)
+    return pd.DataFrame(lines)
+
+
+def _label(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    lines = [_single(spec, row, frame) for row in spec.rows]
+    table = pd.DataFrame(lines)
+    return table.drop(columns=[name for name in table.columns if not table[name].any()])
+
+
+def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
+    found = one_row(frame, {**spec.where, **row.where}, f'table {spec.name}, row "{row.label}"')
+    text, number = _shown(found[row.result], row.result, row.unit, row.digits)
+    return {
+        "quantity": row.label,
+        "unit": row.unit if row.unit != "1" else "",
+        OURS: text,
+        **_compared(number, row.published, row.digits),
+        REMARK: row.remark,
+    }
+
+
+def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
+    table = make_table(spec, frame)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{spec.name}.{ending}" for ending in ("csv", "md", "tex")]
+    table.to_csv(paths[0], index=False, lineterminator="\n")
+    paths[1].write_text(_markdown(spec, table), encoding="utf-8")
+    paths[2].write_text(_latex(spec, table), encoding="utf-8")
+    return paths
+
+
+def _notes(spec: TableSpec) -> list[str]:
+    return [text for text in (f"Published: {spec.source}." if spec.source else "", spec.note) if text]
+
+
+def _markdown(spec: TableSpec, table: pd.DataFrame) -> str:
+    numeric = [name not in ("quantity", "unit", REMARK) for name in table.columns]
+    align = ["right" if right else "left" for right in numeric]
+    body = table.to_markdown(index=False, colalign=align, disable_numparse=True)
+    return "\n\n".join([f"**{spec.title}**", body, *_notes(spec)]) + "\n"
+
+
+def _latex(spec: TableSpec, table: pd.DataFrame) -> str:
+    columns = "".join("l" if name in ("quantity", "unit", REMARK) else "r" for name in table.columns)
+    caption = " ".join([f"{spec.title}.", *_notes(spec)])
+    headed = table.rename(columns=_escaped).map(_escaped)
+    return str(
+        headed.style.hide(axis="index").to_latex(
+            hrules=True,
+            caption=_escaped(caption),
+            label=f"tab:{spec.name}",
+            column_format=columns,
+            position_float="centering",
+        )
+    )
+
+
+_SPECIAL = str.maketrans(
+    {"%": r"\%", "&": r"\&", "_": r"\_", "#": r"\#", "$": r"\$", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
+)
+
+
+def _escaped(text: str) -> str:
+    return str(text).translate(_SPECIAL)

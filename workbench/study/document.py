@@ -1,0 +1,162 @@
+"""A study file, and the cases that it unfolds into: its cases, times the product of its axes."""
+
+import copy
+import hashlib
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from workbench import files
+from workbench.errors import UserError, nearest
+from workbench.study.schema import OVERRIDES, StudyFile
+
+NAMED_AXES = ("rpm", "controller", "reference", "scenario")
+"""Axes that are not dotted keys of the file."""
+
+CASE = "case"
+"""The column that names which of [cases] a row belongs to."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file as read."""
+
+    path: Path
+    text: str
+    file: StudyFile
+
+    def error(self, key: files.Key, message: str) -> UserError:
+        """The error for a mistake at `key`."""
+        return files.at(self.path, self.text, key, message)
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of what the study computes: of all but its titles, tables and figures."""
+        content = self.file.model_dump(exclude={"title", "source", "question", "tables", "figures"})
+        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of a study, before anything is built: `tables` is what the file says there.
+
+    `axes` are its columns in the results; `declared` is the plant table without what scenario and axes changed:
+    what a controller may believe. Plain data, so that it can travel to another process.
+    """
+
+    index: int
+    name: str | None
+    axes: Mapping[str, Any]
+    tables: dict[str, Any]
+    declared: dict[str, Any]
+    folder: Path
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """The columns that tell this case from the others."""
+        return {**({CASE: self.name} if self.name is not None else {}), **self.axes}
+
+    @property
+    def label(self) -> str:
+        """The case in words."""
+        return ", ".join(f"{name} {value}" for name, value in self.columns.items()) or "the only case"
+
+
+def read_study(path: Path) -> Study:
+    """Read and check a study file (not yet its cases).
+
+    Raises:
+        UserError: unreadable, not TOML, unknown or missing keys.
+    """
+    data, text = files.read_toml(path)
+    study = Study(path, text, files.validate(StudyFile, data, path, text))
+    file = study.file
+    for section in ("cases", "scenarios"):
+        for name, overrides in getattr(file, section).items():
+            allowed = [key for key in OVERRIDES if not (section == "scenarios" and key == "axes")]
+            for key in overrides:
+                if key not in allowed:
+                    raise study.error((section, name, key), f"unknown key; {nearest(key, allowed)}")
+    return study
+
+
+def unfold(study: Study) -> list[Case]:
+    """All cases, in order: [cases] first, then the axes as they stand, the last one changing fastest.
+
+    Raises:
+        UserError: an axis that is empty, unknown, or names something that the file does not hold.
+    """
+    file = study.file
+    base = {name: copy.deepcopy(getattr(file, name)) for name in OVERRIDES}
+    cases: list[Case] = []
+    named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
+    for name, overrides in named:
+        tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
+        axes = overrides.get("axes", tables.pop("axes"))
+        tables.pop("axes", None)
+        _check_axes(study, name, axes, tables)
+        for values in itertools.product(*axes.values()):
+            point = dict(zip(axes, values, strict=True))
+            cases.append(
+                Case(len(cases), name, point, _at_point(study, tables, point), tables["plant"], study.path.parent)
+            )
+    return cases
+
+
+def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """`base` with `overrides` laid over it, table by table; lists and values are replaced."""
+    result = dict(copy.deepcopy(dict(base)))
+    for key, value in overrides.items():
+        if isinstance(value, Mapping) and isinstance(result.get(key), Mapping):
+            result[key] = merged(result[key], value)
+        else:
+            result[key] = copy.deepcopy(value)
+    return result
+
+
+def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, Any]) -> None:
+    place: files.Key = ("cases", case, "axes") if case and "axes" in study.file.cases[case] else ("axes",)
+    if not isinstance(axes, dict):
+        raise study.error(place, "expected a table of lists")
+    for axis, values in axes.items():
+        key = (*place, axis)
+        if not isinstance(values, list):
+            raise study.error(key, f"got {values!r}, expected a list")
+        if not values:
+            raise study.error(key, "is empty: expected at least one value (or leave the axis out)")
+        if len({json.dumps(value, sort_keys=True) for value in values}) < len(values):
+            raise study.error(key, "holds a value twice")
+        known = {
+            "controller": tables["controllers"],
+            "reference": tables["references"],
+            "scenario": study.file.scenarios,
+        }
+        if axis in known:
+            for value in values:
+                if value not in known[axis]:
+                    raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}')
+        elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
+            roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
+            raise study.error(key, f"unknown axis; {nearest(axis, roots)} (or a dotted key of the file)")
+
+
+def _at_point(study: Study, tables: Mapping[str, Any], point: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a case at one point of its axes."""
+    result = copy.deepcopy(dict(tables))
+    if scenario := point.get("scenario"):
+        result = merged(result, study.file.scenarios[scenario])
+    for axis, value in point.items():
+        if axis in ("rpm", "controller", "reference"):
+            result[axis] = value
+        elif axis != "scenario":
+            *parents, last = axis.split(".")
+            table = result
+            for part in parents:
+                table = table.setdefault(part, {})
+                if not isinstance(table, dict):
+                    raise study.error(("axes", axis), f'"{part}" is not a table')
+            table[last] = value
+    return result

@@ -1,0 +1,60 @@
+"""Figures that a study asks for beside the standard ones."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from workbench.simulation.simulate import Run
+from workbench.study.schema import Probe
+
+
+def crossings(time: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
+    """Instants (s) at which `values` rise through `level`, interpolated between samples."""
+    before = np.flatnonzero((values[:-1] < level) & (values[1:] >= level))
+    share = (level - values[before]) / (values[before + 1] - values[before])
+    return time[before] + share * (time[before + 1] - time[before])
+
+
+def probe_values(run: Run, probes: Mapping[str, Probe], transient: float, case: str | None) -> dict[str, float | None]:
+    """The value (SI) of each probe, or None where it does not apply to this run.
+
+    Raises:
+        KeyError: a probe names a signal that the plant does not have.
+    """
+    values: dict[str, float | None] = {}
+    for name, probe in probes.items():
+        applies = not run.diverged and (not probe.cases or case in probe.cases)
+        values[name] = _value(run, probe, transient) if applies else None
+    return values
+
+
+def _value(run: Run, probe: Probe, transient: float) -> float | None:
+    signal = run.signals[probe.signal]
+    window = run.time >= transient
+    if probe.event is not None:
+        events = crossings(run.time[window], run.signals[probe.event][window], probe.event_level)
+        if events.size < 2:
+            return None
+        if probe.take == "interval":
+            return float(np.mean(np.diff(events)))
+        if probe.take == "change":
+            return float(np.mean(np.diff(np.interp(events, run.time, signal))))
+        window &= (run.time >= events[0]) & (run.time < events[-1])
+    return _figure(signal[window], probe)
+
+
+_FIGURES: Mapping[str, Callable[[np.ndarray], Any]] = {
+    "maximum": np.max,
+    "minimum": np.min,
+    "peak_to_peak": np.ptp,
+    "mean": np.mean,
+    "rms": lambda values: np.sqrt(np.mean(values**2)),
+    "final": lambda values: values[-1],
+}
+
+
+def _figure(values: np.ndarray, probe: Probe) -> float:
+    if probe.level is not None:
+        return float(np.mean(np.abs(values) < probe.level))
+    return float(_FIGURES[probe.take](values))

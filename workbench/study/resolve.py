@@ -1,0 +1,291 @@
+"""From the tables of a case to everything that a run depends on: plant, belief, controllers, reference, sensors."""
+
+import functools
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from controllers import speed_servo
+from controllers.interface import Controller
+from controllers.open_loop import OPEN_LOOP
+from controllers.registry import controllers
+from plants.equation import fields
+from plants.interface import Measurement, Plant
+from plants.registry import plants
+from workbench import files
+from workbench.errors import UserError, nearest
+from workbench.parameters import build, parameter_path, parameter_value, read_parameters
+from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.sensors import Channel, Sensors
+from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
+from workbench.study.document import Case, Study
+from workbench.study.reference_tables import KINDS
+from workbench.study.schema import CaseTables, ChannelTable
+from workbench.units import QuantityError, si
+
+MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
+"""Models of [plant] that stand for several plants; any registered plant's own name serves too."""
+
+SIGMAS = 3.0
+"""The noise band of the limit-cycle judge, in standard deviations of the position noise."""
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A case ready to run. `band` (m) is what the sensors cannot tell from rest."""
+
+    setup: Setup
+    transient: float
+    band: float
+
+
+class _MistakeError(Exception):
+    """A mistake, with the key at which it stands."""
+
+    def __init__(self, key: files.Key, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
+def resolve(study: Study, case: Case) -> Resolved:
+    """Build what a case runs.
+
+    Raises:
+        UserError: whatever is wrong, with file, line and key.
+    """
+    tables = _validated(study, case)
+    try:
+        return _resolve(tables, case)
+    except _MistakeError as mistake:
+        raise _located(study, case, mistake.key, str(mistake)) from None
+
+
+def _validated(study: Study, case: Case) -> CaseTables:
+    try:
+        return files.conform(CaseTables, case.tables)
+    except files.SchemaError as error:
+        raise _located(study, case, error.key, error.message) from None
+
+
+def _located(study: Study, case: Case, key: files.Key, message: str) -> UserError:
+    """The mistake where the user wrote it: on an axis, in the case, in the scenario, or in the study itself."""
+    dotted = ".".join(str(part) for part in key)
+    own = study.file.cases.get(case.name, {}) if case.name else {}
+    if dotted in case.axes:
+        key = (*(("cases", str(case.name)) if "axes" in own else ()), "axes", dotted)
+    elif case.name and _holds(own, key):
+        key = ("cases", case.name, *key)
+    elif (scenario := case.axes.get("scenario")) and _holds(study.file.scenarios[scenario], key):
+        key = ("scenarios", scenario, *key)
+    return study.error(key, message)
+
+
+def _holds(table: Any, key: files.Key) -> bool:
+    for part in key:
+        if not isinstance(table, dict) or part not in table:
+            return False
+        table = table[part]
+    return True
+
+
+def _resolve(tables: CaseTables, case: Case) -> Resolved:
+    plant = _plant(tables)
+    parameters = _truth(plant, tables, case.folder)
+    belief = _belief(plant, tables, case)
+    surface_speed = tables.rpm * parameters.motor.piston_radius if plant.rotary_command else 0.0
+    state, inputs = plant.equilibrium(parameters, surface_speed)
+    if tables.plant.start == "standstill":
+        state, _ = plant.equilibrium(parameters, 0.0)
+    state = state._replace(position=tables.plant.start_position)
+    rotary = None
+    if tables.plant.rotation == "servo" and plant.rotary_command:
+        _, believed = plant.equilibrium(belief, surface_speed)
+        settings = speed_servo.Settings(believed.motor_voltage)
+        gains = speed_servo.design(settings, belief, tables.simulation.sample_time)
+        rotary, inputs = Loop(speed_servo.SPEED_SERVO, gains), inputs._replace(motor_voltage=0.0)
+    loop, reference, feeds = _position_loop(plant, belief, tables, case.folder)
+    sensors = _sensors(tables)
+    position = sensors.channels["position"]
+    simulation = tables.simulation
+    setup = Setup(
+        plant,
+        parameters,
+        state,
+        inputs,
+        simulation.duration,
+        loop,
+        reference,
+        rotary,
+        tables.rpm,
+        feeds,
+        sensors,
+        Integrator(simulation.method, simulation.step, simulation.tolerance),
+        simulation.sample_time,
+        simulation.seed,
+    )
+    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution))
+
+
+def _plant(tables: CaseTables) -> Plant:
+    known, table, rpm = plants(), tables.plant, tables.rpm
+    model = table.model
+    if model == "by_rpm":
+        model = "rotating" if rpm else "non_rotating"
+    if model == "rotating":
+        model = f"rotating_{table.bristle}{'_ideal' if table.rotation == 'ideal' else ''}"
+    elif model == "drive":
+        model = f"drive_{table.command}"
+    if model not in known:
+        raise _MistakeError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, [*MODELS, *known])}')
+    plant = known[model]
+    if rpm and not plant.rotary_command:
+        raise _MistakeError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
+    return plant
+
+
+def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
+    """Values of a set or file with `set` overrides, by canonical name."""
+    try:
+        values = dict(read_parameters(parameter_path(parameters, folder)))
+    except UserError as error:
+        raise _MistakeError((table, "parameters"), str(error)) from None
+    for name, value in overrides.items():
+        try:
+            values[name] = parameter_value(name, value)
+        except (UserError, QuantityError) as error:
+            raise _MistakeError((table, "set", name), str(error)) from None
+    return values
+
+
+def _truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
+    table = tables.plant
+    values = _values(table.parameters, table.set, folder, "plant")
+    for name, ratio in table.scale.items():
+        if name not in values:
+            raise _MistakeError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
+        if not ratio >= 0.0:
+            raise _MistakeError(("plant", "scale", name), f"got {ratio}, expected a factor that is not negative")
+        for scaled in (name, f"{name}_negative"):
+            if scaled in values:
+                values[scaled] *= ratio
+    try:
+        return build(plant.Parameters, values, table.flow)
+    except UserError as error:
+        raise _MistakeError(
+            ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
+        ) from None
+
+
+def _belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
+    belief, declared = tables.belief, case.declared
+    source = belief.parameters or declared.get("parameters", tables.plant.parameters)
+    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
+    values = _values(source, overrides, case.folder, "belief")
+    try:
+        return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
+    except UserError as error:
+        raise _MistakeError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None
+
+
+def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | None:
+    """The name that an axis gives, or that of the only one there is."""
+    if name is None and len(available) > 1:
+        raise _MistakeError((f"{kind}s",), f"holds {', '.join(available)}: an axis {kind} must say which")
+    return name or next(iter(available), None)
+
+
+def _position_loop(
+    plant: Plant, belief: Any, tables: CaseTables, folder: Path
+) -> tuple[Loop, ReferenceSignal | None, tuple[Feed, ...]]:
+    """The controller with its gains, its reference (None in open loop), and what is fed to inputs instead."""
+    name = _chosen("controller", tables.controller, tables.controllers)
+    controller, settings = _controller(str(name), tables, plant.command_unit)
+    key = ("controllers", str(name))
+    try:
+        gains = controller.design(settings, belief, tables.simulation.sample_time)
+    except ValueError as error:
+        raise _MistakeError(key, str(error)) from None
+    unit, target = "m", ""
+    if controller is OPEN_LOOP:
+        target = settings.input or plant.command
+        units = {item.name: item.unit for item in fields(plant.Inputs)}
+        if target not in units:
+            raise _MistakeError(
+                (*key, "input"), f'plant {plant.name} has no input "{target}"; {nearest(target, units)}'
+            )
+        unit = units[target]
+    reference_name = _chosen("reference", tables.reference, tables.references)
+    if reference_name is None:
+        return Loop(controller, gains), None, ()
+    signal = _reference(reference_name, tables.references[reference_name], unit, folder)
+    if target:
+        return Loop(controller, gains), None, (Feed(target, signal, settings.hold == "linear"),)
+    return Loop(controller, gains), signal, ()
+
+
+@functools.cache
+def _setting_hints(cls: Any) -> dict[str, tuple[Any, tuple[str, ...]]]:
+    """Of each setting: float or str, and its unit or its choices."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    return {name: (hint.__origin__, hint.__metadata__) for name, hint in hints.items()}
+
+
+def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
+    key = ("controllers", name)
+    table = dict(tables.controllers[name])
+    known = controllers()
+    kind = table.pop("type", None)
+    if kind not in known:
+        message = "is missing; this key is needed here" if kind is None else f'unknown controller "{kind}"'
+        raise _MistakeError((*key, "type"), f"{message}; {nearest(str(kind), known)}")
+    controller = known[kind]
+    settings: Any = controller.Settings
+    hints = _setting_hints(settings)
+    values: dict[str, Any] = {}
+    for item, value in table.items():
+        if item not in hints:
+            raise _MistakeError((*key, item), f"unknown key; {nearest(item, [*hints, 'type'])}")
+        base, metadata = hints[item]
+        try:
+            values[item] = si(value, metadata[0], command_unit) if base is float else value
+        except QuantityError as error:
+            raise _MistakeError((*key, item), str(error)) from None
+        if base is str and metadata != ("any",) and value not in metadata:
+            raise _MistakeError((*key, item), f'got "{value}", expected one of {", ".join(metadata)}')
+    for item in hints:
+        if item not in values and item not in settings._field_defaults:
+            raise _MistakeError((*key, item), "is missing; this key is needed here")
+    return controller, settings(**values)
+
+
+def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
+    key = ("references", name)
+    kind = table.get("kind")
+    if kind not in KINDS:
+        message = "is missing; this key is needed here" if kind is None else f'unknown kind "{kind}"'
+        raise _MistakeError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
+    try:
+        return files.conform(KINDS[kind], table).build(unit, folder)
+    except files.SchemaError as error:
+        raise _MistakeError((*key, *error.key), error.message) from None
+    except QuantityError as error:
+        raise _MistakeError(key, str(error)) from None
+
+
+def _sensors(tables: CaseTables) -> Sensors:
+    channels = {}
+    for item in fields(Measurement):
+        table: ChannelTable = getattr(tables.sensors, item.name)
+        key = ("sensors", item.name)
+        try:
+            resolution = si(table.resolution, item.unit) if table.resolution is not None else 0.0
+            if table.range is not None and table.bits is not None:
+                resolution = si(table.range, item.unit) / 2**table.bits
+            noise = si(table.noise, item.unit)
+        except QuantityError as error:
+            raise _MistakeError(key, str(error)) from None
+        if noise < 0.0 or resolution < 0.0:
+            raise _MistakeError(key, "noise and resolution are not negative")
+        channels[item.name] = Channel(noise, resolution, table.anti_alias)
+    return Sensors(channels, tables.sensors.delay)

@@ -1,0 +1,247 @@
+"""Running a study: its cases in parallel, each result kept the moment it is there."""
+
+import hashlib
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plants.equation import EQUATION_FOLDERS, source_hash, to_array
+from workbench.errors import UserError, nearest
+from workbench.metrics import COLUMNS, evaluate
+from workbench.simulation.simulate import simulate, solver_error
+from workbench.study.document import Case, Study, unfold
+from workbench.study.probes import probe_values
+from workbench.study.resolve import Resolved, resolve
+from workbench.study.store import STUDY_COPY, Store, export, trajectory_path, write_json, write_trajectory
+
+PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
+"""Folders of the source files on which a row of results depends."""
+
+PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
+"""Packages whose version run.json records."""
+
+Progress = Callable[[int, int, Case], None]
+"""Called with the number of finished cases, of all cases, and the case that has just finished."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study that has been checked to the last key: its cases and what each of them runs."""
+
+    study: Study
+    cases: list[Case]
+    resolved: list[Resolved]
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of results.csv: the axes, the standard figures, the probes."""
+        axes = list(dict.fromkeys(name for case in self.cases for name in case.columns))
+        return [*axes, *COLUMNS, *self.study.file.probes]
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """What results must agree in to be of the same study: the file, the numbers it leads to, the program."""
+        numbers = hashlib.sha256()
+        for item in self.resolved:
+            setup = item.setup
+            signals = [setup.reference, *(feed.signal for feed in setup.feeds)]
+            for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains):
+                numbers.update(to_array(values).tobytes())
+            for signal in signals:
+                if signal is not None:
+                    numbers.update(signal(np.linspace(0.0, setup.duration, 1001))[0].tobytes())
+        return {
+            "study": self.study.fingerprint,
+            "parameters": numbers.hexdigest(),
+            "version of the program": source_hash(PROGRAM_FOLDERS),
+        }
+
+    @property
+    def simulated_seconds(self) -> float:
+        """Duration of all cases together (s)."""
+        return sum(item.setup.duration for item in self.resolved)
+
+
+def plan(study: Study) -> Plan:
+    """Unfold and check a study.
+
+    Raises:
+        UserError: the first mistake in any case, table or figure.
+    """
+    cases = unfold(study)
+    planned = Plan(study, cases, [resolve(study, case) for case in cases])
+    _check_signals(planned)
+    return planned
+
+
+def _check_signals(planned: Plan) -> None:
+    """Probes, tables and figures name columns and signals that there are."""
+    study, columns = planned.study, planned.columns
+    signals = sorted(
+        {name for item in planned.resolved for name in _signal_names(item)}
+        | {"time", "error", "reference_position", "reference_velocity", "measured_position"}
+    )
+    for name, probe in study.file.probes.items():
+        for key, signal in (("signal", probe.signal), ("event", probe.event)):
+            if signal is not None and signal not in signals:
+                raise study.error(("probes", name, key), f'unknown signal "{signal}"; {nearest(signal, signals)}')
+    for i, table in enumerate(study.file.tables):
+        for form in ("columns", "rows"):
+            for j, item in enumerate(getattr(table, form)):
+                if item.result not in columns:
+                    message = f'unknown figure "{item.result}"; {nearest(item.result, columns)}'
+                    raise study.error(("tables", i, form, j, "result"), message)
+        if table.index is not None and table.index not in columns:
+            raise study.error(("tables", i, "index"), f'unknown axis "{table.index}"; {nearest(table.index, columns)}')
+    for i, figure in enumerate(study.file.figures):
+        for j, panel in enumerate(figure.panels):
+            valid = signals if panel.x not in columns else columns
+            for k, curve in enumerate(panel.curves):
+                for key, name_ in (("x", curve.x or panel.x), ("y", curve.y)):
+                    if name_ not in valid:
+                        message = f'unknown name "{name_}"; {nearest(name_, valid)}'
+                        raise study.error(("figures", i, "panels", j, "curves", k, key), message)
+
+
+def _signal_names(item: Resolved) -> Iterator[str]:
+    plant: Any = item.setup.plant
+    yield from plant.Signals._fields
+    yield from plant.Inputs._fields
+
+
+def matches(columns: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
+    """Whether a case has the values that `where` asks for; numbers are compared as numbers."""
+    return all(str(columns.get(key)) == str(value) or columns.get(key) == value for key, value in where.items())
+
+
+def needed_trajectories(planned: Plan) -> set[int]:
+    """Indices of the cases whose trajectories some figure of the study draws."""
+    columns = planned.columns
+    wanted = [
+        curve.where
+        for figure in planned.study.file.figures
+        for panel in figure.panels
+        if panel.x not in columns
+        for curve in panel.curves
+    ]
+    return {case.index for case in planned.cases if any(matches(case.columns, where) for where in wanted)}
+
+
+def run_case(study: Study, case: Case, keep: Path | None) -> dict[str, Any]:
+    """Run one case and return its row; the trajectory goes to `keep`.
+
+    A mistake in the file has been found before, by `plan`.
+    """
+    resolved = resolve(study, case)
+    run = simulate(resolved.setup)
+    values: dict[str, Any] = dict(case.columns)
+    values |= evaluate(run, resolved.setup.reference, resolved.transient, resolved.band)
+    values["solver_error_m"] = solver_error(resolved.setup, run)
+    values |= probe_values(run, study.file.probes, resolved.transient, case.name)
+    if keep is not None:
+        write_trajectory(run, keep)
+    return values
+
+
+def run_study(
+    planned: Plan,
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    keep_all: bool = False,
+    progress: Progress | None = None,
+) -> None:
+    """Run all cases of a study into `folder`.
+
+    Args:
+        planned: the study, checked.
+        folder: where results go.
+        jobs: parallel cases on this machine; default one a core.
+        cluster: address of a dask scheduler to run on instead.
+        resume: go on with the results in `folder`.
+        overwrite: replace them.
+        keep_all: keep every trajectory, not only those that figures need.
+        progress: told of each finished case.
+
+    Raises:
+        UserError: the folder, or the cluster, does not serve.
+    """
+    study, began = planned.study, time.time()
+    if resume:
+        store = Store.reopen(folder, planned.columns, planned.identity)
+    else:
+        store = Store.create(folder, planned.columns, planned.identity, overwrite)
+    try:
+        (folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
+        kept = {case.index for case in planned.cases} if keep_all else needed_trajectories(planned)
+        paths = {index: trajectory_path(folder.resolve(), index) for index in kept}
+        done = {index for index in store.done() if index not in paths or paths[index].exists()}
+        waiting = [case for case in planned.cases if case.index not in done]
+        with _executor(jobs, cluster) as executor:
+            futures: dict[Future[dict[str, Any]], Case] = {
+                executor.submit(run_case, study, case, paths.get(case.index)): case for case in waiting
+            }
+            try:
+                for count, future in enumerate(as_completed(futures), start=len(done) + 1):
+                    case = futures[future]
+                    store.add(case.index, _storable(future.result()))
+                    if progress is not None:
+                        progress(count, len(planned.cases), case)
+            except BaseException:
+                executor.shutdown(wait=False, cancel_futures=True)
+                raise
+        export(store.frame(), folder)
+        write_json(folder / "run.json", _record(planned, began, jobs, cluster))
+    finally:
+        store.close()
+
+
+def _storable(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values as SQLite keeps them; lists and tables of a dotted axis as JSON."""
+    return {key: json.dumps(value) if isinstance(value, list | dict) else value for key, value in values.items()}
+
+
+@contextmanager
+def _executor(jobs: int | None, cluster: str | None) -> Iterator[Executor]:
+    if cluster is None:
+        with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
+            yield threads
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UserError('--cluster needs the extra "cluster": pip install "friction-workbench[cluster]"') from None
+    try:
+        client = Client(cluster, timeout=10)
+    except (OSError, ValueError) as error:
+        raise UserError(f"{cluster}: no scheduler answers there ({error})") from None
+    with client, client.get_executor() as executor:
+        yield executor
+
+
+def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) -> dict[str, Any]:
+    return {
+        "title": planned.study.file.title,
+        **planned.identity,
+        "cases": len(planned.cases),
+        "simulated_seconds": planned.simulated_seconds,
+        "wall_seconds": round(time.time() - began, 3),
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
+        "jobs": cluster or jobs or os.cpu_count(),
+        "seeds": sorted({item.setup.seed for item in planned.resolved}),
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+        "machine": {"system": platform.system(), "machine": platform.machine(), "cores": os.cpu_count()},
+    }

@@ -1,0 +1,239 @@
+"""What may stand in a study file. TOML, data only: a study can run no code."""
+
+from functools import partial
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from workbench.files import Strict
+from workbench.simulation.simulate import DEFAULT_TOLERANCE, METHODS
+from workbench.units import si
+
+Raw = float | str
+"""A quantity whose unit depends on its place; converted when the case is resolved."""
+
+Metre = Annotated[float, BeforeValidator(partial(si, unit="m"))]
+Second = Annotated[float, BeforeValidator(partial(si, unit="s"))]
+Hertz = Annotated[float, BeforeValidator(partial(si, unit="Hz"))]
+Radian = Annotated[float, BeforeValidator(partial(si, unit="rad"))]
+
+
+def rpm_si(value: Any) -> float:
+    """A speed of rotation in rad/s; unlike elsewhere a bare number is in rpm, the unit of the axis' name."""
+    return si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
+
+
+Rotation = Annotated[float, BeforeValidator(rpm_si)]
+
+
+class PlantTable(Strict):
+    """[plant]: the truth."""
+
+    model: str
+    parameters: str
+    bristle: Literal["helical", "isotropic"] = "helical"
+    rotation: Literal["voltage", "servo", "ideal"] = "voltage"
+    start: Literal["turning", "standstill"] = "turning"
+    flow: Literal["derived", "chapter3"] = "derived"
+    command: Literal["force", "voltage"] = "force"
+    start_position: Metre = 0.0
+    set: dict[str, Raw] = {}
+    scale: dict[str, float] = {}
+
+
+class BeliefTable(Strict):
+    """[belief]: what controllers believe; by default what the study declares of its plant."""
+
+    parameters: str | None = None
+    flow: Literal["derived", "chapter3"] | None = None
+    set: dict[str, Raw] = {}
+
+
+class ChannelTable(Strict):
+    """One sensor. The converter's step is `resolution`, or `range` over 2 to the power of `bits`."""
+
+    noise: Raw = 0.0
+    resolution: Raw | None = None
+    range: Raw | None = None
+    bits: int | None = Field(None, ge=1, le=32)
+    anti_alias: Hertz = Field(0.0, ge=0.0)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "ChannelTable":
+        if (self.range is None) != (self.bits is None) or (self.bits and self.resolution is not None):
+            raise ValueError("expected either resolution, or range together with bits")
+        return self
+
+
+class SensorsTable(Strict):
+    """[sensors]: ideal where nothing is said."""
+
+    delay: Second = Field(0.0, ge=0.0)
+    position: ChannelTable = ChannelTable()
+    pressure_1: ChannelTable = ChannelTable()
+    pressure_2: ChannelTable = ChannelTable()
+    rotation_speed: ChannelTable = ChannelTable()
+
+
+class SimulationTable(Strict):
+    """[simulation]: how long, how exactly."""
+
+    duration: Second = Field(gt=0.0)
+    transient: Second = Field(0.0, ge=0.0)
+    sample_time: Second = Field(1e-3, gt=0.0)
+    seed: int = Field(0, ge=0)
+    method: Literal[tuple(METHODS)] = "dormand_prince"  # type: ignore[valid-type]
+    step: Second = Field(1e-4, gt=0.0)
+    tolerance: float = Field(DEFAULT_TOLERANCE, gt=0.0, le=1e-2)
+
+    @model_validator(mode="after")
+    def _fits(self) -> "SimulationTable":
+        if self.transient >= self.duration:
+            raise ValueError(f"transient {self.transient:g} s leaves nothing of the duration of {self.duration:g} s")
+        if self.sample_time >= self.duration:
+            raise ValueError(f"sample_time {self.sample_time:g} s is not below the duration of {self.duration:g} s")
+        return self
+
+
+class Probe(Strict):
+    """[probes.NAME]: one more figure of each run, a column of that name behind the others (SI).
+
+    Events are upward crossings of the signal `event` through `event_level`: `interval` is the mean time between
+    them, `change` the mean change of `signal` from one to the next; every other figure is taken from the first to
+    the last event where there are events, else over the window of the metrics. `share_below` is the share of time
+    in which |signal| is below `level`.
+    """
+
+    signal: str
+    take: Literal["maximum", "minimum", "peak_to_peak", "mean", "rms", "final", "share_below", "interval", "change"]
+    level: float | None = None
+    event: str | None = None
+    event_level: float = 0.0
+    cases: list[str] = []
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Probe":
+        if (self.take == "share_below") != (self.level is not None):
+            raise ValueError("level belongs to take = share_below, which needs one")
+        if self.take in ("interval", "change") and self.event is None:
+            raise ValueError(f'take = "{self.take}" needs an event')
+        return self
+
+
+class Column(Strict):
+    """One column of a table over an axis: a figure of the results, beside its published values by axis value."""
+
+    result: str
+    label: str
+    unit: str = "1"
+    digits: int = 4
+    published: dict[str, float] = {}
+
+
+class Row(Strict):
+    """One row of a table of single figures."""
+
+    where: dict[str, Any] = {}
+    result: str
+    label: str
+    unit: str = "1"
+    digits: int = 4
+    published: float | None = None
+    remark: str = ""
+
+
+class TableSpec(Strict):
+    """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    source: str = ""
+    note: str = ""
+    index: str | None = None
+    index_label: str = ""
+    where: dict[str, Any] = {}
+    columns: list[Column] = []
+    rows: list[Row] = []
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "TableSpec":
+        if bool(self.rows) == bool(self.columns) or bool(self.columns) != (self.index is not None):
+            raise ValueError("expected index with columns, or rows")
+        return self
+
+
+class Curve(Strict):
+    """One line of a panel: a signal of the run that `where` picks, or a column of the results over an axis."""
+
+    y: str
+    x: str | None = None
+    where: dict[str, Any] = {}
+    label: str = ""
+    fit: Literal["line", "cubic"] | None = None
+    published: dict[str, float] = {}
+    style: Literal["line", "points", "reference"] = "line"
+
+
+class Panel(Strict):
+    """One pair of axes. Units are those shown; limits are numbers in them."""
+
+    title: str = ""
+    x: str = "time"
+    x_label: str
+    y_label: str
+    x_unit: str = "s"
+    y_unit: str = "1"
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    start: Second = 0.0
+    end: Second | None = None
+    legend: str = "best"
+    note: str = ""
+    curves: list[Curve] = Field(min_length=1)
+
+
+class FigureSpec(Strict):
+    """[[figures]]: panels one above the other."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    source: str = ""
+    panels: list[Panel] = Field(min_length=1)
+
+
+class CaseTables(Strict):
+    """What one case is made of, after cases, scenario and axes have been filled in."""
+
+    plant: PlantTable
+    belief: BeliefTable = BeliefTable()
+    sensors: SensorsTable = SensorsTable()
+    simulation: SimulationTable
+    controllers: dict[str, dict[str, Any]] = Field(min_length=1)
+    references: dict[str, dict[str, Any]] = {}
+    rpm: Rotation = Field(0.0, ge=0.0)
+    controller: str | None = None
+    reference: str | None = None
+
+
+OVERRIDES = ("plant", "belief", "sensors", "simulation", "controllers", "references", "axes")
+"""What a [cases.NAME] may change of the study; a [scenarios.NAME] the same without axes."""
+
+
+class StudyFile(Strict):
+    """A whole study file. What cases fill in is checked in each case, not here."""
+
+    title: str
+    source: str = ""
+    question: str = ""
+    plant: dict[str, Any] = {}
+    belief: dict[str, Any] = {}
+    sensors: dict[str, Any] = {}
+    simulation: dict[str, Any] = {}
+    controllers: dict[str, dict[str, Any]] = {}
+    references: dict[str, dict[str, Any]] = {}
+    axes: dict[str, list[Any]] = {}
+    scenarios: dict[str, dict[str, Any]] = {}
+    cases: dict[str, dict[str, Any]] = {}
+    probes: dict[str, Probe] = {}
+    tables: list[TableSpec] = []
+    figures: list[FigureSpec] = []

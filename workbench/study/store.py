@@ -1,0 +1,152 @@
+"""A folder of results: results.sqlite while the study runs, tables for people and programs when it is done.
+
+study.toml        the study as it was run
+results.sqlite    one row a finished case, committed as it ends
+results.csv, results.parquet, run.json        written when all cases are done
+trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
+"""
+
+import json
+import os
+import shutil
+import sqlite3
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.errors import UserError
+from workbench.simulation.simulate import Run
+
+DATABASE = "results.sqlite"
+STUDY_COPY = "study.toml"
+OURS = (DATABASE, STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures")
+"""What a run may write into its folder, and therefore may replace."""
+
+
+class Store:
+    """Results by case, in SQLite. Used by one thread."""
+
+    def __init__(self, connection: sqlite3.Connection, folder: Path, columns: Sequence[str]) -> None:
+        self._connection = connection
+        self.folder = folder
+        self.columns = list(columns)
+
+    @classmethod
+    def create(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str], overwrite: bool) -> "Store":
+        """A new, empty store in `folder`, which is made if need be.
+
+        Raises:
+            UserError: the folder holds results already, or cannot be written.
+        """
+        database = folder / DATABASE
+        if database.exists() and not overwrite:
+            raise UserError(f"{folder}: holds results already; go on with --resume, start anew with --overwrite")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in OURS:
+                path = folder / name
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink(missing_ok=True)
+            connection = sqlite3.connect(database)
+            with connection:
+                connection.execute("CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT)")
+                connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
+                names = ", ".join(_quoted(column) for column in columns)
+                connection.execute(f"CREATE TABLE results (case_index INTEGER PRIMARY KEY, {names})")
+        except (OSError, sqlite3.Error) as error:
+            raise UserError(f"{folder}: cannot be written ({error}); choose another folder with --out") from None
+        return cls(connection, folder, columns)
+
+    @classmethod
+    def reopen(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str]) -> "Store":
+        """The store of an earlier run of the same study, to go on with.
+
+        Raises:
+            UserError: there is none, or it is of another study or another version of the equations.
+        """
+        database = folder / DATABASE
+        if not database.exists():
+            raise UserError(f"{folder}: holds no results to resume; leave --resume out")
+        try:
+            connection = sqlite3.connect(database)
+            stored = dict(connection.execute("SELECT key, value FROM identity"))
+        except sqlite3.Error as error:
+            raise UserError(f"{database}: not a results file of this program ({error})") from None
+        for key, value in identity.items():
+            if stored.get(key) != value:
+                raise UserError(
+                    f"{folder}: its results are of another {key}; start anew with --overwrite, or choose another --out"
+                )
+        return cls(connection, folder, columns)
+
+    def done(self) -> set[int]:
+        """Indices of the finished cases."""
+        return {index for (index,) in self._connection.execute("SELECT case_index FROM results")}
+
+    def add(self, index: int, values: Mapping[str, Any]) -> None:
+        """Commit one finished case."""
+        row = [index, *(values.get(column) for column in self.columns)]
+        with self._connection:
+            marks = ", ".join("?" * len(row))
+            self._connection.execute(f"INSERT OR REPLACE INTO results VALUES ({marks})", row)
+
+    def frame(self) -> pd.DataFrame:
+        """All finished cases in order."""
+        cursor = self._connection.execute("SELECT * FROM results ORDER BY case_index")
+        names = [item[0] for item in cursor.description]
+        return pd.DataFrame(cursor.fetchall(), columns=names).drop(columns="case_index")
+
+    def close(self) -> None:
+        """Release the file."""
+        self._connection.close()
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'
+
+
+def export(frame: pd.DataFrame, folder: Path) -> None:
+    """Write results.csv and results.parquet, each whole or not at all."""
+    cells = frame.map(lambda value: f"{value:.10g}" if isinstance(value, float) and value == value else value)
+    _atomic(folder / "results.csv", lambda path: cells.to_csv(path, index=False, lineterminator="\n"))
+    _atomic(folder / "results.parquet", lambda path: frame.to_parquet(path, index=False))
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file, whole or not at all."""
+    text = json.dumps(content, indent=2, sort_keys=True) + "\n"
+    _atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def _atomic(path: Path, write: Any) -> None:
+    temporary = path.with_name(f".{path.name}.part")
+    write(temporary)
+    os.replace(temporary, path)
+
+
+def trajectory_path(folder: Path, index: int) -> Path:
+    """Where the trajectory of a case lies."""
+    return folder / "trajectories" / f"case_{index:04d}.parquet"
+
+
+def write_trajectory(run: Run, path: Path) -> None:
+    """All signals of a run (SI) over time, as Parquet."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    frame = pd.DataFrame({"time": run.time, **run.signals})
+    _atomic(path, lambda temporary: frame.to_parquet(temporary, index=False))
+
+
+def read_results(folder: Path) -> pd.DataFrame:
+    """The results of a finished study.
+
+    Raises:
+        UserError: there are none.
+    """
+    path = folder / "results.parquet"
+    if not path.exists():
+        raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
+    return pd.read_parquet(path)
