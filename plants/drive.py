@@ -133,6 +133,11 @@ def voltage_limit(p: VoltageParameters) -> float:
     return p.voltage_limit
 
 
+def travel(p: Any) -> float:
+    """Distance (m) between the end stops, if they are modelled."""
+    return p.stroke if p.body.end_stop_stiffness else np.inf
+
+
 DRIVE_FORCE = Plant(
     name="drive_force",
     summary="mass with LuGre friction and an optional spring, driven by a force",
@@ -145,6 +150,7 @@ DRIVE_FORCE = Plant(
     measure=measure,
     equilibrium=equilibrium,
     command_limit=force_limit,
+    travel=travel,
     command="drive_force",
     balances={"force": "velocity"},
 )
@@ -161,6 +167,7 @@ DRIVE_VOLTAGE = Plant(
     measure=measure,
     equilibrium=voltage_equilibrium,
     command_limit=voltage_limit,
+    travel=travel,
     command="drive_voltage",
     balances={"force": "velocity"},
 )

@@ -23,6 +23,7 @@ import inspect
 import operator
 import os
 import typing
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -30,6 +31,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numba
 import numpy as np
 from numba import types
+from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.extending import intrinsic, overload, register_jitable
 
 Scalar: TypeAlias = Any
@@ -62,6 +64,9 @@ def _cache_folder() -> Path:
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(_cache_folder())
+
+# Function pointers have been "experimental" in numba since 2019; every run would say so.
+warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 equation = register_jitable
 """Marks a function as an equation: callable from Python with anything, and from compiled code."""

@@ -18,8 +18,8 @@ integration blows up."""
 TINY_LEVEL = 1e-12
 """N. Keeps 0/0 out of a contact without any friction level (such a contact must have no bristle stiffness)."""
 
-TINY_SPEED = 1e-12
-"""m/s. Makes the length of a velocity vector smooth at rest, far below any speed of interest."""
+TINY = 1e-12
+"""m/s or m. Makes the length of a vector smooth at 0, far below any speed or deflection of interest."""
 
 
 class LuGre(NamedTuple):
@@ -62,6 +62,27 @@ def directed(velocity: Scalar, bristle: Scalar, friction: Friction) -> LuGre:
 
 
 @equation
+def blended(motion: Scalar, bend: Scalar, friction: Friction) -> LuGre:
+    """The set that applies to a surface that moves and is bent at an angle to the axis.
+
+    `motion` and `bend` are the direction cosines v_axial/|v| and z_axial/|z|. Between purely forward (1) and purely
+    backward (-1) the sets mix linearly: a switch at v_axial = 0 would make the friction of a turning rod jump.
+    """
+    forward = 0.5 + 0.5 * motion
+    bent_forward = 0.5 + 0.5 * bend
+    a = friction.positive
+    b = friction.negative
+    return LuGre(
+        b.coulomb + forward * (a.coulomb - b.coulomb),
+        b.stribeck + forward * (a.stribeck - b.stribeck),
+        b.viscous + forward * (a.viscous - b.viscous),
+        b.stribeck_velocity + forward * (a.stribeck_velocity - b.stribeck_velocity),
+        b.bristle_stiffness + bent_forward * (a.bristle_stiffness - b.bristle_stiffness),
+        b.bristle_damping + forward * (a.bristle_damping - b.bristle_damping),
+    )
+
+
+@equation
 def stribeck_level(speed: Scalar, p: LuGre) -> Scalar:
     """Steady friction without the viscous part (N): g(v) = a0 + a1 exp(-(v/v_s)^2). Thesis (3.32).
 
@@ -87,9 +108,15 @@ def lugre(velocity: Scalar, bristle: Scalar, friction: Friction) -> tuple[Scalar
 
 
 @equation
+def length(axial: Scalar, rotary: Scalar) -> Scalar:
+    """Length of a vector, smooth at 0, where it is `TINY`."""
+    return np.sqrt(axial**2 + rotary**2 + TINY**2)
+
+
+@equation
 def helical_speed(axial: Scalar, rotary: Scalar) -> Scalar:
     """Speed along the helix (m/s) of a surface that moves `axial` and `rotary` (m/s). Thesis 3.3.2."""
-    return np.sqrt(axial**2 + rotary**2 + TINY_SPEED**2)
+    return length(axial, rotary)
 
 
 @equation
@@ -101,10 +128,11 @@ def lugre_helical(axial: Scalar, rotary: Scalar, bristle: Scalar, friction: Fric
         axial = F_h v / v_h,  rotary = F_h w / v_h
 
     Thesis (3.45) to (3.47), as printed. The bristle only ever bends forward (z >= 0), so that this law has
-    neither presliding nor reversal and does not become the non-rotating one at w = 0.
+    neither presliding nor reversal and does not become the non-rotating one at w = 0: there its friction at rest is a
+    bare sign function, on which an integrator chatters. Not for rods that stand still: take `lugre_isotropic`.
     """
     speed = helical_speed(axial, rotary)
-    p = directed(axial, bristle, friction)
+    p = blended(axial / speed, axial / speed, friction)
     rate = speed - p.bristle_stiffness * speed * bristle / stribeck_level(speed, p)
     force = p.bristle_stiffness * bristle + p.bristle_damping * rate + p.viscous * speed
     return force * axial / speed, force * rotary / speed, rate
@@ -119,10 +147,10 @@ def lugre_isotropic(
         dz/dt = v - sigma0 |v| z / g(|v|),  F = sigma0 z + sigma1 dz/dt + a2 v     (v, z, F vectors)
 
     The scalar law with vectors in place of signed numbers: at w = 0, with the rotary component at 0, it is
-    `lugre`. Where the directions differ, the axial motion chooses.
+    `lugre`. Sets that differ with direction are `blended`.
     """
     speed = helical_speed(axial, rotary)
-    p = directed(axial, bristle_axial, friction)
+    p = blended(axial / speed, bristle_axial / length(bristle_axial, bristle_rotary), friction)
     relax = p.bristle_stiffness * speed / stribeck_level(speed, p)
     rate_axial = axial - relax * bristle_axial
     rate_rotary = rotary - relax * bristle_rotary

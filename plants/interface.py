@@ -1,5 +1,6 @@
 """What a plant is: its equations, what they are made of, and what a rig measures of them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
@@ -18,6 +19,11 @@ class Measurement(NamedTuple):
     rotation_speed: Annotated[float, "rad/s"]
 
 
+def unlimited(parameters: Any) -> float:
+    """The travel (m) of a plant without end stops."""
+    return math.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Plant:
     """A plant: names and units (as NamedTuple classes) and the equations over them.
@@ -27,9 +33,10 @@ class Plant:
     measure(state, parameters) -> Measurement                  noise-free readings
     equilibrium(parameters, surface_speed) -> (State, Inputs)  at rest in mid-stroke, rotating at that speed (m/s)
     command_limit(parameters) -> float                         the amplifier's limit, unit of the command
+    travel(parameters) -> float                                distance (m) between the end stops about position 0
 
-    `command` is the input that the position controller drives, `rotary_command` the one that rotates.
-    `balances` names the state whose rate each physical balance gives.
+    `State` holds at least `position` and `velocity`. `command` is the input that the position controller drives,
+    `rotary_command` the one that rotates. `balances` names the state whose rate each physical balance gives.
     """
 
     name: str
@@ -46,6 +53,7 @@ class Plant:
     command: str
     balances: dict[str, str]
     rotary_command: str | None = None
+    travel: Callable[[Any], float] = unlimited
 
     @property
     def command_unit(self) -> str:

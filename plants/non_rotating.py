@@ -107,6 +107,11 @@ def voltage_limit(p: Parameters) -> float:
     return p.hydraulics.voltage_limit
 
 
+def travel(p: Parameters) -> float:
+    """Distance (m) between the end stops, if they are modelled."""
+    return p.hydraulics.stroke if p.body.end_stop_stiffness else np.inf
+
+
 NON_ROTATING = Plant(
     name="non_rotating",
     summary="hydraulic cylinder with servo valve and LuGre friction (thesis 3.2)",
@@ -119,6 +124,7 @@ NON_ROTATING = Plant(
     measure=measure,
     equilibrium=equilibrium,
     command_limit=voltage_limit,
+    travel=travel,
     command="valve_voltage",
     balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
 )

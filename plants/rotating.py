@@ -16,7 +16,7 @@ from plants.friction import Friction, helical_speed, lugre_helical, lugre_isotro
 from plants.hydraulics import Hydraulics, Mass
 from plants.interface import Measurement, Plant
 from plants.motor import Motor
-from plants.non_rotating import holding_load_pressure, voltage_limit
+from plants.non_rotating import holding_load_pressure, travel, voltage_limit
 
 
 class HelicalState(NamedTuple):
@@ -345,6 +345,7 @@ def _plant(bristle: str, ideal: bool, **equations: Any) -> Plant:
         Signals=Signals,
         measure=ideal_measure if ideal else measure,
         command_limit=voltage_limit,
+        travel=travel,
         command="valve_voltage",
         rotary_command="surface_speed" if ideal else "motor_voltage",
         balances=_HYDRAULIC_BALANCES if ideal else _ALL_BALANCES,

@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 
 from workbench.errors import UserError, nearest
@@ -54,17 +53,21 @@ def run(
     _say_plan(planned)
     if dry_run:
         return
-    with _progress(len(planned.cases)) as progress:
-        run_study(
-            planned,
-            out,
-            jobs=jobs,
-            cluster=cluster,
-            resume=resume,
-            overwrite=overwrite,
-            keep_all=keep_trajectories,
-            progress=progress,
-        )
+    try:
+        with _Progress(len(planned.cases)) as progress:
+            run_study(
+                planned,
+                out,
+                jobs=jobs,
+                cluster=cluster,
+                resume=resume,
+                overwrite=overwrite,
+                keep_all=keep_trajectories,
+                progress=progress,
+            )
+    except KeyboardInterrupt:
+        print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
+        raise typer.Exit(130) from None
     _report(out, planned.study.file)
 
 
@@ -229,22 +232,12 @@ class _Progress:
             self._bar.stop()
 
 
-def _progress(total: int) -> _Progress:
-    return _Progress(total)
-
-
 def main() -> None:
     """Run the command line. A user's mistake is one or two lines and exit code 2."""
     try:
-        app(standalone_mode=False)
+        app()
     except UserError as error:
         if "--debug" in sys.argv:
             raise
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-    except click.Abort:
-        print("stopped; finished cases are kept: go on with --resume", file=sys.stderr)
-        sys.exit(130)

@@ -16,7 +16,7 @@ ModelT = TypeVar("ModelT", bound=BaseModel)
 class Strict(BaseModel):
     """Base of all file schemas: unknown keys are mistakes, values do not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
@@ -56,13 +56,11 @@ def line_of(text: str, key: Key) -> int | None:
     counts: dict[Key, int] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         if header := _HEADER.match(line):
-            table = _parts(header["name"])
+            table = _placed(_parts(header["name"]), counts)
             if header[1]:
                 index = counts.get(table, -1) + 1
                 counts[table] = index
                 table = (*table, index)
-            else:
-                table = _placed(table, counts)
             found.setdefault(table, number)
         elif assign := _ASSIGN.match(line):
             found.setdefault((*table, *_parts(assign["name"])), number)
@@ -106,7 +104,8 @@ def conform(model: type[ModelT], data: dict[str, Any]) -> ModelT:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
+        mistakes = error.errors()
+        first = next((item for item in mistakes if item["type"] == "extra_forbidden"), mistakes[0])
         key = tuple(part for part in first["loc"] if not (isinstance(part, str) and part in _UNION_MEMBERS))
         raise SchemaError(key, _message(model, first, key)) from None
 
@@ -142,17 +141,13 @@ def _message(model: type[BaseModel], error: Any, key: Key) -> str:
 
 
 def _valid_keys(model: Any, key: Key) -> list[str]:
-    """Names of the fields of the model at `key` inside `model`."""
+    """Names of the fields of the model at `key` inside `model`; names and places in a container lead to its model."""
     for part in key:
-        model = _inner(model, part)
-        if model is None:
-            return []
-    return list(model.model_fields) if hasattr(model, "model_fields") else []
-
-
-def _inner(model: Any, part: str | int) -> Any:
-    annotation = model.model_fields[part].annotation if hasattr(model, "model_fields") else model
-    return _model_in(annotation)
+        known = getattr(model, "model_fields", {})
+        if part in known:
+            annotation = known[part].annotation
+            model = _model_in(annotation)
+    return list(getattr(model, "model_fields", {}))
 
 
 def _model_in(annotation: Any) -> Any:

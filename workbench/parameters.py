@@ -1,13 +1,14 @@
 """Named parameter sets and parameter files: physical values with units and sources, checked, for any plant."""
 
 import functools
-import math
+import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 import workbench.files as toml
 from plants.equation import NEGATIVE, fields, from_array
@@ -36,7 +37,9 @@ MAY_BE_ZERO = {
 
 
 class Entry(toml.Strict):
-    """One parameter of a file."""
+    """One parameter of a file; `value` and `std` are checked with the parameter's own unit."""
+
+    model_config = ConfigDict(allow_inf_nan=True)
 
     value: float | str
     source: str
@@ -83,14 +86,18 @@ def parameter_path(name: str, folder: Path) -> Path:
     raise UserError(f'unknown parameter set "{name}"; {nearest(name, sets)} (a file needs the ending .toml)')
 
 
-@functools.cache
 def read_parameters(path: Path) -> Mapping[str, float]:
     """Values (SI) of a parameter file by canonical name.
 
     Raises:
         UserError: unknown name, wrong unit, impossible value.
     """
-    data, text = toml.read_toml(path)
+    return _parsed(path, toml.read_toml(path)[1])
+
+
+@functools.cache
+def _parsed(path: Path, text: str) -> Mapping[str, float]:
+    data = tomllib.loads(text)
     content = toml.validate(ParameterFile, data, path, text)
     values = {}
     for name, entry in content.parameters.items():
@@ -101,7 +108,7 @@ def read_parameters(path: Path) -> Mapping[str, float]:
                 si(entry.std, known_units()[name])
         except (QuantityError, UserError) as error:
             raise toml.at(path, text, key, str(error)) from None
-    return values
+    return MappingProxyType(values)
 
 
 def parameter_value(name: str, value: Any) -> float:
@@ -114,7 +121,7 @@ def parameter_value(name: str, value: Any) -> float:
     units = known_units()
     if name not in units or name == FLOW_SHARE:
         raise UserError(f'unknown parameter "{name}"; {nearest(name, [n for n in units if n != FLOW_SHARE])}')
-    number = si(value, units[name])
+    number = si(value, units[name], infinite=name in UNBOUNDED)
     check_range(name, number)
     return number
 
@@ -122,8 +129,6 @@ def parameter_value(name: str, value: Any) -> float:
 def check_range(name: str, number: float) -> None:
     """Raise UserError where `number` (SI) is impossible for the parameter."""
     plain = name.removesuffix(f"_{NEGATIVE}")
-    if math.isinf(number) and plain not in UNBOUNDED:
-        raise UserError(f"got {number}, expected a finite value")
     if plain in SIGNED:
         return
     if number < 0.0:
@@ -161,7 +166,10 @@ def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:
             f"piston areas {values['piston_area_1']:g} and {values['piston_area_2']:g} m^2 differ: the load-pressure "
             "form holds for equal areas only"
         )
-    if values.get("coulomb") == values.get("stribeck") == 0.0 and values.get("bristle_stiffness"):
-        raise UserError(
-            "coulomb and stribeck are both 0: a contact without any friction level needs bristle_stiffness = 0 too"
-        )
+    for suffix in ("", f"_{NEGATIVE}"):
+        level = [values.get(f"{name}{suffix}", values.get(name)) for name in ("coulomb", "stribeck")]
+        if level == [0.0, 0.0] and values.get("bristle_stiffness"):
+            raise UserError(
+                f"coulomb{suffix} and stribeck{suffix} are both 0: a contact without any friction level needs "
+                "bristle_stiffness = 0 too"
+            )

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import re
 from typing import Any
 
 import pint
@@ -21,20 +22,26 @@ def _registry() -> Any:
     return registry
 
 
+_QUANTITY = re.compile(r"(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\d\s,;.+-][^,;]*)?")
+
+
 @functools.cache
 def _si(text: str, unit: str) -> float:
     registry = _registry()
+    parts = _QUANTITY.fullmatch(text)
+    if parts is None:
+        raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}')
     try:
-        quantity = registry.Quantity(text)
-        expected = registry.Unit(unit if unit != "1" else "dimensionless")
+        base = registry.Quantity(float(parts["number"]), registry.Unit(parts["unit"] or "")).to_base_units()
     except Exception as error:
         raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}') from error
-    if not isinstance(quantity.magnitude, int | float) or quantity.dimensionality != expected.dimensionality:
+    # Base units keep the radian: a frequency in Hz is no speed in rad/s.
+    if base.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
         got = f'got "{text}"'
-        if quantity.dimensionless:
+        if not parts["unit"]:
             got += " without a unit (write a bare number, without quotes, for SI)"
         raise QuantityError(f"{got}, expected {example(unit)}")
-    return float(quantity.to_base_units().magnitude)
+    return float(base.magnitude)
 
 
 def example(unit: str) -> str:
@@ -42,27 +49,30 @@ def example(unit: str) -> str:
     return "a plain number" if unit == "1" else f'a quantity in {unit}, such as "1 {unit}"'
 
 
-def si(value: Any, unit: str, command: str = "V") -> float:
+def si(value: Any, unit: str, command: str = "V", *, infinite: bool = False) -> float:
     """A number (already SI) or text with a unit, as an SI float.
 
     Args:
         value: 2940000.0 or "2.94 MPa".
         unit: what is expected, SI, such as "Pa"; `command` in it stands for the unit of the plant's command.
         command: that unit.
+        infinite: whether "inf" will do.
 
     Raises:
-        QuantityError: not a quantity, another dimension, or NaN.
+        QuantityError: not a quantity, another dimension, not finite.
     """
     unit = unit.replace(COMMAND, command)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise QuantityError(f"got {value!r}, expected {example(unit)}")
     if isinstance(value, str):
         stripped = value.strip()
-        number = math.inf if stripped in ("inf", "+inf") else _si(stripped, unit)
+        number = math.inf if stripped == "inf" else _si(stripped, unit)
     else:
         number = float(value)
     if math.isnan(number):
         raise QuantityError(f"got NaN, expected {example(unit)}")
+    if math.isinf(number) and not infinite:
+        raise QuantityError(f"got {number}, expected a finite value")
     return number
 
 

@@ -73,7 +73,9 @@ def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> list[Pa
 
 
 def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str) -> None:
-    for number, curve in enumerate(panel.curves):
+    number = -1
+    for curve in panel.curves:
+        number += curve.style != "reference"
         style = {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
         if curve.style == "reference":
             style = {"color": REFERENCE, "linestyle": "-"}

@@ -252,21 +252,14 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
         return "diverged"
     if ended == engine.STEP_TOO_SMALL:
         return "step too small"
+    if np.max(np.abs(run.state("position"))) > 0.5 * run.plant.travel(run.parameters):
+        return "end stop"
     if np.all(np.abs(run.command) >= limit):
         return "saturated throughout"
-    if run.parameters.body.end_stop_stiffness > 0.0 and np.max(np.abs(run.state("position"))) > 0.5 * stroke_of(
-        run.parameters
-    ):
-        return "end stop"
     asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0
     if asked_to_move and np.max(np.abs(run.state("velocity"))) < STUCK_SPEED:
         return "stuck"
     return "completed"
-
-
-def stroke_of(parameters: Any) -> float:
-    """Distance between the end stops (m)."""
-    return float(getattr(parameters, "stroke", None) or parameters.hydraulics.stroke)
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:

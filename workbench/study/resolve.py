@@ -39,6 +39,11 @@ class Resolved:
     transient: float
     band: float
 
+    @property
+    def signal(self) -> ReferenceSignal | None:
+        """What drives the run: its reference, or in open loop what is fed to an input."""
+        return self.setup.reference or next((feed.signal for feed in self.setup.feeds), None)
+
 
 class _MistakeError(Exception):
     """A mistake, with the key at which it stands."""

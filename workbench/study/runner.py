@@ -145,7 +145,7 @@ def run_case(study: Study, case: Case, keep: Path | None) -> dict[str, Any]:
     resolved = resolve(study, case)
     run = simulate(resolved.setup)
     values: dict[str, Any] = dict(case.columns)
-    values |= evaluate(run, resolved.setup.reference, resolved.transient, resolved.band)
+    values |= evaluate(run, resolved.signal, resolved.transient, resolved.band)
     values["solver_error_m"] = solver_error(resolved.setup, run)
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from workbench.files import Strict
 from workbench.simulation.simulate import DEFAULT_TOLERANCE, METHODS
-from workbench.units import si
+from workbench.units import QuantityError, si
 
 Raw = float | str
 """A quantity whose unit depends on its place; converted when the case is resolved."""
@@ -20,10 +20,17 @@ Radian = Annotated[float, BeforeValidator(partial(si, unit="rad"))]
 
 def rpm_si(value: Any) -> float:
     """A speed of rotation in rad/s; unlike elsewhere a bare number is in rpm, the unit of the axis' name."""
-    return si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
+    try:
+        return si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
+    except QuantityError:
+        raise QuantityError(f'got {value!r}, expected a speed of rotation, such as 460 or "460 rpm"') from None
 
 
 Rotation = Annotated[float, BeforeValidator(rpm_si)]
+
+
+MOST_SAMPLES = 2e7
+"""Samples of one run: more would not fit into the memory of a small machine."""
 
 
 class PlantTable(Strict):
@@ -90,8 +97,11 @@ class SimulationTable(Strict):
     def _fits(self) -> "SimulationTable":
         if self.transient >= self.duration:
             raise ValueError(f"transient {self.transient:g} s leaves nothing of the duration of {self.duration:g} s")
-        if self.sample_time >= self.duration:
-            raise ValueError(f"sample_time {self.sample_time:g} s is not below the duration of {self.duration:g} s")
+        if not 1.0 <= self.duration / self.sample_time <= MOST_SAMPLES:
+            raise ValueError(
+                f"duration {self.duration:g} s at a sample_time of {self.sample_time:g} s: expected between 1 and "
+                f"{MOST_SAMPLES:g} samples"
+            )
         return self
 
 

@@ -1,0 +1,24 @@
+"""Fixtures that several tests share: every registered plant, and parameters for it."""
+
+from typing import Any
+
+import pytest
+
+from plants.interface import Plant
+from plants.registry import plants
+from workbench.parameters import build, named_sets, read_parameters
+
+FORCE_GAIN = {"force_gain": 100.0}
+"""N/V. The thesis's actuator has none; the drive that a voltage moves needs one."""
+
+
+@pytest.fixture(params=plants().values(), ids=lambda plant: plant.name)
+def plant(request: pytest.FixtureRequest) -> Plant:
+    """Every registered plant in turn."""
+    return request.param
+
+
+@pytest.fixture
+def parameters(plant: Plant) -> Any:
+    """The thesis's simulation set for `plant`, derived flow."""
+    return build(plant.Parameters, read_parameters(named_sets()["owen2001_simulation"]) | FORCE_GAIN)

@@ -1,0 +1,151 @@
+"""Integrators against problems with known solutions: a pendulum, a linear plant under held inputs, blow-ups."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.special import ellipj, ellipk
+from support import COLLAPSE, EXPLOSION, OSCILLATOR, PENDULUM, start
+
+from workbench.simulation.references import Recorded
+from workbench.simulation.simulate import Feed, Integrator, Run, Setup, simulate, solver_error
+
+HEIGHT = 2.0
+"""rad: high enough for the pendulum to be far from a sine."""
+
+SWING = start(PENDULUM, HEIGHT, stiffness=1.0, duration=8.0, sample_time=0.4)
+
+
+def swing(time: np.ndarray) -> np.ndarray:
+    """Angle of a pendulum let go at `HEIGHT`: sin(x/2) = k cn(t, k)/dn(t, k), k = sin(HEIGHT/2). Whittaker 1904."""
+    modulus = np.sin(HEIGHT / 2.0)
+    _, cn, dn, _ = ellipj(time, modulus**2)
+    return 2.0 * np.arcsin(modulus * cn / dn)
+
+
+def true_error(setup: Setup) -> tuple[Run, float]:
+    """A run of the pendulum and how far its angle is off."""
+    run = simulate(setup)
+    assert run.outcome == "completed"
+    return run, float(np.max(np.abs(run.state("position") - swing(run.time))))
+
+
+def test_pendulum_solution_has_the_period_of_the_elliptic_integral() -> None:
+    quarter = ellipk(np.sin(HEIGHT / 2.0) ** 2)
+    assert swing(np.array([0.0, quarter, 4.0 * quarter])) == pytest.approx([HEIGHT, 0.0, HEIGHT], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "steps"),
+    [("euler", 1, (4e-4, 2e-4, 1e-4)), ("heun", 2, (8e-3, 4e-3, 2e-3)), ("rk4", 4, (4e-2, 2e-2, 1e-2))],
+)
+def test_order_of_convergence_of_fixed_steps(method: str, order: int, steps: tuple[float, ...]) -> None:
+    errors = [true_error(replace(SWING, integrator=Integrator(method, step)))[1] for step in steps]
+    observed = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert observed == pytest.approx([order, order], abs=0.1)
+
+
+def test_order_of_convergence_of_error_control() -> None:
+    """With a tolerance that accepts everything each sample is one step: order 5 in the sample time."""
+    setups = [replace(SWING, sample_time=h, integrator=Integrator(tolerance=1e3)) for h in (0.05, 0.025, 0.0125)]
+    runs, errors = zip(*map(true_error, setups), strict=True)
+    assert [run.steps for run in runs] == [160, 320, 640]
+    observed = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert observed == pytest.approx([5.0, 5.0], abs=0.1)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_error_follows_the_tolerance(tolerance: float) -> None:
+    """Each step errs by at most tolerance (1 + |x|); the pendulum adds them up to less than 10 times that."""
+    _, error = true_error(replace(SWING, integrator=Integrator(tolerance=tolerance)))
+    assert 1e-2 * tolerance < error < 10.0 * tolerance
+
+
+@pytest.mark.parametrize(
+    ("integrator", "ratio"),
+    [
+        (Integrator("euler", 1e-4), 1.0 / 2.0),
+        (Integrator("heun", 2e-3), 3.0 / 4.0),
+        (Integrator("rk4", 2e-2), 15.0 / 16.0),
+        (Integrator(tolerance=1e-6), 1.0),
+    ],
+)
+def test_own_error_estimate_is_close_to_the_true_error(integrator: Integrator, ratio: float) -> None:
+    """Half the step of order p leaves 1/2^p of the error; the estimate is the rest, 1 - 1/2^p."""
+    setup = replace(SWING, integrator=integrator)
+    run, error = true_error(setup)
+    assert solver_error(setup, run) == pytest.approx(ratio * error, rel=0.05)
+
+
+def test_fixed_step_is_shortened_to_fit_the_sample() -> None:
+    run = simulate(replace(SWING, integrator=Integrator("rk4", 0.3)))
+    assert run.steps == 2 * 20
+    assert np.array_equal(run.states, simulate(replace(SWING, integrator=Integrator("rk4", 0.2))).states)
+
+
+@pytest.mark.parametrize("integrator", [Integrator("rk4", 1e-4), Integrator(tolerance=1e-12)])
+def test_held_input_at_sample_instants_is_the_zero_order_hold(integrator: Integrator) -> None:
+    """A linear plant under held inputs is x(k+1) = Phi x(k) + Gamma u(k) with both from the matrix exponential."""
+    k, c, h, samples = 900.0, 6.0, 1e-3, 400
+    force = np.random.default_rng(3).normal(size=samples)
+    time = h * np.arange(samples)
+    run = simulate(
+        start(
+            OSCILLATOR,
+            0.01,
+            -0.2,
+            stiffness=k,
+            damping=c,
+            duration=time[-1],
+            feeds=(Feed("force", Recorded(time, force), linear=False),),
+            integrator=integrator,
+        )
+    )
+    transition = expm(h * np.array([[0.0, 1.0, 0.0], [-k, -c, 1.0], [0.0, 0.0, 0.0]]))
+    expected = np.empty((samples, 2))
+    expected[0] = 0.01, -0.2
+    for i in range(samples - 1):
+        expected[i + 1] = (transition @ [*expected[i], force[i]])[:2]
+    assert run.inputs[:, 0] == pytest.approx(force, abs=1e-12)
+    assert np.max(np.abs(run.states - expected)) < 1e-11
+
+
+def test_growing_oscillation_is_outcome_diverged() -> None:
+    """With c = -20 N s/m and k = 0 the speed is e^(20 t) times its start: beyond 1e6 (1 + 1) after 0.725 s."""
+    setup = start(OSCILLATOR, 0.0, 1.0, damping=-20.0, duration=5.0)
+    run = simulate(setup)
+    assert run.outcome == "diverged"
+    assert run.diverged
+    assert run.time[-1] == pytest.approx(np.log(2e6) / 20.0, abs=1e-3)
+    assert run.state("velocity") == pytest.approx(np.exp(20.0 * run.time), rel=1e-4)
+    assert run.signals["position"].size == run.time.size
+    assert solver_error(setup, run) is None
+
+
+@pytest.mark.parametrize("method", ["euler", "heun", "rk4"])
+def test_fixed_steps_through_infinity_diverge(method: str) -> None:
+    """dx/dt = x^2 from 2 m is infinite at 0.5 s; explicit steps lag behind and overflow soon after."""
+    run = simulate(start(EXPLOSION, 2.0, duration=5.0, integrator=Integrator(method, 1e-4)))
+    assert run.outcome == "diverged"
+    assert 0.49 < run.time[-1] < 0.51
+    assert np.all(np.isfinite(run.states))
+
+
+def test_error_control_stops_at_infinity() -> None:
+    run = simulate(start(EXPLOSION, 2.0, duration=5.0))
+    assert run.diverged
+    assert run.time[-1] == pytest.approx(0.5, abs=1.5e-3)
+    early = run.time < 0.45
+    assert run.state("position")[early] == pytest.approx(2.0 / (1.0 - 2.0 * run.time[early]), rel=1e-5)
+
+
+def test_infinite_slope_is_outcome_step_too_small() -> None:
+    """sqrt(0.9995 - t) falls into 0 with an infinite slope in mid-sample, at which no step is short enough."""
+    setup = start(COLLAPSE, np.sqrt(0.9995), duration=5.0)
+    run = simulate(setup)
+    assert run.outcome == "step too small"
+    assert run.diverged
+    assert run.time[-1] == pytest.approx(0.999, abs=1e-9)
+    assert run.state("position") == pytest.approx(np.sqrt(0.9995 - run.time), abs=1e-4)
+    assert solver_error(setup, run) is None

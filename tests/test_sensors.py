@@ -1,0 +1,137 @@
+"""Sensors against their definitions: noise statistics, converter steps, analogue filter, delay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import OSCILLATOR, registered, start
+
+from plants.interface import Measurement
+from workbench.simulation.sensors import Channel, Sensors
+from workbench.simulation.simulate import Integrator, Run, simulate
+
+FREQUENCY = 7.0
+OMEGA = 2.0 * np.pi * FREQUENCY
+AMPLITUDE = 3e-3
+
+COSINE = start(
+    OSCILLATOR,
+    AMPLITUDE,
+    stiffness=OMEGA**2,
+    duration=1.0,
+    integrator=Integrator(tolerance=1e-12),
+)
+"""An undamped mass on a spring: x = A cos(w t), v = -A w sin(w t)."""
+
+
+def measured(run: Run, name: str = "position") -> np.ndarray:
+    return run.measurements[:, Measurement._fields.index(name)]
+
+
+def test_ideal_sensors_read_the_plant() -> None:
+    run = simulate(COSINE)
+    assert np.array_equal(measured(run), run.state("position"))
+    assert np.array_equal(measured(run, "pressure_1"), run.state("velocity"))
+    assert measured(run) == pytest.approx(AMPLITUDE * np.cos(OMEGA * run.time), abs=1e-12)
+
+
+def test_noise_is_white_with_the_given_deviation() -> None:
+    """N = 20 001: mean, deviation and lag-one correlation within four of their own standard errors."""
+    sigma = 13e-6
+    sensors = Sensors({"position": Channel(noise=sigma)})
+    run = simulate(replace(COSINE, duration=20.0, sensors=sensors, seed=1))
+    noise = (measured(run) - run.state("position")) / sigma
+    n = noise.size
+    assert abs(np.mean(noise)) < 4.0 / np.sqrt(n)
+    assert np.std(noise) == pytest.approx(1.0, abs=4.0 / np.sqrt(2.0 * n))
+    assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 4.0 / np.sqrt(n)
+    assert np.mean(np.abs(noise) < 1.0) == pytest.approx(0.6827, abs=4.0 * np.sqrt(0.68 * 0.32 / n))
+
+
+def test_channels_draw_from_streams_of_their_own() -> None:
+    """Noise on another channel changes nothing on this one, and is not the same noise."""
+    one = Sensors({"position": Channel(noise=1.0)}).noise(5000, 3)
+    two = Sensors({"position": Channel(noise=1.0), "pressure_1": Channel(noise=2.0)}).noise(5000, 3)
+    assert np.array_equal(one[:, 0], two[:, 0])
+    assert np.all(one[:, 1:] == 0.0)
+    assert abs(np.corrcoef(two[:, 0], two[:, 1])[0, 1]) < 4.0 / np.sqrt(5000)
+
+
+def test_seed_decides_the_noise() -> None:
+    setup = replace(COSINE, sensors=Sensors({"position": Channel(noise=1e-5)}), seed=8)
+    first, again, other = (measured(simulate(replace(setup, seed=seed))) for seed in (8, 8, 9))
+    assert first.tobytes() == again.tobytes()
+    assert not np.any(first == other)
+
+
+def test_converter_rounds_to_the_nearest_step() -> None:
+    step = 2.0**-14
+    run = simulate(replace(COSINE, sensors=Sensors({"position": Channel(resolution=step)})))
+    counts = measured(run) / step
+    assert np.array_equal(counts, np.rint(counts))
+    assert np.max(np.abs(measured(run) - run.state("position"))) <= step / 2.0
+    assert np.ptp(counts) == 2 * np.rint(AMPLITUDE / step)
+
+
+def test_converter_comes_after_the_noise() -> None:
+    """A sensor at rest that is finer in noise than in steps still delivers whole steps only."""
+    step = 1e-5
+    channel = Channel(noise=step, resolution=step)
+    run = simulate(replace(COSINE, state=COSINE.state._replace(position=0.0), sensors=Sensors({"position": channel})))
+    counts = measured(run) / step
+    assert counts == pytest.approx(np.rint(counts), abs=1e-9)
+    assert set(np.rint(counts)) >= {-2.0, -1.0, 0.0, 1.0, 2.0}
+
+
+@pytest.mark.parametrize("cutoff", [2.0, 7.0, 150.0])
+def test_filter_is_the_analytic_first_order_lag(cutoff: float) -> None:
+    """dy/dt = wc (x - y) from y = x: A Re(H e^(i w t)) + A (1 - Re H) e^(-wc t), H = wc/(wc + i w)."""
+    run = simulate(replace(COSINE, sensors=Sensors({"position": Channel(anti_alias=cutoff)})))
+    wc = 2.0 * np.pi * cutoff
+    response = wc / (wc + 1j * OMEGA)
+    steady = (response * np.exp(1j * OMEGA * run.time)).real
+    expected = AMPLITUDE * (steady + (1.0 - response.real) * np.exp(-wc * run.time))
+    assert measured(run) == pytest.approx(expected, abs=1e-11)
+    assert np.array_equal(measured(run, "pressure_1"), run.state("velocity"))
+
+
+def test_filter_gain_and_phase_at_its_cutoff() -> None:
+    """At the cutoff: gain 1/sqrt(2), 45 degrees behind."""
+    run = simulate(replace(COSINE, sensors=Sensors({"position": Channel(anti_alias=FREQUENCY)})))
+    late = run.time >= 1.0 - 2.0 / FREQUENCY
+    basis = np.column_stack([np.cos(OMEGA * run.time), np.sin(OMEGA * run.time)])[late]
+    cosine, sine = np.linalg.lstsq(basis, measured(run)[late], rcond=None)[0]
+    assert np.hypot(cosine, sine) / AMPLITUDE == pytest.approx(1.0 / np.sqrt(2.0), abs=1e-6)
+    assert np.degrees(np.arctan2(sine, cosine)) == pytest.approx(45.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("milliseconds", [0.4, 1.0, 1.5, 2.7, 3.0, 10.25, 40.0])
+def test_delayed_reading_is_the_position_of_that_time_ago(milliseconds: float) -> None:
+    delay = milliseconds * 1e-3
+    run = simulate(replace(COSINE, sensors=Sensors(delay=delay)))
+    age = np.maximum(run.time - delay, 0.0)
+    assert measured(run) == pytest.approx(AMPLITUDE * np.cos(OMEGA * age), abs=1e-12)
+    assert measured(run, "pressure_1") == pytest.approx(-AMPLITUDE * OMEGA * np.sin(OMEGA * age), abs=1e-10)
+
+
+@pytest.mark.parametrize("integrator", [Integrator("rk4", 1e-4), Integrator(tolerance=1e-12)])
+def test_delay_does_not_disturb_the_plant(integrator: Integrator) -> None:
+    """A fractional delay makes the integrator land between samples, which costs nothing in accuracy."""
+    run = simulate(replace(COSINE, sensors=Sensors(delay=0.3e-3), integrator=integrator))
+    assert run.state("position") == pytest.approx(AMPLITUDE * np.cos(OMEGA * run.time), abs=1e-11)
+
+
+def test_filter_and_delay_together() -> None:
+    """The delay holds back what the filter gave."""
+    channel = Channel(anti_alias=20.0)
+    prompt = simulate(replace(COSINE, sensors=Sensors({"position": channel})))
+    late = simulate(replace(COSINE, sensors=Sensors({"position": channel}, delay=5e-3)))
+    assert measured(late)[5:] == pytest.approx(measured(prompt)[:-5], abs=1e-15)
+    assert np.all(measured(late)[:5] == AMPLITUDE)
+
+
+def test_sensors_of_a_rig_read_pressures_and_speed() -> None:
+    """At rest the chambers share the supply pressure (2.94 MPa) and the rod turns at 460 rpm."""
+    run = simulate(registered("rotating_helical", rpm=460.0, duration=0.01))
+    expected = [0.0, 1.47e6, 1.47e6, 460.0 * 2.0 * np.pi / 60.0]
+    assert run.measurements[-1] == pytest.approx(expected, rel=1e-9, abs=1e-12)

@@ -1,0 +1,88 @@
+"""How well the position follows: phase lag and gain, errors, settling."""
+
+import math
+
+import numpy as np
+
+from workbench.metrics.window import first_sample
+
+LAST_PART = 0.20
+"""Share of a dwell, at its end, whose mean error is the steady-state error."""
+
+SETTLED = 0.02
+"""Share of the jump within which the error must stay."""
+
+LEAST_AMPLITUDE = 1e-9
+"""m. A fundamental, or a jump, smaller than this is none."""
+
+
+def fundamental(time: np.ndarray, signal: np.ndarray, frequency: float) -> complex:
+    """A exp(i phi), where A sin(w t + phi) + c fits `signal` best by least squares; w = 2 pi `frequency` (Hz)."""
+    angle = 2.0 * np.pi * frequency * time
+    basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(angle)])
+    (sine, cosine, _), *_ = np.linalg.lstsq(basis, signal, rcond=None)
+    return complex(sine, cosine)
+
+
+def phase_lag_and_gain(
+    time: np.ndarray, reference: np.ndarray, position: np.ndarray, frequency: float
+) -> tuple[float | None, float | None]:
+    """Phase lag (deg) of position behind reference (both m) at `frequency` (Hz), and the ratio of their amplitudes.
+
+    phi(reference) - phi(position) in (-180, 180], positive where the position is late; over whole periods. Both are
+    None where the reference has no such fundamental, the lag also where the position has none.
+    """
+    asked, got = fundamental(time, reference, frequency), fundamental(time, position, frequency)
+    if abs(asked) < LEAST_AMPLITUDE:
+        return None, None
+    lead = math.degrees(math.atan2(got.imag, got.real) - math.atan2(asked.imag, asked.real))
+    lag = 180.0 - (180.0 + lead) % 360.0
+    return lag if abs(got) >= LEAST_AMPLITUDE else None, abs(got) / abs(asked)
+
+
+def root_mean_square(signal: np.ndarray) -> float:
+    """Root of the mean square, in the unit of `signal`."""
+    return float(np.sqrt(np.mean(np.square(signal))))
+
+
+def steady_state_error(time: np.ndarray, error: np.ndarray, dwells: list[slice], transient: float) -> float | None:
+    """Largest, over the dwells, |mean error over the last 20 % of the dwell| (m); None without dwells.
+
+    Samples before `transient` (s) are left out.
+    """
+    means = []
+    for dwell in dwells:
+        count = max(1, round(LAST_PART * (dwell.stop - dwell.start)))
+        start = max(dwell.stop - count, first_sample(time, transient))
+        if start < dwell.stop:
+            means.append(abs(float(np.mean(error[start : dwell.stop]))))
+    return max(means, default=None)
+
+
+def settling_time(time: np.ndarray, reference: np.ndarray, error: np.ndarray, dwells: list[slice]) -> float | None:
+    """Largest, over the dwells that begin with a jump, time (s) from the jump until |error| stays within 2 % of it.
+
+    From there it stays until the dwell ends. None where no dwell begins with a jump, or where any does not settle. A
+    jump is a change from one sample to the next of more than twice what the reference's speed until then accounts
+    for; at the start of a run it is the error there. `reference` and `error` in m.
+    """
+    times = []
+    for dwell in dwells:
+        jump = abs(_jump(reference, error, dwell.start))
+        if jump <= LEAST_AMPLITUDE:
+            continue
+        outside = np.flatnonzero(np.abs(error[dwell]) > SETTLED * jump)
+        settled = dwell.start + (int(outside[-1]) + 1 if outside.size else 0)
+        if settled == dwell.stop:
+            return None
+        times.append(float(time[settled] - time[dwell.start]))
+    return max(times, default=None)
+
+
+def _jump(reference: np.ndarray, error: np.ndarray, start: int) -> float:
+    """Height (m) by which the reference jumps at sample `start`, 0 where it only turns."""
+    if start == 0:
+        return float(error[0])
+    step = reference[start] - reference[start - 1]
+    before = reference[start - 1] - reference[start - 2] if start > 1 else 0.0
+    return float(step) if abs(step) > 2.0 * abs(before) else 0.0
