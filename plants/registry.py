@@ -5,7 +5,8 @@ from importlib.metadata import entry_points
 from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
-from plants.rotating import HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL
+from plants.rotating import HELICAL, ISOTROPIC
+from plants.rotating_ideal import HELICAL_IDEAL, ISOTROPIC_IDEAL
 
 ENTRY_POINT_GROUP = "friction_workbench.plants"
 

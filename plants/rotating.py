@@ -1,8 +1,8 @@
 """The rotating hydraulic actuator of thesis 3.3: six states (or seven) and the valve's spool.
 
 Two bristle laws: `helical`, one scalar bristle along the helix as the thesis prints it, and `isotropic`, a bristle
-with an axial and a rotary component. Two ways to turn the rod: a motor fed with a voltage (the thesis), or, for
-each law again, `ideal`: a surface speed that is imposed, whatever torque it takes.
+with an axial and a rotary component. Here a motor turns the rod, fed with a voltage, as in the thesis;
+`plants.rotating_ideal` has the same laws with an imposed speed.
 """
 
 from typing import Annotated, Any, NamedTuple
@@ -40,32 +40,9 @@ class IsotropicState(NamedTuple):
     spool_position: Annotated[float, "m", 1e-4]
 
 
-class HelicalIdealState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    bristle_deflection: Annotated[float, "m", 1e-4]
-    spool_position: Annotated[float, "m", 1e-4]
-
-
-class IsotropicIdealState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    bristle_axial: Annotated[float, "m", 1e-4]
-    bristle_rotary: Annotated[float, "m", 1e-4]
-    spool_position: Annotated[float, "m", 1e-4]
-
-
 class Inputs(NamedTuple):
     valve_voltage: Annotated[float, "V"]
     motor_voltage: Annotated[float, "V"]
-    disturbance_force: Annotated[float, "N"]
-
-
-class IdealInputs(NamedTuple):
-    valve_voltage: Annotated[float, "V"]
-    surface_speed: Annotated[float, "m/s"]
     disturbance_force: Annotated[float, "N"]
 
 
@@ -102,7 +79,7 @@ class Signals(NamedTuple):
 
 
 @equation
-def _hydraulic_rates(state: Any, inputs: Any, axial_friction: Scalar, p: Parameters) -> tuple[Scalar, Scalar, Scalar]:
+def hydraulic_rates(state: Any, inputs: Any, axial_friction: Scalar, p: Parameters) -> tuple[Scalar, Scalar, Scalar]:
     """Rates of velocity, load pressure and spool: (3.36), (3.37) and the valve, given the axial friction (N)."""
     h = p.hydraulics
     flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
@@ -115,7 +92,7 @@ def _hydraulic_rates(state: Any, inputs: Any, axial_friction: Scalar, p: Paramet
 
 
 @equation
-def _signals(
+def all_signals(
     state: Any,
     inputs: Any,
     friction: tuple[Scalar, Scalar],
@@ -130,7 +107,7 @@ def _signals(
     h = p.hydraulics
     axial, rotary = friction
     surface_speed, current, voltage = rotation
-    acceleration, _, _ = _hydraulic_rates(state, inputs, axial, p)
+    acceleration, _, _ = hydraulic_rates(state, inputs, axial, p)
     flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
     pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, h)
     speed = helical_speed(state.velocity, surface_speed)
@@ -158,7 +135,7 @@ def _signals(
 
 
 @equation
-def _measure(state: Any, surface_speed: Scalar, p: Parameters) -> Measurement:
+def readings(state: Any, surface_speed: Scalar, p: Parameters) -> Measurement:
     pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, p.hydraulics)
     return Measurement(state.position, pressure_1, pressure_2, surface_speed / p.motor.piston_radius)
 
@@ -172,7 +149,7 @@ def helical_derivatives(time: Scalar, state: HelicalState, inputs: Inputs, p: Pa
     axial, rotary, bristle_rate = lugre_helical(
         state.velocity, state.surface_speed, state.bristle_deflection, p.friction
     )
-    acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
+    acceleration, pressure_rate, spool_rate = hydraulic_rates(state, inputs, axial, p)
     return HelicalState(
         state.velocity,
         acceleration,
@@ -189,7 +166,7 @@ def helical_signals(time: Scalar, state: HelicalState, inputs: Inputs, p: Parame
     """What is worth plotting; see `Signals`."""
     axial, rotary, _ = lugre_helical(state.velocity, state.surface_speed, state.bristle_deflection, p.friction)
     rotation = (state.surface_speed, state.motor_current, inputs.motor_voltage)
-    return _signals(state, inputs, (axial, rotary), rotation, p)
+    return all_signals(state, inputs, (axial, rotary), rotation, p)
 
 
 @equation
@@ -198,7 +175,7 @@ def isotropic_derivatives(time: Scalar, state: IsotropicState, inputs: Inputs, p
     axial, rotary, rate_axial, rate_rotary = lugre_isotropic(
         state.velocity, state.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
     )
-    acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
+    acceleration, pressure_rate, spool_rate = hydraulic_rates(state, inputs, axial, p)
     return IsotropicState(
         state.velocity,
         acceleration,
@@ -218,16 +195,16 @@ def isotropic_signals(time: Scalar, state: IsotropicState, inputs: Inputs, p: Pa
         state.velocity, state.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
     )
     rotation = (state.surface_speed, state.motor_current, inputs.motor_voltage)
-    return _signals(state, inputs, (axial, rotary), rotation, p)
+    return all_signals(state, inputs, (axial, rotary), rotation, p)
 
 
 @equation
 def measure(state: Any, p: Parameters) -> Measurement:
     """Position, both pressures and the speed of rotation."""
-    return _measure(state, state.surface_speed, p)
+    return readings(state, state.surface_speed, p)
 
 
-def _steady_rotation(p: Parameters, surface_speed: float) -> tuple[float, float]:
+def steady_rotation(p: Parameters, surface_speed: float) -> tuple[float, float]:
     """Bristle deflection (m) and rotary friction (N) of a rod that turns at `surface_speed` without moving along.
 
     The bristle's rate is linear in its deflection: 0 at rate(0) / (rate(0) - rate(1)).
@@ -243,7 +220,7 @@ def _steady_rotation(p: Parameters, surface_speed: float) -> tuple[float, float]
 
 def _motor_at(p: Parameters, surface_speed: float) -> tuple[float, float, float]:
     """Bristle deflection (m), current (A) and voltage (V) that hold `surface_speed` (m/s)."""
-    deflection, friction = _steady_rotation(p, surface_speed)
+    deflection, friction = steady_rotation(p, surface_speed)
     current = float(mot.holding_current(friction, p.motor))
     return deflection, current, float(mot.holding_voltage(current, surface_speed, p.motor))
 
@@ -263,99 +240,31 @@ def isotropic_equilibrium(p: Parameters, surface_speed: float) -> tuple[Isotropi
     return state, Inputs(0.0, voltage, 0.0)
 
 
-# --- ideal: the surface speed is imposed ---------------------------------------------------------------------
-
-
-@equation
-def helical_ideal_derivatives(
-    time: Scalar, state: HelicalIdealState, inputs: IdealInputs, p: Parameters
-) -> HelicalIdealState:
-    """Rates of the states with an imposed surface speed."""
-    axial, _, bristle_rate = lugre_helical(state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction)
-    acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
-    return HelicalIdealState(state.velocity, acceleration, pressure_rate, bristle_rate, spool_rate)
-
-
-@equation
-def _ideal_rotation(rotary_friction: Scalar, inputs: IdealInputs, p: Parameters) -> Any:
-    """Surface speed, and the current and voltage with which the motor would hold it."""
-    current = mot.holding_current(rotary_friction, p.motor)
-    return (inputs.surface_speed, current, mot.holding_voltage(current, inputs.surface_speed, p.motor))
-
-
-@equation
-def helical_ideal_signals(time: Scalar, state: HelicalIdealState, inputs: IdealInputs, p: Parameters) -> Signals:
-    """What is worth plotting; see `Signals`. Current and voltage are those of a motor that holds the speed."""
-    axial, rotary, _ = lugre_helical(state.velocity, inputs.surface_speed, state.bristle_deflection, p.friction)
-    return _signals(state, inputs, (axial, rotary), _ideal_rotation(rotary, inputs, p), p)
-
-
-@equation
-def isotropic_ideal_derivatives(
-    time: Scalar, state: IsotropicIdealState, inputs: IdealInputs, p: Parameters
-) -> IsotropicIdealState:
-    """Rates of the states with an imposed surface speed."""
-    axial, _, rate_axial, rate_rotary = lugre_isotropic(
-        state.velocity, inputs.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
-    )
-    acceleration, pressure_rate, spool_rate = _hydraulic_rates(state, inputs, axial, p)
-    return IsotropicIdealState(state.velocity, acceleration, pressure_rate, rate_axial, rate_rotary, spool_rate)
-
-
-@equation
-def isotropic_ideal_signals(time: Scalar, state: IsotropicIdealState, inputs: IdealInputs, p: Parameters) -> Signals:
-    """What is worth plotting; see `Signals`. Current and voltage are those of a motor that holds the speed."""
-    axial, rotary, _, _ = lugre_isotropic(
-        state.velocity, inputs.surface_speed, state.bristle_axial, state.bristle_rotary, p.friction
-    )
-    return _signals(state, inputs, (axial, rotary), _ideal_rotation(rotary, inputs, p), p)
-
-
-@equation
-def ideal_measure(state: Any, p: Parameters) -> Measurement:
-    """Position and both pressures; an imposed speed needs no sensor (NaN)."""
-    return _measure(state, np.nan, p)
-
-
-def helical_ideal_equilibrium(p: Parameters, surface_speed: float) -> tuple[HelicalIdealState, IdealInputs]:
-    """At rest in mid-stroke, turning at `surface_speed` (m/s)."""
-    deflection, _ = _steady_rotation(p, surface_speed)
-    pressure = holding_load_pressure(p.hydraulics, p.body)
-    return HelicalIdealState(0.0, 0.0, pressure, deflection, 0.0), IdealInputs(0.0, surface_speed, 0.0)
-
-
-def isotropic_ideal_equilibrium(p: Parameters, surface_speed: float) -> tuple[IsotropicIdealState, IdealInputs]:
-    """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
-    deflection, _ = _steady_rotation(p, surface_speed)
-    pressure = holding_load_pressure(p.hydraulics, p.body)
-    return IsotropicIdealState(0.0, 0.0, pressure, 0.0, deflection, 0.0), IdealInputs(0.0, surface_speed, 0.0)
-
-
-_HYDRAULIC_BALANCES = {"force": "velocity", "flow": "load_pressure", "valve": "spool_position"}
-_ALL_BALANCES = {**_HYDRAULIC_BALANCES, "rotation": "surface_speed", "motor": "motor_current"}
-
-
-def _plant(bristle: str, ideal: bool, **equations: Any) -> Plant:
+def _plant(bristle: str, **equations: Any) -> Plant:
     return Plant(
-        name=f"rotating_{bristle}{'_ideal' if ideal else ''}",
-        summary=f"rotating cylinder, {bristle} bristle, "
-        + ("imposed speed of rotation" if ideal else "turned by a motor (thesis 3.3)"),
-        Inputs=IdealInputs if ideal else Inputs,
+        name=f"rotating_{bristle}",
+        summary=f"rotating cylinder, {bristle} bristle, turned by a motor (thesis 3.3)",
+        Inputs=Inputs,
         Parameters=Parameters,
         Signals=Signals,
-        measure=ideal_measure if ideal else measure,
+        measure=measure,
         command_limit=voltage_limit,
         travel=travel,
         command="valve_voltage",
-        rotary_command="surface_speed" if ideal else "motor_voltage",
-        balances=_HYDRAULIC_BALANCES if ideal else _ALL_BALANCES,
+        rotary_command="motor_voltage",
+        balances={
+            "force": "velocity",
+            "flow": "load_pressure",
+            "valve": "spool_position",
+            "rotation": "surface_speed",
+            "motor": "motor_current",
+        },
         **equations,
     )
 
 
 HELICAL = _plant(
     "helical",
-    ideal=False,
     State=HelicalState,
     derivatives=helical_derivatives,
     signals=helical_signals,
@@ -363,25 +272,8 @@ HELICAL = _plant(
 )
 ISOTROPIC = _plant(
     "isotropic",
-    ideal=False,
     State=IsotropicState,
     derivatives=isotropic_derivatives,
     signals=isotropic_signals,
     equilibrium=isotropic_equilibrium,
-)
-HELICAL_IDEAL = _plant(
-    "helical",
-    ideal=True,
-    State=HelicalIdealState,
-    derivatives=helical_ideal_derivatives,
-    signals=helical_ideal_signals,
-    equilibrium=helical_ideal_equilibrium,
-)
-ISOTROPIC_IDEAL = _plant(
-    "isotropic",
-    ideal=True,
-    State=IsotropicIdealState,
-    derivatives=isotropic_ideal_derivatives,
-    signals=isotropic_ideal_signals,
-    equilibrium=isotropic_ideal_equilibrium,
 )
