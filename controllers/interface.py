@@ -6,7 +6,7 @@ from typing import Annotated, Any, NamedTuple
 
 from numba import types
 
-from plants.equation import POINTER, compiled, fingerprint, pack, unpack
+from plants.equation import POINTER, caller, compiled, fingerprint, pack, unpack
 from plants.interface import Measurement
 
 
@@ -50,6 +50,8 @@ STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)
 
 COMMIT = types.void(types.float64, POINTER, POINTER, types.float64)
 """C signature: realised command, state (in and out), gains, sample time."""
+
+call_step, call_commit = caller(STEP), caller(COMMIT)
 
 
 def compile_step(controller: Controller) -> Any:

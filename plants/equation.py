@@ -23,15 +23,14 @@ import inspect
 import operator
 import os
 import typing
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
-from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.extending import intrinsic, overload, register_jitable
 
 Scalar: TypeAlias = Any
@@ -64,9 +63,6 @@ def _cache_folder() -> Path:
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(_cache_folder())
-
-# Function pointers have been "experimental" in numba since 2019; every run would say so.
-warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 equation = register_jitable
 """Marks a function as an equation: callable from Python with anything, and from compiled code."""
@@ -236,6 +232,27 @@ def _store(typingctx: Any, pointer: Any, index: Any, value: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(POINTER, types.intp, types.float64), codegen
+
+
+def caller(signature: Any) -> Any:
+    """An intrinsic `call(address, *arguments)`: in compiled code, call the C function of `signature` at an address.
+
+    Addresses are plain integers, so that an engine takes them at no cost.
+    """
+
+    @intrinsic
+    def call(typingctx: Any, address: Any, *arguments: Any) -> Any:
+        def codegen(context: Any, builder: Any, _: Any, args: Any) -> Any:
+            kinds = [context.get_value_type(kind) for kind in signature.args]
+            result = ir.VoidType() if signature.return_type == types.void else ir.DoubleType()
+            function = builder.inttoptr(args[0], ir.FunctionType(result, kinds).as_pointer())
+            values = [builder.extract_value(args[1], i) for i in range(len(kinds))]
+            returned = builder.call(function, values)
+            return context.get_dummy_value() if signature.return_type == types.void else returned
+
+        return signature.return_type(types.int64, types.Tuple(signature.args)), codegen
+
+    return call
 
 
 @overload(operator.getitem)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple
 
 from numba import types
 
-from plants.equation import POINTER, compiled, fields, fingerprint, pack, unpack
+from plants.equation import POINTER, caller, compiled, fields, fingerprint, pack, unpack
 
 
 class Measurement(NamedTuple):
@@ -70,6 +70,8 @@ DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
 
 MEASURE = types.void(POINTER, POINTER, POINTER)
 """C signature: state, parameters, measurement (out)."""
+
+call_derivatives, call_measure = caller(DERIVATIVES), caller(MEASURE)
 
 
 def compile_derivatives(plant: Plant) -> Any:

@@ -11,9 +11,9 @@ import numpy as np
 from numba import njit, types
 from numba.extending import register_jitable
 
-from controllers.interface import COMMIT, STEP
+from controllers.interface import call_commit, call_step
 from plants.equation import address, shift
-from plants.interface import DERIVATIVES, MEASURE
+from plants.interface import call_measure
 from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
 
 COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
@@ -22,15 +22,14 @@ COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
 DIVERGENCE_BOUND = 1e6
 """A state beyond this many times its typical magnitude (and its initial value) has diverged."""
 
-_function = types.FunctionType
 _vector = types.float64[::1]
 _table = types.float64[:, ::1]
 _number = types.float64
 _integer = types.int64
 
 _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
-    types.Tuple((_function(DERIVATIVES), _function(MEASURE))),
-    types.Tuple((_function(STEP), _function(COMMIT), _function(STEP), _function(COMMIT))),
+    types.UniTuple(_integer, 2),  # addresses of the plant's derivatives and measure
+    types.UniTuple(_integer, 4),  # of step and commit of the controller, and of the rotary one
     types.Tuple((_vector, _vector, _vector, _vector)),  # y, inputs, parameters, scales
     types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
     types.Tuple((_integer, _number, _integer)),  # command's input, its limit, rotary command's input
@@ -62,7 +61,7 @@ def _read(system: Any, y: Any, out: Any) -> None:
     """The sensors' analogue outputs into `out`: of the filter where there is one, else of the plant."""
     _, measure, parameters, cutoffs, _, sizes = system
     total, plant_states, _, channels = sizes
-    measure(y, parameters, out)
+    call_measure(measure, y, parameters, out)
     if total > plant_states:
         for j in range(channels):
             if cutoffs[j] > 0.0:
@@ -154,17 +153,19 @@ def run_loop(
             p_initial[j] = p_base[j] + p_exogenous[k * m + j]
             if ramped and p_linear[j] > 0.0:
                 p_slopes[j] = (p_exogenous[(k + 1) * m + j] - p_exogenous[k * m + j]) / h
-        command = step(shift(p_references, 3 * k), p_measured, p_state, p_gains, h)
+        command = call_step(step, shift(p_references, 3 * k), p_measured, p_state, p_gains, h)
         feed = p_initial[command_input]
         p_initial[command_input] = _clip(command + feed, command_limit)
         if p_slopes[command_input] != 0.0:
             following = _clip(command + feed + h * p_slopes[command_input], command_limit)
             p_slopes[command_input] = (following - p_initial[command_input]) / h
-        commit(p_initial[command_input] - feed, p_state, p_gains, h)
+        call_commit(commit, p_initial[command_input] - feed, p_state, p_gains, h)
         if rotary_input >= 0:
-            rotary = rotary_step(shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h)
+            rotary = call_step(
+                rotary_step, shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h
+            )
             p_initial[rotary_input] += rotary
-            rotary_commit(rotary, p_rotary_state, p_rotary_gains, h)
+            call_commit(rotary_commit, rotary, p_rotary_state, p_rotary_gains, h)
         for j in range(plant_states):
             p_log_states[k * plant_states + j] = p_y[j]
         for j in range(m):

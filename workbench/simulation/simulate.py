@@ -151,12 +151,17 @@ class Run:
 
 @functools.cache
 def _compiled_plant(plant: Plant) -> tuple[Any, Any]:
+    """The plant's C functions; kept, since only their addresses go to the engine."""
     return compile_derivatives(plant), compile_measure(plant)
 
 
 @functools.cache
 def _compiled_controller(controller: Controller) -> tuple[Any, Any]:
     return compile_step(controller), compile_commit(controller)
+
+
+def _addresses(functions: tuple[Any, Any]) -> tuple[int, int]:
+    return functions[0].address, functions[1].address
 
 
 def simulate(setup: Setup) -> Run:
@@ -191,8 +196,8 @@ def simulate(setup: Setup) -> Run:
     integrator = setup.integrator
     limit = float(plant.command_limit(setup.parameters))
     ended, count, steps = engine.run_loop(
-        _compiled_plant(plant),
-        (*_compiled_controller(setup.loop.controller), *_compiled_controller(rotary.controller)),
+        _addresses(_compiled_plant(plant)),
+        _addresses(_compiled_controller(setup.loop.controller)) + _addresses(_compiled_controller(rotary.controller)),
         (state, inputs, parameters, scales),
         (*_memory(setup.loop, reading), *_memory(rotary, reading)),
         (

@@ -10,6 +10,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from plants.equation import shift
+from plants.interface import call_derivatives, call_measure
 
 OK, STEP_LIMIT, NOT_FINITE = 0, 1, 2
 """What an interval ended with."""
@@ -41,9 +42,9 @@ _PREVIOUS = np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5
 def rates(system: Any, time: float, y: Any, inputs: Any, out: Any) -> None:
     """Rates of plant and filters at `time` into `out`.
 
-    `system` is (derivatives, measure, parameters, filter cutoffs in rad/s, readings (scratch), sizes) with sizes
-    (all states, plant states, inputs, channels); `inputs` is (values now, values at the interval's start, slopes,
-    that start, whether any slope is not 0).
+    `system` is (addresses of derivatives and measure, parameters, filter cutoffs in rad/s, readings (scratch), sizes)
+    with sizes (all states, plant states, inputs, channels); `inputs` is (values now, values at the interval's start,
+    slopes, that start, whether any slope is not 0).
     """
     derivatives, measure, parameters, cutoffs, readings, sizes = system
     total, plant_states, input_count, channels = sizes
@@ -51,9 +52,9 @@ def rates(system: Any, time: float, y: Any, inputs: Any, out: Any) -> None:
     if ramped:
         for j in range(input_count):
             now[j] = initial[j] + slopes[j] * (time - start)
-    derivatives(time, y, now, parameters, out)
+    call_derivatives(derivatives, time, y, now, parameters, out)
     if total > plant_states:
-        measure(y, parameters, readings)
+        call_measure(measure, y, parameters, readings)
         for j in range(channels):
             k = plant_states + j
             out[k] = cutoffs[j] * (readings[j] - y[k]) if cutoffs[j] > 0.0 else 0.0
