@@ -27,6 +27,7 @@ class Controller:
                                                                                     the amplifier really gave
     start(measurement, gains) -> state                                              for a plant at rest
     design(settings, belief, sample_time) -> gains                                  once, before the run
+    choose(settings, belief) -> Controller                                          which of a family the settings mean
 
     `Settings` is what a user writes: a NamedTuple of `Annotated[float, unit]` (the unit may name the plant's
     `command`) and `Annotated[str, choice, choice, ...]`, with defaults. `belief` is what the controller believes
@@ -43,6 +44,7 @@ class Controller:
     step: Callable[..., Any]
     commit: Callable[..., Any]
     start: Callable[..., Any]
+    choose: Callable[..., "Controller"] | None = None
 
 
 STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)

@@ -29,7 +29,7 @@ class Settings(NamedTuple):
     kd: Annotated[float, "command s/m"] = 0.0
     feedforward: Annotated[float, "1"] = 0.0
     tracking_time: Annotated[float, "s"] = 0.0
-    velocity: Annotated[str, "filter", "kalman"] = "filter"
+    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
     velocity_time_constant: Annotated[float, "s"] = 2e-3
     position_noise: Annotated[float, "m"] = 13e-6
     jerk_density: Annotated[float, "m^2/s^5"] = 10.0

@@ -2,13 +2,14 @@
 
 from importlib.metadata import entry_points
 
+from controllers.compensation import ESTIMATORS, compensator
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.pid import PID
 
 ENTRY_POINT_GROUP = "friction_workbench.controllers"
 
-_BUILT_IN = (PID, OPEN_LOOP)
+_BUILT_IN = (PID, *(compensator(name) for name in ESTIMATORS), OPEN_LOOP)
 
 
 def controllers() -> dict[str, Controller]:

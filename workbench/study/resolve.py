@@ -208,6 +208,8 @@ def _position_loop(
     controller, settings = _controller(str(name), tables, plant.command_unit)
     key = ("controllers", str(name))
     try:
+        if controller.choose is not None:
+            controller = controller.choose(settings, belief)
         gains = controller.design(settings, belief, tables.simulation.sample_time)
     except ValueError as error:
         raise _MistakeError(key, str(error)) from None

@@ -1,0 +1,212 @@
+"""Friction compensation: any estimator with any law, as one sampled controller."""
+
+import functools
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+from controllers.compensation_laws import (
+    LawGains,
+    LawState,
+    Wanted,
+    acceleration_feedback,
+    force_source,
+    valve_inversion,
+)
+from controllers.friction_observer import Belief, Memory, Seen
+from controllers.friedland_park import friedland_park
+from controllers.interface import Controller, Reference
+from controllers.lugre_observer import lugre_adaptive, lugre_observer
+from controllers.static_map import no_estimate, static_map
+from controllers.tafazoli import fit_map, tafazoli
+from controllers.velocity import (
+    Estimator,
+    EstimatorSettings,
+    EstimatorState,
+    at_rest,
+    design_estimator,
+    estimate_velocity,
+)
+from plants.equation import Scalar, equation
+from plants.hydraulics import no_load_velocity_gain, oil_volume, piston_area
+from plants.interface import Measurement
+
+ESTIMATORS: dict[str, tuple[Callable[..., Any], str]] = {
+    "uncompensated": (no_estimate, "no friction estimate: the laws alone"),
+    "static_map": (static_map, "believed Stribeck curve of the velocity"),
+    "tafazoli": (tafazoli, "Tafazoli's model-based estimate (modified Tustin map, blended near rest)"),
+    "friedland_park": (friedland_park, "Friedland-Park observer, Tafazoli's modification"),
+    "lugre": (lugre_observer, "LuGre observer"),
+    "lugre_adaptive": (lugre_adaptive, "LuGre observer with adaptive theta"),
+}
+"""Friction estimators by the type of the controller that is built on them."""
+
+LAWS: dict[str, Callable[..., Any]] = {
+    "acceleration_feedback": acceleration_feedback,
+    "valve_inversion": valve_inversion,
+    "force_source": force_source,
+}
+
+
+class Settings(NamedTuple):
+    """What a user sets; each law and estimator uses its own.
+
+    `kp`, `kd`, `ka`, `feedforward` (share of 1/K_q) belong to acceleration feedback; `position_rate` k_p, `force_rate` lam and
+    `lead` (share of the valve's lag that is inverted) to the valve inversion. The rest are settings of the estimators.
+    """
+
+    law: Annotated[str, "acceleration_feedback", "valve_inversion", "force_source"] = "acceleration_feedback"
+    kp: Annotated[float, "command/m"] = 500.0
+    kd: Annotated[float, "command s/m"] = 0.0
+    ka: Annotated[float, "command s^2/m"] = 0.002
+    feedforward: Annotated[float, "1"] = 1.0
+    position_rate: Annotated[float, "1/s"] = 34.0
+    force_rate: Annotated[float, "1/s"] = 0.0
+    lead: Annotated[float, "1"] = 0.0
+    blend_velocity: Annotated[float, "m/s"] = 3e-3
+    observer_gain: Annotated[float, "N s/m"] = 1700.0
+    exponent: Annotated[float, "1"] = 1.0
+    injection: Annotated[float, "1"] = 0.1
+    sliding_rate: Annotated[float, "1/s"] = 20.0
+    adaptation: Annotated[float, "1/J"] = 0.05
+    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
+    velocity_time_constant: Annotated[float, "s"] = 2e-3
+    position_noise: Annotated[float, "m"] = 13e-6
+    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+
+
+class Gains(NamedTuple):
+    """Numbers of estimator and law. `area_1`, `area_2` (0 where no pressure is measured) make the applied force."""
+
+    estimator: Estimator
+    belief: Belief
+    law: LawGains
+    area_1: Annotated[float, "m^2"]
+    area_2: Annotated[float, "m^2"]
+    sliding_rate: Annotated[float, "1/s"]
+
+
+class State(NamedTuple):
+    estimator: EstimatorState
+    memory: Memory
+    law: LawState
+    realised: Annotated[float, "command"]
+
+
+@equation
+def pressure_force(measurement: Measurement, realised: Scalar, gains: Gains) -> Scalar:
+    """Force (N) on the mass as a hydraulic rig measures it: A1 P1 - A2 P2."""
+    return gains.area_1 * measurement.pressure_1 - gains.area_2 * measurement.pressure_2
+
+
+@equation
+def commanded_force(measurement: Measurement, realised: Scalar, gains: Gains) -> Scalar:
+    """Force (N) on the mass of a drive that gives any force at once: the command that was realised last."""
+    return realised
+
+
+def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Callable[..., Any]) -> Callable[..., Any]:
+    """The step of a controller made of a friction estimator, a law, and the way in which a rig knows the force."""
+
+    @equation
+    def step(
+        reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
+    ) -> tuple[Scalar, State]:
+        velocity, estimator = estimate_velocity(measurement.position, state.estimator, gains.estimator)
+        force = applied(measurement, state.realised, gains)
+        error = reference.position - measurement.position
+        sliding = reference.velocity - velocity + gains.sliding_rate * error
+        seen = Seen(velocity, state.memory.previous_velocity, force, sliding)
+        friction, memory = estimate(seen, state.memory, gains.belief, sample_time)
+        wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
+        command, following = law(wanted, friction, state.law, gains.law, sample_time)
+        return command, State(estimator, memory, following, state.realised)
+
+    return step
+
+
+@equation
+def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
+    """Keeps the realised command: a drive's applied force."""
+    return State(state.estimator, state.memory, state.law, realised)
+
+
+def start(measurement: Measurement, gains: Gains) -> State:
+    """At rest; LuGre's theta at 1, Friedland-Park's level at 0."""
+    return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0)
+
+
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """Gains from settings and the believed plant; the Tustin map is fitted to the believed friction."""
+    estimator = design_estimator(
+        EstimatorSettings(
+            settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
+        ),
+        sample_time,
+    )
+    tustin, _ = fit_map(belief.friction)
+    believed = Belief(
+        belief.body.mass,
+        belief.friction,
+        tustin,
+        settings.blend_velocity,
+        settings.observer_gain,
+        settings.exponent,
+        settings.injection,
+        settings.adaptation,
+    )
+    h = getattr(belief, "hydraulics", None)
+    if h is None:
+        law = LawGains(settings.kp, settings.kd, settings.ka, 0.0, 0.0, 0.0, 0.0, belief.body.mass, *(0.0,) * 7)
+        return Gains(estimator, believed, law, 0.0, 0.0, settings.sliding_rate)
+    area = float(piston_area(h))
+    law = LawGains(
+        settings.kp,
+        settings.kd,
+        settings.ka,
+        settings.feedforward / float(no_load_velocity_gain(h)),
+        settings.position_rate,
+        settings.force_rate,
+        settings.lead,
+        belief.body.mass,
+        area,
+        float(oil_volume(h)) / (4.0 * h.bulk_modulus * area),
+        h.flow_pressure_share,
+        h.supply_pressure - h.tank_pressure,
+        h.valve_flow_gain,
+        h.valve_position_gain,
+        h.valve_time_constant,
+    )
+    return Gains(estimator, believed, law, h.piston_area_1, h.piston_area_2, settings.sliding_rate)
+
+
+@functools.cache
+def compensator(name: str, law: str = "acceleration_feedback", hydraulic: bool = True) -> Controller:
+    """The controller made of the estimator `name` and a law, for a plant with measured pressures or without."""
+    estimate, summary = ESTIMATORS[name]
+    applied = pressure_force if hydraulic else commanded_force
+    return Controller(
+        name=name,
+        summary=f"friction compensation: {summary}",
+        Settings=Settings,
+        Gains=Gains,
+        State=State,
+        design=design,
+        step=combine(estimate, LAWS[law], applied),
+        commit=commit,
+        start=start,
+        choose=functools.partial(choose, name),
+    )
+
+
+def choose(name: str, settings: Settings, belief: Any) -> Controller:
+    """The compensator for the law that the settings name and the plant that is believed in.
+
+    Raises:
+        ValueError: a law that the plant has no use for.
+    """
+    hydraulic = hasattr(belief, "hydraulics")
+    if settings.law == "valve_inversion" and not hydraulic:
+        raise ValueError('law = "valve_inversion" needs a valve; for a drive take law = "force_source"')
+    if settings.law == "force_source" and hydraulic:
+        raise ValueError('law = "force_source" needs a drive that gives any force at once; here take "valve_inversion"')
+    return compensator(name, settings.law, hydraulic)

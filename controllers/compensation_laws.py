@@ -1,0 +1,105 @@
+"""How a friction estimate reaches the actuator.
+
+A law is one equation, `law(wanted, friction, state, gains, sample_time) -> (command, state)`.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from plants.equation import Scalar, equation
+
+LOWEST_DROP = 0.05
+"""Smallest share of the supply pressure that a valve inversion counts on: the root must not vanish."""
+
+FORCE_STIFFNESS, FORCE_DAMPING = 3600.0, 84.0
+"""1/s^2 and 1/s: error dynamics of the ideal force source (60 rad/s, damping ratio 0.7)."""
+
+
+class Wanted(NamedTuple):
+    """The reference and what is known of the motion, at a sample."""
+
+    error: Annotated[float, "m"]
+    reference_velocity: Annotated[float, "m/s"]
+    reference_acceleration: Annotated[float, "m/s^2"]
+    velocity: Annotated[float, "m/s"]
+    applied_force: Annotated[float, "N"]
+
+
+class LawState(NamedTuple):
+    previous_spool: Annotated[float, "m"]
+
+
+class LawGains(NamedTuple):
+    """Gains, and what is believed of valve, cylinder and mass."""
+
+    proportional: Annotated[float, "command/m"]
+    derivative: Annotated[float, "command s/m"]
+    acceleration: Annotated[float, "command s^2/m"]
+    feedforward: Annotated[float, "command s/m"]
+    position_rate: Annotated[float, "1/s"]
+    force_rate: Annotated[float, "1/s"]
+    lead: Annotated[float, "1"]
+    mass: Annotated[float, "kg"]
+    area: Annotated[float, "m^2"]
+    compliance: Annotated[float, "m^3/N"]
+    drop_share: Annotated[float, "1"]
+    supply_pressure: Annotated[float, "Pa"]
+    flow_gain: Annotated[float, "m^2/(s Pa^0.5)"]
+    position_gain: Annotated[float, "m/V"]
+    time_constant: Annotated[float, "s"]
+
+
+@equation
+def acceleration_feedback(
+    wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
+) -> tuple[Scalar, LawState]:
+    """V = K_p e + K_d (dr - v^) + K_a (ddr - a^) + K_ff dr,  a^ = (F_app - F^) / M.
+
+    Thesis 2.7 to 2.10 names the feedback of position, velocity and acceleration; the sum is derived here.
+    """
+    acceleration = (wanted.applied_force - friction) / g.mass
+    command = (
+        g.proportional * wanted.error
+        + g.derivative * (wanted.reference_velocity - wanted.velocity)
+        + g.acceleration * (wanted.reference_acceleration - acceleration)
+        + g.feedforward * wanted.reference_velocity
+    )
+    return command, state
+
+
+@equation
+def valve_inversion(
+    wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
+) -> tuple[Scalar, LawState]:
+    """The voltage whose flow moves the piston as wanted against the estimated friction [derived here].
+
+        Q_d = A (dr + k_p e) + V_t / (4 beta A) lam (F_d - F_app),  F_d = M ddr + F^
+        x_s = Q_d / (K sqrt(share (P_s - sgn(Q_d) P*))),  P* = F^ / A
+        V   = (x_s + lead tau dx_s/dt) / K_sv
+
+    The pressure drop is at least `LOWEST_DROP` of the supply pressure. A force loop around the estimate (large lam)
+    runs away: the valve's lag acts as added mass.
+    """
+    target = g.mass * wanted.reference_acceleration + friction
+    flow = g.area * (wanted.reference_velocity + g.position_rate * wanted.error) + g.compliance * g.force_rate * (
+        target - wanted.applied_force
+    )
+    drop = g.supply_pressure - np.sign(flow) * friction / g.area
+    root = np.sqrt(g.drop_share * np.maximum(drop, LOWEST_DROP * g.supply_pressure))
+    spool = flow / (g.flow_gain * root)
+    rate = (spool - state.previous_spool) / sample_time
+    return (spool + g.lead * g.time_constant * rate) / g.position_gain, LawState(spool)
+
+
+@equation
+def force_source(
+    wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
+) -> tuple[Scalar, LawState]:
+    """F = M (ddr + 84 (dr - v^) + 3600 e) + F^: computed force for a drive that gives any force at once."""
+    acceleration = (
+        wanted.reference_acceleration
+        + FORCE_DAMPING * (wanted.reference_velocity - wanted.velocity)
+        + FORCE_STIFFNESS * wanted.error
+    )
+    return g.mass * acceleration + friction, state

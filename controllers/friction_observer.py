@@ -1,0 +1,41 @@
+"""What friction estimators have in common: what they see, what they remember, what they believe.
+
+A friction estimator is one equation, `estimate(seen, memory, belief, sample_time) -> (force, memory)`. All share one
+memory and one belief, so that any of them goes with any law of `controllers.compensation_laws`.
+"""
+
+from typing import Annotated, NamedTuple
+
+from plants.friction import Friction, Tustin
+
+
+class Seen(NamedTuple):
+    """What an estimator is given at a sample: nothing that a rig does not measure or command."""
+
+    velocity: Annotated[float, "m/s"]
+    previous_velocity: Annotated[float, "m/s"]
+    applied_force: Annotated[float, "N"]
+    sliding: Annotated[float, "m/s"]
+
+
+class Memory(NamedTuple):
+    """State of the estimators: Friedland-Park's level; LuGre's bristle, its adaptive factor, the momentum."""
+
+    level: Annotated[float, "N"]
+    bristle: Annotated[float, "m"]
+    theta: Annotated[float, "1"]
+    momentum: Annotated[float, "N s"]
+    previous_velocity: Annotated[float, "m/s"]
+
+
+class Belief(NamedTuple):
+    """What an estimator believes of mass and friction, and its own settings."""
+
+    mass: Annotated[float, "kg"]
+    friction: Friction
+    map: Tustin
+    blend_velocity: Annotated[float, "m/s"]
+    observer_gain: Annotated[float, "N s/m"]
+    exponent: Annotated[float, "1"]
+    injection: Annotated[float, "1"]
+    adaptation: Annotated[float, "1/J"]
