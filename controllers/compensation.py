@@ -62,6 +62,7 @@ class Settings(NamedTuple):
     position_rate: Annotated[float, "1/s"] = 34.0
     force_rate: Annotated[float, "1/s"] = 0.0
     lead: Annotated[float, "1"] = 0.0
+    reversal_speed: Annotated[float, "m/s"] = 1e-3
     blend_velocity: Annotated[float, "m/s"] = 3e-3
     observer_gain: Annotated[float, "N s/m"] = 1700.0
     exponent: Annotated[float, "1"] = 1.0
@@ -148,6 +149,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         belief.body.mass,
         belief.friction,
         tustin,
+        settings.reversal_speed,
         settings.blend_velocity,
         settings.observer_gain,
         settings.exponent,

@@ -34,6 +34,7 @@ class Belief(NamedTuple):
     mass: Annotated[float, "kg"]
     friction: Friction
     map: Tustin
+    reversal_speed: Annotated[float, "m/s"]
     blend_velocity: Annotated[float, "m/s"]
     observer_gain: Annotated[float, "N s/m"]
     exponent: Annotated[float, "1"]

@@ -3,8 +3,11 @@
 import numpy as np
 
 from controllers.friction_observer import Belief, Memory, Seen
-from controllers.static_map import REVERSAL_SPEED, saturated_sign
+from controllers.static_map import saturated_sign
 from plants.equation import Scalar, equation, select
+
+REVERSAL_SPEED = 1e-4
+"""m/s. Slower, the level is held and the estimate goes through 0 on a straight line."""
 
 LARGEST_LEVEL = 2000.0
 """N. The estimate stays within 0 and this."""
@@ -29,4 +32,4 @@ def friedland_park(seen: Seen, memory: Memory, belief: Belief, sample_time: Scal
     limited = np.minimum(np.maximum(updated, 0.0), LARGEST_LEVEL)
     level = select(np.abs(middle) > REVERSAL_SPEED, limited, memory.level)
     following = Memory(level, memory.bristle, memory.theta, memory.momentum, seen.velocity)
-    return level * saturated_sign(seen.velocity), following
+    return level * saturated_sign(seen.velocity, REVERSAL_SPEED), following

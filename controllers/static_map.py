@@ -6,9 +6,6 @@ from controllers.friction_observer import Belief, Memory, Seen
 from plants.equation import Scalar, equation
 from plants.friction import LuGre, directed, stribeck_level
 
-REVERSAL_SPEED = 1e-4
-"""m/s. Within it the curve's jump at rest is a straight line, so that the estimate does not chatter."""
-
 
 @equation
 def no_estimate(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar) -> tuple[Scalar, Memory]:
@@ -17,14 +14,17 @@ def no_estimate(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar)
 
 
 @equation
-def saturated_sign(velocity: Scalar) -> Scalar:
-    """sat(v / eps), eps = `REVERSAL_SPEED`: the sign of the velocity with a steep line through rest."""
-    return np.minimum(np.maximum(velocity / REVERSAL_SPEED, -1.0), 1.0)
+def saturated_sign(velocity: Scalar, reversal_speed: Scalar) -> Scalar:
+    """sat(v / eps), eps = `reversal_speed` (m/s): the sign of the velocity with a steep line through rest."""
+    return np.minimum(np.maximum(velocity / reversal_speed, -1.0), 1.0)
 
 
 @equation
 def static_map(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar) -> tuple[Scalar, Memory]:
-    """F^ = g(v^) sat(v^/eps) + a2 v^ (N), the believed steady friction. Thesis (4.7)."""
+    """F^ = g(v^) sat(v^/eps) + a2 v^ (N), the believed steady friction. Thesis (4.7).
+
+    Within eps, `belief.reversal_speed`, the curve's jump at rest is a straight line, so that F^ does not chatter.
+    """
     p: LuGre = directed(seen.velocity, seen.velocity, belief.friction)
     level = stribeck_level(seen.velocity, p)
-    return level * saturated_sign(seen.velocity) + p.viscous * seen.velocity, memory
+    return level * saturated_sign(seen.velocity, belief.reversal_speed) + p.viscous * seen.velocity, memory
