@@ -10,7 +10,7 @@ typedef struct {
 
 typedef struct {
     double area_1, area_2, stroke, hose_volume, bulk_modulus, supply, tank, flow_gain, position_gain, tau, spool_limit,
-        voltage_limit, share;
+        voltage_limit, share, valve_overlap, leakage_coefficient;
     double mass, load, stop_stiffness, stop_damping;
     LuGre positive, negative;
 } Parameters;

@@ -3,13 +3,16 @@
 from importlib.metadata import entry_points
 
 from controllers.compensation import ESTIMATORS, compensator
+from controllers.disturbance_observer import DISTURBANCE_OBSERVER
+from controllers.dither import DITHER
 from controllers.interface import Controller
+from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.open_loop import OPEN_LOOP
 from controllers.pid import PID
 
 ENTRY_POINT_GROUP = "friction_workbench.controllers"
 
-_BUILT_IN = (PID, *(compensator(name) for name in ESTIMATORS), OPEN_LOOP)
+_BUILT_IN = (PID, *(compensator(name) for name in ESTIMATORS), NONLINEAR_PI, DITHER, DISTURBANCE_OBSERVER, OPEN_LOOP)
 
 
 def controllers() -> dict[str, Controller]:

@@ -1,6 +1,7 @@
 """Servo valve, flow, pressure, and the forces on the piston: what the rotating and the other actuator share.
 
-The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal piston areas, no leakage.
+The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal piston areas. The thesis's valve and
+piston seal are ideal; `valve_overlap` and `leakage_coefficient` are what a real one adds, and 0 by default.
 """
 
 from typing import Annotated, NamedTuple
@@ -33,6 +34,8 @@ class Hydraulics(NamedTuple):
     spool_limit: Annotated[float, "m"]
     voltage_limit: Annotated[float, "V"]
     flow_pressure_share: Annotated[float, "1"]
+    valve_overlap: Annotated[float, "m"] = 0.0
+    leakage_coefficient: Annotated[float, "m^3/(s Pa)"] = 0.0
 
 
 class Mass(NamedTuple):
@@ -71,16 +74,37 @@ def spool_rate(spool: Scalar, voltage: Scalar, p: Hydraulics) -> Scalar:
 
 
 @equation
+def valve_opening(spool: Scalar, p: Hydraulics) -> Scalar:
+    """How far (m) the spool at `spool` (m) opens the ports: x_s - sgn(x_s) overlap beyond the overlap, 0 within it.
+
+    `valve_overlap` is the half width of the band in which the lands cover the ports (Merritt 1967). The opening
+    has kinks but no jump; without overlap it is the spool's position.
+    """
+    return select(np.abs(spool) < p.valve_overlap, 0.0, spool - np.sign(spool) * p.valve_overlap)
+
+
+@equation
 def load_flow(spool: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
-    """Q_L (m^3/s) = K x_s sqrt(share (P_s - P_T - sgn(x_s) P_L)), thesis (3.22) with share = 1/2."""
+    """Q_L (m^3/s) = K x_o sqrt(share (P_s - P_T - sgn(x_s) P_L)), thesis (3.22) with share = 1/2.
+
+    x_o (m) is the `valve_opening`; in the thesis that is x_s itself.
+    """
     drop = p.supply_pressure - p.tank_pressure - np.sign(spool) * load_pressure
-    return p.valve_flow_gain * spool * np.sqrt(np.maximum(p.flow_pressure_share * drop, 0.0))
+    opening = valve_opening(spool, p)
+    return p.valve_flow_gain * opening * np.sqrt(np.maximum(p.flow_pressure_share * drop, 0.0))
+
+
+@equation
+def internal_leakage(load_pressure: Scalar, p: Hydraulics) -> Scalar:
+    """Flow (m^3/s) across the piston from chamber 1 to chamber 2, laminar: C P_L (Merritt 1967)."""
+    return p.leakage_coefficient * load_pressure
 
 
 @equation
 def load_pressure_rate(flow: Scalar, velocity: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
-    """dP_L/dt (Pa/s) = 4 beta / V_t (Q_L - A v), held at |P_L| = P_s. Thesis (3.28) and 3.2.3."""
-    rate = 4.0 * p.bulk_modulus / oil_volume(p) * (flow - piston_area(p) * velocity)
+    """dP_L/dt (Pa/s) = 4 beta / V_t (Q_L - A v - C P_L), held at |P_L| = P_s. Thesis (3.28) and 3.2.3 with leakage."""
+    net = flow - piston_area(p) * velocity - internal_leakage(load_pressure, p)
+    rate = 4.0 * p.bulk_modulus / oil_volume(p) * net
     return select(
         load_pressure >= p.supply_pressure,
         np.minimum(rate, 0.0),

@@ -93,7 +93,7 @@ def measure(state: State, p: Parameters) -> Measurement:
 
 
 def holding_load_pressure(h: Hydraulics, body: Mass) -> float:
-    """P_L (Pa) that balances the constant load, for equal areas."""
+    """P_L (Pa) that balances the constant load, for equal areas; held by a closed valve if no oil leaks."""
     return float(body.load_force / hyd.piston_area(h))
 
 

@@ -72,17 +72,25 @@ def run(
 
 
 @app.command()
-def check(file: Annotated[Path, typer.Argument(help="A study or a parameter set.", metavar="FILE")]) -> None:
+def check(
+    file: Annotated[Path, typer.Argument(help="A study, a scenario or a parameter set.", metavar="FILE")],
+) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.files import read_toml
     from workbench.parameters import read_parameters
-    from workbench.study.document import read_study
+    from workbench.study.document import read_study, scenario_trial
     from workbench.study.runner import plan
+    from workbench.study.scenarios import is_scenario
 
     data, _ = read_toml(file)
     if "parameters" in data:
         values = read_parameters(file)
         print(f"{file}: a parameter set of {len(values)} values, all in order")
+        return
+    if is_scenario(file):
+        trial = plan(scenario_trial(file)).study
+        tables = ", ".join(f"[{name}]" for name in trial.file.scenarios[file.stem]) or "nothing"
+        print(f"{file}: a scenario, in order; it changes {tables}")
         return
     planned = plan(read_study(file))
     print(f"{file}: a study, in order")

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.files as toml
@@ -33,7 +34,12 @@ MAY_BE_ZERO = {
     "end_stop_stiffness",
     "end_stop_damping",
     "spring_stiffness",
+    "valve_overlap",
+    "leakage_coefficient",
 }
+
+LEAST_SHARE = 0.1
+"""A drawn parameter is at least this share of its value: friction of the wrong sign, or next to none, is redrawn."""
 
 
 class Entry(toml.Strict):
@@ -92,23 +98,54 @@ def read_parameters(path: Path) -> Mapping[str, float]:
     Raises:
         UserError: unknown name, wrong unit, impossible value.
     """
-    return _parsed(path, toml.read_toml(path)[1])
+    return _parsed(path, toml.read_toml(path)[1])[0]
+
+
+def read_deviations(path: Path) -> Mapping[str, float]:
+    """Standard deviations (SI) by canonical name, of those parameters of a file that have one.
+
+    Raises:
+        UserError: as `read_parameters`.
+    """
+    return _parsed(path, toml.read_toml(path)[1])[1]
 
 
 @functools.cache
-def _parsed(path: Path, text: str) -> Mapping[str, float]:
+def _parsed(path: Path, text: str) -> tuple[Mapping[str, float], Mapping[str, float]]:
+    """Values and standard deviations."""
     data = tomllib.loads(text)
     content = toml.validate(ParameterFile, data, path, text)
-    values = {}
+    values, deviations = {}, {}
     for name, entry in content.parameters.items():
         key = ("parameters", name, "value")
         try:
             values[name] = parameter_value(name, entry.value)
             if entry.std is not None:
-                si(entry.std, known_units()[name])
+                deviations[name] = _deviation(entry.std, known_units()[name])
         except (QuantityError, UserError) as error:
             raise toml.at(path, text, key, str(error)) from None
-    return MappingProxyType(values)
+    return MappingProxyType(values), MappingProxyType(deviations)
+
+
+def _deviation(value: Any, unit: str) -> float:
+    number = si(value, unit)
+    if number < 0.0:
+        raise UserError(f"std: got {value!r}, expected a value that is not negative")
+    return number
+
+
+def drawn(name: str, value: float, deviation: float, seed: int) -> float:
+    """One parameter's value (SI) drawn from the normal distribution with mean `value` and that standard `deviation`.
+
+    Each parameter has a stream of its own, so that what else is drawn does not matter. A draw below `LEAST_SHARE` of
+    the value is non-physical and drawn again, but for parameters that may have either sign. With the thesis's spreads
+    (at most 0.31 of the value: 2.9 deviations to that bound) this moves no mean by more than 0.2 %.
+    """
+    generator = np.random.default_rng([seed, *name.encode()])
+    least = -np.inf if name in SIGNED else LEAST_SHARE * value
+    while (number := value + deviation * generator.standard_normal()) < least:
+        pass
+    return float(number)
 
 
 def parameter_value(name: str, value: Any) -> float:

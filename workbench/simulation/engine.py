@@ -14,6 +14,7 @@ from numba.extending import register_jitable
 from controllers.interface import call_commit, call_step
 from plants.equation import address, shift
 from plants.interface import call_measure
+from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
 from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
 
 COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
@@ -34,7 +35,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
     types.Tuple((_integer, _number, _integer)),  # command's input, its limit, rotary command's input
     types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
-    types.Tuple((_table, _vector, _vector)),  # noise, resolution, filter cutoffs
+    types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     types.Tuple((_number, _integer, _integer, _number)),  # sample time, method, steps a sample, tolerance
     types.Tuple((_table, _table, _table)),  # logs: states, inputs, measurements
@@ -83,9 +84,9 @@ def run_loop(
 ) -> tuple[int, int, int]:
     """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
 
-    At sample k: the sensors deliver y(k h - delay) with noise and quantisation; the controllers step; the sum of
-    command and exogenous input is saturated and committed; the plant is integrated to (k + 1) h. An exogenous
-    input is held over the sample, or a ramp to its next value where its hold is linear.
+    At sample k: the sensors deliver y(k h - delay) with systematic error, noise and quantisation; the controllers
+    step; the sum of command and exogenous input is saturated and committed; the plant is integrated to (k + 1) h. An
+    exogenous input is held over the sample, or a ramp to its next value where its hold is linear.
 
     Returns:
         how it ended, the number of samples logged, the number of integration steps.
@@ -96,7 +97,7 @@ def run_loop(
     state, gains, rotary_state, rotary_gains = memory
     command_input, command_limit, rotary_input = channels
     references, rotary_references, exogenous, linear = signals
-    noise, resolution, cutoffs = sensors
+    noise, resolution, cutoffs, errors = sensors
     delay_samples, delay_rest = delay
     h, method, steps_a_sample, tolerance = clock
     log_states, log_inputs, log_measurements = logs
@@ -119,6 +120,7 @@ def run_loop(
     slots = delay_samples + 1
     delayed = np.zeros((slots, channel_count))
     ramped = np.any(linear > 0.0)
+    erring = np.any(errors != 0.0)
     guess = h
     total_steps = 0
 
@@ -130,6 +132,7 @@ def run_loop(
     p_rotary_state, p_rotary_gains = address(rotary_state), address(rotary_gains)
     p_references, p_rotary_references = address(references), address(rotary_references)
     p_exogenous, p_noise, p_resolution = address(exogenous), address(noise), address(resolution)
+    p_errors = address(errors)
     p_log_states, p_log_inputs, p_log_read = (
         address(log_states),
         address(log_inputs),
@@ -144,7 +147,10 @@ def run_loop(
             _read(system, p_y, shift(p_delayed, (k % slots) * channel_count))
         oldest = shift(p_delayed, ((k + 1) % slots) * channel_count)
         for j in range(channel_count):
-            value = oldest[j] + p_noise[k * channel_count + j]
+            value = oldest[j]
+            if erring:
+                value += systematic_error(value, shift(p_errors, j * ERROR_NUMBERS))
+            value += p_noise[k * channel_count + j]
             if p_resolution[j] > 0.0:
                 value = p_resolution[j] * np.rint(value / p_resolution[j])
             p_measured[j] = value

@@ -19,7 +19,7 @@ from plants.equation import fields, from_array, to_array
 from plants.interface import Measurement, Plant, compile_derivatives, compile_measure
 from workbench.simulation import engine, steppers
 from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.sensors import Sensors
+from workbench.simulation.sensors import Sensors, systematic_error
 
 FIXED_STEP = {"euler": steppers.EULER, "heun": steppers.HEUN, "rk4": steppers.RK4}
 """Fixed-step methods, of order 1, 2 and 4."""
@@ -181,6 +181,9 @@ def simulate(setup: Setup) -> Run:
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
 
+    errors = setup.sensors.errors(setup.seed)
+    shown = Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
+
     references, profile = _sampled_reference(setup.reference, time)
     rotary_references = np.zeros((samples, 3))
     rotary_references[:, 0] = setup.rotation_speed
@@ -199,14 +202,14 @@ def simulate(setup: Setup) -> Run:
         _addresses(_compiled_plant(plant)),
         _addresses(_compiled_controller(setup.loop.controller)) + _addresses(_compiled_controller(rotary.controller)),
         (state, inputs, parameters, scales),
-        (*_memory(setup.loop, reading), *_memory(rotary, reading)),
+        (*_memory(setup.loop, shown), *_memory(rotary, shown)),
         (
             plant.input_index(plant.command),
             limit,
             plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
         ),
         (references, rotary_references, exogenous, linear),
-        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs),
+        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
         (delay_samples, delay_rest if delay_rest > DELAY_SLACK * h else 0.0),
         (h, METHODS[integrator.method], int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
         log,

@@ -5,12 +5,13 @@ import hashlib
 import itertools
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from workbench import files
 from workbench.errors import UserError, nearest
+from workbench.study.scenarios import read_scenario, scenario_files
 from workbench.study.schema import OVERRIDES, StudyFile
 
 NAMED_AXES = ("rpm", "controller", "reference", "scenario")
@@ -22,14 +23,17 @@ CASE = "case"
 
 @dataclass(frozen=True)
 class Study:
-    """A study file as read."""
+    """A study file as read. `file.scenarios` holds scenario files too; their path and text are in `sources`."""
 
     path: Path
     text: str
     file: StudyFile
+    sources: Mapping[str, tuple[Path, str]] = field(default_factory=dict)
 
     def error(self, key: files.Key, message: str) -> UserError:
-        """The error for a mistake at `key`."""
+        """The error for a mistake at `key`, in the scenario file where that is what holds it."""
+        if key[0] == "scenarios" and len(key) > 1 and key[1] in self.sources:
+            return files.at(*self.sources[str(key[1])], key[2:], message)
         return files.at(self.path, self.text, key, message)
 
     @property
@@ -80,7 +84,43 @@ def read_study(path: Path) -> Study:
             for key in overrides:
                 if key not in allowed:
                     raise study.error((section, name, key), f"unknown key; {nearest(key, allowed)}")
-    return study
+    beside = scenario_files(path.parent)
+    wanted = [name for name in _named_scenarios(file) if name in beside and name not in file.scenarios]
+    return _with_scenarios(study, {name: beside[name] for name in wanted})
+
+
+def _named_scenarios(file: StudyFile) -> list[str]:
+    """What the axes `scenario` name, in whatever shape they are."""
+    tables = [file.axes, *(overrides.get("axes") for overrides in file.cases.values())]
+    lists = [table.get("scenario") for table in tables if isinstance(table, dict)]
+    return [value for values in lists if isinstance(values, list) for value in values if isinstance(value, str)]
+
+
+def _with_scenarios(study: Study, paths: Mapping[str, Path]) -> Study:
+    """The study with the scenarios of these files beside its own."""
+    scenarios, sources = dict(study.file.scenarios), {}
+    for name, path in paths.items():
+        scenario, text = read_scenario(path)
+        scenarios[name], sources[name] = scenario.overrides, (path, text)
+    return replace(study, file=study.file.model_copy(update={"scenarios": scenarios}), sources=sources)
+
+
+def scenario_trial(path: Path) -> Study:
+    """A study of one case that takes the scenario file at `path`: what it would do to the thesis's actuator.
+
+    Raises:
+        UserError: unreadable, not TOML, unknown or missing keys.
+    """
+    content = {
+        "title": path.stem,
+        "plant": {"model": "non_rotating", "parameters": "owen2001_simulation"},
+        "controllers": {"p": {"type": "pid", "kp": "500 V/m"}},
+        "references": {"step": {"kind": "steps", "levels": ["5 mm"], "dwell": "1 s"}},
+        "simulation": {"duration": "1 s"},
+        "axes": {"scenario": [path.stem]},
+    }
+    beside = path.resolve().parent.parent / path.name  # where a study that names the scenario stands
+    return _with_scenarios(Study(beside, "", StudyFile.model_validate(content)), {path.stem: path})
 
 
 def unfold(study: Study) -> list[Case]:
@@ -132,7 +172,7 @@ def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, 
         known = {
             "controller": tables["controllers"],
             "reference": tables["references"],
-            "scenario": study.file.scenarios,
+            "scenario": {**study.file.scenarios, **scenario_files(study.path.parent)},
         }
         if axis in known:
             for value in values:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from controllers import speed_servo
+from controllers import scheduled_rotation, speed_servo
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.registry import controllers
@@ -15,7 +15,7 @@ from plants.interface import Measurement, Plant
 from plants.registry import plants
 from workbench import files
 from workbench.errors import UserError, nearest
-from workbench.parameters import build, parameter_path, parameter_value, read_parameters
+from workbench.parameters import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
@@ -98,7 +98,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     plant = _plant(tables)
     parameters = _truth(plant, tables, case.folder)
     belief = _belief(plant, tables, case)
-    surface_speed = tables.rpm * parameters.motor.piston_radius if plant.rotary_command else 0.0
+    rotation_speed, surface_speed = _rotation(plant, parameters, tables)
     state, inputs = plant.equilibrium(parameters, surface_speed)
     if tables.plant.start == "standstill":
         state, _ = plant.equilibrium(parameters, 0.0)
@@ -109,6 +109,12 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         settings = speed_servo.Settings(believed.motor_voltage)
         gains = speed_servo.design(settings, belief, tables.simulation.sample_time)
         rotary, inputs = Loop(speed_servo.SPEED_SERVO, gains), inputs._replace(motor_voltage=0.0)
+    if tables.plant.rotation == "scheduled" and plant.rotary_command:
+        _, believed = plant.equilibrium(belief, surface_speed)
+        schedule = scheduled_rotation.Settings(getattr(believed, plant.rotary_command))
+        scheduled = scheduled_rotation.SCHEDULED_ROTATION[plant.rotary_command]
+        rotary = Loop(scheduled, scheduled.design(schedule, belief, tables.simulation.sample_time))
+        inputs = inputs._replace(**{plant.rotary_command: 0.0})
     loop, reference, feeds = _position_loop(plant, belief, tables, case.folder)
     sensors = _sensors(tables)
     position = sensors.channels["position"]
@@ -122,7 +128,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         loop,
         reference,
         rotary,
-        tables.rpm,
+        rotation_speed,
         feeds,
         sensors,
         Integrator(simulation.method, simulation.step, simulation.tolerance),
@@ -130,6 +136,14 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         simulation.seed,
     )
     return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution))
+
+
+def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float, float]:
+    """The wanted speed of rotation (rad/s) and of the piston's surface (m/s); of a schedule, those at rest."""
+    if not plant.rotary_command:
+        return tables.rpm, 0.0
+    radius, minimum = parameters.motor.piston_radius, tables.plant.minimum_helical_speed
+    return (tables.rpm, tables.rpm * radius) if minimum is None else (minimum / radius, minimum)
 
 
 def _plant(tables: CaseTables) -> Plant:
@@ -166,6 +180,7 @@ def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str
 def _truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
     table = tables.plant
     values = _values(table.parameters, table.set, folder, "plant")
+    _spread(values, tables, folder)
     for name, ratio in table.scale.items():
         if name not in values:
             raise _MistakeError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
@@ -180,6 +195,21 @@ def _truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
         raise _MistakeError(
             ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
         ) from None
+
+
+def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
+    """Draw the parameters of [plant.spread] about their values, each direction apart where the file has both."""
+    table = tables.plant
+    deviations = read_deviations(parameter_path(table.parameters, folder))
+    for name, times in table.spread.items():
+        if name not in deviations:
+            hint = nearest(name, deviations)
+            raise _MistakeError(("plant", "spread", name), f'"{table.parameters}" gives no std for it; {hint}')
+        if not times >= 0.0:
+            raise _MistakeError(("plant", "spread", name), f"got {times}, expected a factor that is not negative")
+        for each in (name, f"{name}_negative"):
+            if each in deviations:
+                values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
 
 
 def _belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
@@ -289,10 +319,15 @@ def _sensors(tables: CaseTables) -> Sensors:
             resolution = si(table.resolution, item.unit) if table.resolution is not None else 0.0
             if table.range is not None and table.bits is not None:
                 resolution = si(table.range, item.unit) / 2**table.bits
-            noise = si(table.noise, item.unit)
+            noise, offset = si(table.noise, item.unit), si(table.offset, item.unit)
+            peak, travel = (
+                si(value or 0.0, item.unit) for value in (table.calibration_error, table.calibration_travel)
+            )
         except QuantityError as error:
             raise _MistakeError(key, str(error)) from None
-        if noise < 0.0 or resolution < 0.0:
-            raise _MistakeError(key, "noise and resolution are not negative")
-        channels[item.name] = Channel(noise, resolution, table.anti_alias)
+        if min(noise, resolution, peak) < 0.0:
+            raise _MistakeError(key, "noise, resolution and calibration_error are not negative")
+        if peak > 0.0 and not travel > 0.0:
+            raise _MistakeError((*key, "calibration_travel"), f"got {travel:g} {item.unit}, expected a value above 0")
+        channels[item.name] = Channel(noise, resolution, table.anti_alias, offset, table.gain_error, peak, travel)
     return Sensors(channels, tables.sensors.delay)

@@ -39,13 +39,21 @@ class PlantTable(Strict):
     model: str
     parameters: str
     bristle: Literal["helical", "isotropic"] = "helical"
-    rotation: Literal["voltage", "servo", "ideal"] = "voltage"
+    rotation: Literal["voltage", "servo", "ideal", "scheduled"] = "voltage"
+    minimum_helical_speed: Annotated[float, BeforeValidator(partial(si, unit="m/s")), Field(gt=0.0)] | None = None
     start: Literal["turning", "standstill"] = "turning"
     flow: Literal["derived", "chapter3"] = "derived"
     command: Literal["force", "voltage"] = "force"
     start_position: Metre = 0.0
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
+    spread: dict[str, float] = {}
+
+    @model_validator(mode="after")
+    def _minimum_is_used(self) -> "PlantTable":
+        if self.minimum_helical_speed is not None and self.rotation != "scheduled":
+            raise ValueError('minimum_helical_speed belongs to rotation = "scheduled"')
+        return self
 
 
 class BeliefTable(Strict):
@@ -57,18 +65,27 @@ class BeliefTable(Strict):
 
 
 class ChannelTable(Strict):
-    """One sensor. The converter's step is `resolution`, or `range` over 2 to the power of `bits`."""
+    """One sensor. The converter's step is `resolution`, or `range` over 2 to the power of `bits`.
+
+    `calibration_error` is the peak of a smooth error over a `calibration_travel` of the measured value.
+    """
 
     noise: Raw = 0.0
     resolution: Raw | None = None
     range: Raw | None = None
     bits: int | None = Field(None, ge=1, le=32)
     anti_alias: Hertz = Field(0.0, ge=0.0)
+    offset: Raw = 0.0
+    gain_error: float = Field(0.0, gt=-1.0)
+    calibration_error: Raw | None = None
+    calibration_travel: Raw | None = None
 
     @model_validator(mode="after")
     def _one_way(self) -> "ChannelTable":
         if (self.range is None) != (self.bits is None) or (self.bits and self.resolution is not None):
             raise ValueError("expected either resolution, or range together with bits")
+        if (self.calibration_error is None) != (self.calibration_travel is None):
+            raise ValueError("expected calibration_error together with calibration_travel")
         return self
 
 
@@ -211,6 +228,19 @@ class FigureSpec(Strict):
     panels: list[Panel] = Field(min_length=1)
 
 
+class ComparisonTable(Strict):
+    """[comparison]: make a page that compares compensation with rotation out of the results.
+
+    `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `steps` the
+    references that are judged by steady-state error and limit cycles; errors below `negligible` are not told apart.
+    """
+
+    plain: list[str] = Field(min_length=1)
+    steps: list[str] = []
+    negligible: Metre = Field(1e-6, ge=0.0)
+    assumptions: list[str] = []
+
+
 class CaseTables(Strict):
     """What one case is made of, after cases, scenario and axes have been filled in."""
 
@@ -247,3 +277,4 @@ class StudyFile(Strict):
     probes: dict[str, Probe] = {}
     tables: list[TableSpec] = []
     figures: list[FigureSpec] = []
+    comparison: ComparisonTable | None = None

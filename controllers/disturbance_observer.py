@@ -1,0 +1,138 @@
+"""Linear disturbance observer: what the piston lacks against the velocity that its voltage should give.
+
+The classic observer (Ohnishi 1987) d^ = Q (u - v^ / P_n), P_n the nominal plant, Q a low-pass filter, on the velocity
+of a valve-controlled piston. Friction, load, pressure drop and a wrong flow gain alike are one disturbance: a voltage.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from controllers.interface import Controller, Reference
+from controllers.velocity import (
+    Estimator,
+    EstimatorSettings,
+    EstimatorState,
+    at_rest,
+    design_estimator,
+    estimate_velocity,
+)
+from plants.equation import Scalar, equation
+from plants.hydraulics import no_load_velocity_gain
+from plants.interface import Measurement
+
+
+class Settings(NamedTuple):
+    """What a user sets. `observer_time_constant` is T_q of the filter Q; `feedforward` a share of dr / K_q."""
+
+    kp: Annotated[float, "command/m"] = 500.0
+    feedforward: Annotated[float, "1"] = 1.0
+    observer_time_constant: Annotated[float, "s"] = 20e-3
+    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
+    velocity_time_constant: Annotated[float, "s"] = 2e-3
+    position_noise: Annotated[float, "m"] = 13e-6
+    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+
+
+class Gains(NamedTuple):
+    """`velocity_gain` K_q and `time_constant` tau are the believed valve's.
+
+    `keep` is exp(-h/tau), `update` 1 - exp(-h/T_q).
+    """
+
+    proportional: Annotated[float, "V/m"]
+    feedforward: Annotated[float, "V s/m"]
+    velocity_gain: Annotated[float, "m/(s V)"]
+    time_constant: Annotated[float, "s"]
+    keep: Annotated[float, "1"]
+    update: Annotated[float, "1"]
+    estimator: Estimator
+
+
+class State(NamedTuple):
+    """Nominal plant: lagged voltage and position. The estimator runs on its lead over the piston. Then d^."""
+
+    lagged: Annotated[float, "V"]
+    nominal: Annotated[float, "m"]
+    estimator: EstimatorState
+    disturbance: Annotated[float, "V"]
+
+
+@equation
+def step(
+    reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
+) -> tuple[Scalar, State]:
+    """V = K_p e + dr K_ff + d^, with d^ the voltage that the piston's velocity lacks.
+
+        T_q dd^/dt + d^ = (v_n - v)^ / K_q                       Q = 1 / (T_q s + 1)
+        dx_n/dt = v_n = K_q V_l,   tau dV_l/dt + V_l = V         nominal plant, driven by the realised voltage
+
+    Feeding v/K_q back against V itself (P_n = K_q, without lag) makes the valve's lag a disturbance: with G the lag of
+    valve and velocity filter the loop is T_q s + G(s) = 0, stable only for T_q > tau T_v / (tau + T_v) = 1.7 ms, with a
+    damping ratio of 0.5 sqrt(T_q / tau) above. Here the nominal plant has the valve's lag, and one velocity estimator
+    sees the difference x_n - x, so that its own lag F is in both. A plant with rho K_q G_v in place of K_q G_v, G_v the
+    lag of the valve, then has V (1 - (1 - rho) Q F G_v) = V_c: since |Q F G_v| <= 1 the loop is stable for every
+    0 < rho < 2, and at low frequency V = V_c / rho inverts the plant. At rho = 1 nothing is added [derived here].
+    """
+    error = reference.position - measurement.position
+    lead = state.nominal - measurement.position
+    lacking, estimator = estimate_velocity(lead, state.estimator, gains.estimator)
+    disturbance = state.disturbance + gains.update * (lacking / gains.velocity_gain - state.disturbance)
+    command = gains.proportional * error + gains.feedforward * reference.velocity + disturbance
+    return command, State(state.lagged, state.nominal, estimator, disturbance)
+
+
+@equation
+def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
+    """The nominal plant over one sample of the realised voltage, exactly: a limited command does not wind d^ up."""
+    offset = state.lagged - realised
+    moved = realised * sample_time + offset * gains.time_constant * (1.0 - gains.keep)
+    return State(
+        realised + offset * gains.keep,
+        state.nominal + gains.velocity_gain * moved,
+        state.estimator,
+        state.disturbance,
+    )
+
+
+def start(measurement: Measurement, gains: Gains) -> State:
+    """At rest, the nominal plant where the piston is, no disturbance."""
+    return State(0.0, measurement.position, at_rest(0.0), 0.0)
+
+
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """Gains from settings and the believed valve.
+
+    Raises:
+        ValueError: a plant whose belief has no velocity gain, or a time constant that is not above 0.
+    """
+    if not hasattr(belief, "hydraulics"):
+        raise ValueError("disturbance_observer needs a plant with a velocity gain (a hydraulic one)")
+    if settings.observer_time_constant <= 0.0:
+        raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
+    gain, lag = float(no_load_velocity_gain(belief.hydraulics)), belief.hydraulics.valve_time_constant
+    estimator = EstimatorSettings(
+        settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
+    )
+    return Gains(
+        settings.kp,
+        settings.feedforward / gain,
+        gain,
+        lag,
+        float(np.exp(-sample_time / lag)),
+        float(-np.expm1(-sample_time / settings.observer_time_constant)),
+        design_estimator(estimator, sample_time),
+    )
+
+
+DISTURBANCE_OBSERVER = Controller(
+    name="disturbance_observer",
+    summary="P with feed-forward and a linear disturbance observer on the velocity",
+    Settings=Settings,
+    Gains=Gains,
+    State=State,
+    design=design,
+    step=step,
+    commit=commit,
+    start=start,
+)

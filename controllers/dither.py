@@ -1,0 +1,111 @@
+"""Dither: a fast periodic voltage on top of PID, so that the valve's spool and the contact never come to rest."""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from controllers import pid
+from controllers.interface import Controller, Reference
+from plants.equation import Scalar, equation, select
+from plants.interface import Measurement
+
+TURN = 2.0 * np.pi
+
+LEAST_SAMPLES = 4
+"""Samples of a period: with fewer, the sampled wave is no longer the one that was asked for."""
+
+
+class Settings(NamedTuple):
+    """PID as in `controllers.pid`, and the dither, with defaults for the simulation plant.
+
+    50 Hz is ten times the position loop's bandwidth (K_p K_q = 34 1/s, 5.4 Hz), so that the loop hardly answers it, and
+    a quarter of the hydraulic resonance (192 Hz). It is above the corner of the valve's lag (12 ms, 13 Hz): of the
+    amplitude at the amplifier, 1 / sqrt(1 + (2 pi f tau)^2) = 0.256 reaches the spool. The default of 2.5 V thus
+    moves the spool by 38 um and the piston, at K_q 0.64 V less what friction takes of the pressure, by 0.12 mm: just
+    more than the 0.10 mm by which the bristles bend before the contact breaks away. Less only bends them to and fro.
+    """
+
+    kp: Annotated[float, "command/m"] = 500.0
+    ki: Annotated[float, "command/(m s)"] = 0.0
+    kd: Annotated[float, "command s/m"] = 0.0
+    feedforward: Annotated[float, "1"] = 0.0
+    amplitude: Annotated[float, "command"] = 2.5
+    frequency: Annotated[float, "Hz"] = 50.0
+    shape: Annotated[str, "sine", "square"] = "sine"
+    tracking_time: Annotated[float, "s"] = 0.0
+    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
+    velocity_time_constant: Annotated[float, "s"] = 2e-3
+    position_noise: Annotated[float, "m"] = 13e-6
+    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+
+
+class Gains(NamedTuple):
+    """Of the PID; amplitude, angular frequency, and 1 for a square wave, 0 for a sine."""
+
+    pid: pid.Gains
+    amplitude: Annotated[float, "command"]
+    angular_frequency: Annotated[float, "rad/s"]
+    square: Annotated[float, "1"]
+
+
+class State(NamedTuple):
+    """Of the PID; the phase (0 to 2 pi) of the next sample; the dither of this one."""
+
+    pid: pid.State
+    phase: Annotated[float, "rad"]
+    dither: Annotated[float, "command"]
+
+
+@equation
+def step(
+    reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
+) -> tuple[Scalar, State]:
+    """u = u_pid + a sin(phi), or +a for the first half of each turn and -a for the second; phi += 2 pi f h."""
+    linear, following = pid.step(reference, measurement, state.pid, gains.pid, sample_time)
+    square = select(state.phase < np.pi, 1.0, -1.0)
+    dither = gains.amplitude * select(gains.square > 0.0, square, np.sin(state.phase))
+    turned = state.phase + gains.angular_frequency * sample_time
+    phase = turned - select(turned >= TURN, TURN, 0.0)
+    return linear + dither, State(following, phase, dither)
+
+
+@equation
+def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
+    """The PID learns what was realised without the dither, so that only a limited command moves its integral."""
+    following = pid.commit(realised - state.dither, state.pid, gains.pid, sample_time)
+    return State(following, state.phase, state.dither)
+
+
+def start(measurement: Measurement, gains: Gains) -> State:
+    """The PID at rest, the dither at phase 0."""
+    return State(pid.start(measurement, gains.pid), 0.0, 0.0)
+
+
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """Gains from settings.
+
+    Raises:
+        ValueError: a frequency that the samples cannot carry, or a setting of the PID.
+    """
+    fastest = 1.0 / (LEAST_SAMPLES * sample_time)
+    if not 0.0 < settings.frequency <= fastest:
+        raise ValueError(
+            f"frequency is {settings.frequency:g} Hz, expected more than 0 and at most {fastest:g} Hz "
+            f"({LEAST_SAMPLES} samples a period)"
+        )
+    shared = {name: getattr(settings, name) for name in pid.Settings._fields}
+    linear = pid.design(pid.Settings(**shared), belief, sample_time)
+    return Gains(linear, settings.amplitude, TURN * settings.frequency, float(settings.shape == "square"))
+
+
+DITHER = Controller(
+    name="dither",
+    summary="PID with a fast sine or square wave on the command",
+    Settings=Settings,
+    Gains=Gains,
+    State=State,
+    design=design,
+    step=step,
+    commit=commit,
+    start=start,
+)

@@ -1,0 +1,427 @@
+"""Extended Kalman filter of the believed plant: velocity, load pressure and bristle from position and pressures.
+
+    gains = design_ekf(belief, EkfSettings(), sample_time)
+    state = ekf_at_rest(measurement, gains)
+    velocity, load_pressure, friction, state = ekf_update(measurement, realised, state, gains, sample_time)
+
+The model over a sample is the local linearisation of the plant's equations (Ozaki 1992): with J the Jacobian of the
+rates f at the estimate, the deviation from it obeys d(delta)/dt = J delta + f, which is solved exactly. So the
+discrete Jacobian is exp(J h), and the step is stable however fast the bristle, the oil column (1207 rad/s in the
+thesis's simulations) or the valve's flow relax. Position follows as the integral of velocity. The spool is no state
+with noise: it is advanced exactly through the believed lag with the voltage that the amplifier gave.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from plants import hydraulics as hyd
+from plants.equation import Scalar, equation, select
+from plants.friction import Friction, directed, stribeck_level
+from plants.hydraulics import Hydraulics, Mass
+from plants.interface import Measurement
+
+DOUBLINGS = 10
+"""The exponential is a Taylor polynomial over h / 2^10, squared ten times."""
+
+FASTEST_BRISTLE = 50.0
+"""Bristles are believed to relax by at most exp(-50) a sample; faster ones are slowed to it, at the same steady
+deflection. Keeps the exponential accurate where g(v) is next to nothing."""
+
+LEAST_DROP = 0.02
+"""Share of the supply pressure below which the valve's pressure drop does not count in the slope of its flow, which
+is infinite at 0."""
+
+FLOOR = 1e-3
+"""Least variance of an estimate, as a share of its process noise of a sample."""
+
+STEEPEST = 2.0
+"""The slope of the bristle's rate over velocity counts at most so many steady deflections g/sigma0. An estimate bent
+far beyond them would give the linearised damping force a negative slope without bound."""
+
+ESTIMATE_RANGE = 3.0
+"""Bounds of the estimates: so many static deflections (a0 + a1) / sigma0, so many no-load velocities at full spool."""
+
+
+class EkfSettings(NamedTuple):
+    """Standard deviations a sample: of a position and of each chamber pressure as measured; of the force, flow and
+    bristle force that the model does not know, each renewed at every sample.
+
+    A large `friction_noise` lets the friction follow another level than the believed one, which the bristle would
+    forget within a few samples at speed. A small `flow_noise` takes the velocity from the pressures and the valve, a
+    large one from the position; the default is 0.8 mm/s of the simulation plant's piston.
+    """
+
+    position_noise: Annotated[float, "m"] = 13e-6
+    pressure_noise: Annotated[float, "Pa"] = 2e3
+    force_noise: Annotated[float, "N"] = 5.0
+    flow_noise: Annotated[float, "m^3/s"] = 5e-7
+    friction_noise: Annotated[float, "N"] = 150.0
+
+
+class Covariance(NamedTuple):
+    """Covariance of the estimates of position, velocity, load pressure and bristle: the upper triangle."""
+
+    xx: Annotated[float, "m^2"]
+    xv: Annotated[float, "m^2/s"]
+    xp: Annotated[float, "m Pa"]
+    xz: Annotated[float, "m^2"]
+    vv: Annotated[float, "m^2/s^2"]
+    vp: Annotated[float, "m Pa/s"]
+    vz: Annotated[float, "m^2/s"]
+    pp: Annotated[float, "Pa^2"]
+    pz: Annotated[float, "m Pa"]
+    zz: Annotated[float, "m^2"]
+
+
+class Noise(NamedTuple):
+    """Variances a sample: of the two measurements, and of what the model does not know of each state."""
+
+    measured_position: Annotated[float, "m^2"]
+    measured_load_pressure: Annotated[float, "Pa^2"]
+    position: Annotated[float, "m^2"]
+    velocity: Annotated[float, "m^2/s^2"]
+    load_pressure: Annotated[float, "Pa^2"]
+    bristle: Annotated[float, "m^2"]
+
+
+class EkfGains(NamedTuple):
+    """The believed plant, the noise, and what the model needs beside them."""
+
+    hydraulics: Hydraulics
+    body: Mass
+    friction: Friction
+    noise: Noise
+    oil_stiffness: Annotated[float, "Pa/m^3"]
+    fastest_relaxation: Annotated[float, "1/s"]
+    largest_velocity: Annotated[float, "m/s"]
+    largest_bristle: Annotated[float, "m"]
+
+
+class EkfState(NamedTuple):
+    position: Annotated[float, "m"]
+    velocity: Annotated[float, "m/s"]
+    load_pressure: Annotated[float, "Pa"]
+    bristle: Annotated[float, "m"]
+    spool: Annotated[float, "m"]
+    covariance: Covariance
+
+
+class Row(NamedTuple):
+    """Three numbers that belong to velocity, load pressure and bristle."""
+
+    v: Scalar
+    p: Scalar
+    z: Scalar
+
+
+class Matrix(NamedTuple):
+    """3 x 3 over velocity, load pressure and bristle, by rows."""
+
+    v: Row
+    p: Row
+    z: Row
+
+
+@equation
+def _scaled(a: Row, factor: Scalar, b: Row) -> Row:
+    """a + factor b."""
+    return Row(a.v + factor * b.v, a.p + factor * b.p, a.z + factor * b.z)
+
+
+@equation
+def _dot(a: Row, b: Row) -> Scalar:
+    return a.v * b.v + a.p * b.p + a.z * b.z
+
+
+@equation
+def _row_times(a: Row, m: Matrix) -> Row:
+    """a m, for a row a."""
+    return Row(
+        a.v * m.v.v + a.p * m.p.v + a.z * m.z.v,
+        a.v * m.v.p + a.p * m.p.p + a.z * m.z.p,
+        a.v * m.v.z + a.p * m.p.z + a.z * m.z.z,
+    )
+
+
+@equation
+def _times(a: Matrix, b: Matrix) -> Matrix:
+    return Matrix(_row_times(a.v, b), _row_times(a.p, b), _row_times(a.z, b))
+
+
+@equation
+def _applied(m: Matrix, b: Row) -> Row:
+    """m b, for a column b."""
+    return Row(_dot(m.v, b), _dot(m.p, b), _dot(m.z, b))
+
+
+@equation
+def _one_plus(factor: Scalar, m: Matrix) -> Matrix:
+    """1 + factor m."""
+    return Matrix(
+        _scaled(Row(1.0, 0.0, 0.0), factor, m.v),
+        _scaled(Row(0.0, 1.0, 0.0), factor, m.p),
+        _scaled(Row(0.0, 0.0, 1.0), factor, m.z),
+    )
+
+
+@equation
+def believed_friction(velocity: Scalar, bristle: Scalar, gains: EkfGains) -> tuple[Scalar, Scalar, Row, Row]:
+    """Friction (N), bristle rate (m/s), and the slopes of both over velocity, load pressure (none) and bristle.
+
+        dz/dt = kappa (v - sigma0 |v| z / g),  F = sigma0 z + sigma1 exp(-(v/v_s)^2) dz/dt + a2 v
+
+    The damping fades with speed as in `controllers.lugre_observer`. With the constant one a larger bristle is a
+    *smaller* force where sigma1 |v| > g, and the filter would correct a wrong level the wrong way. kappa is 1 but for
+    bristles faster than `FASTEST_BRISTLE`.
+    """
+    f = directed(velocity, bristle, gains.friction)
+    level, sign = stribeck_level(velocity, f), np.sign(velocity)
+    ratio = velocity / f.stribeck_velocity
+    bell = np.exp(-(ratio**2))
+    bell_slope = -2.0 * ratio / f.stribeck_velocity * bell
+    level_slope = select(level > f.coulomb + f.stribeck * bell, 0.0, f.stribeck * bell_slope)
+    relaxation = f.bristle_stiffness * np.abs(velocity) / level
+    slowed = np.minimum(relaxation, gains.fastest_relaxation)
+    rate = select(
+        relaxation > slowed,
+        slowed * (sign * level / f.bristle_stiffness - bristle),
+        velocity - relaxation * bristle,
+    )
+    most = STEEPEST * level / f.bristle_stiffness
+    bent = np.minimum(np.maximum(bristle, -most), most)
+    rate_slope = select(
+        relaxation > slowed,
+        slowed * sign * level_slope / f.bristle_stiffness,
+        1.0 - bent * (f.bristle_stiffness * sign - relaxation * level_slope) / level,
+    )
+    damping = f.bristle_damping * bell
+    force = f.bristle_stiffness * bristle + damping * rate + f.viscous * velocity
+    force_slope = f.bristle_damping * bell_slope * rate + damping * rate_slope + f.viscous
+    return (
+        force,
+        rate,
+        Row(force_slope, 0.0, f.bristle_stiffness - damping * slowed),
+        Row(rate_slope, 0.0, -slowed),
+    )
+
+
+@equation
+def believed_rates(
+    velocity: Scalar, load_pressure: Scalar, bristle: Scalar, spool: Scalar, gains: EkfGains
+) -> tuple[Row, Matrix]:
+    """Rates of velocity, load pressure and bristle, and their Jacobian. Thesis (3.36) to (3.38), inside the stroke."""
+    h, mass = gains.hydraulics, gains.body.mass
+    force, bristle_rate, force_slopes, bristle_slopes = believed_friction(velocity, bristle, gains)
+    area, stiffness = hyd.piston_area(h), gains.oil_stiffness
+    drop = h.supply_pressure - h.tank_pressure - np.sign(spool) * load_pressure
+    counted = h.flow_pressure_share * np.maximum(drop, LEAST_DROP * h.supply_pressure)
+    opening = np.abs(hyd.valve_opening(spool, h))
+    yielding = 0.5 * h.valve_flow_gain * opening * h.flow_pressure_share / np.sqrt(counted)
+    rates = Row(
+        (hyd.pressure_force(load_pressure, h) - force - gains.body.load_force) / mass,
+        hyd.load_pressure_rate(hyd.load_flow(spool, load_pressure, h), velocity, load_pressure, h),
+        bristle_rate,
+    )
+    jacobian = Matrix(
+        _scaled(Row(0.0, area / mass, 0.0), -1.0 / mass, force_slopes),
+        Row(-stiffness * area, -stiffness * (yielding + h.leakage_coefficient), 0.0),
+        bristle_slopes,
+    )
+    return rates, jacobian
+
+
+@equation
+def hold(rates: Row, jacobian: Matrix, sample_time: Scalar) -> tuple[Matrix, Row, Row, Scalar]:
+    """Exact solution over a sample of d(delta)/dt = J delta + f, and of its first component's integral.
+
+        delta(h) = E delta(0) + d,  integral of delta_v = R delta(0) + r
+
+    Taylor series of order 6 over h / 2^`DOUBLINGS`, then doubled: two halves in a row make d + E d, E^2, R + R E,
+    2 r + R d.
+
+    Returns:
+        E, d, R, r.
+    """
+    part = sample_time / 2.0**DOUBLINGS
+    series = _one_plus(part / 6.0, jacobian)
+    series = _one_plus(part / 5.0, _times(jacobian, series))
+    series = _one_plus(part / 4.0, _times(jacobian, series))
+    series = _one_plus(part / 3.0, _times(jacobian, series))  # 2 phi_2
+    mean = _one_plus(part / 2.0, _times(jacobian, series))  # phi_1
+    power = _one_plus(part, _times(jacobian, mean))
+    step = _applied(mean, Row(part * rates.v, part * rates.p, part * rates.z))
+    travel = Row(part * mean.v.v, part * mean.v.p, part * mean.v.z)
+    rest = 0.5 * part**2 * _dot(series.v, rates)
+    for _ in range(DOUBLINGS):
+        rest = 2.0 * rest + _dot(travel, step)
+        step = _scaled(step, 1.0, _applied(power, step))
+        travel = _scaled(travel, 1.0, _row_times(travel, power))
+        power = _times(power, power)
+    return power, step, travel, rest
+
+
+@equation
+def _form(a: Row, b: Row, c: Covariance) -> Scalar:
+    """a C b' with C the covariance of velocity, load pressure and bristle."""
+    return (
+        a.v * (c.vv * b.v + c.vp * b.p + c.vz * b.z)
+        + a.p * (c.vp * b.v + c.pp * b.p + c.pz * b.z)
+        + a.z * (c.vz * b.v + c.pz * b.p + c.zz * b.z)
+    )
+
+
+@equation
+def predicted_covariance(c: Covariance, e: Matrix, travel: Row, noise: Noise) -> Covariance:
+    """F C F' + Q with F the hold's: position 1 and `travel`, the others E. Symmetric since only one half is kept."""
+    with_position = Row(c.xv, c.xp, c.xz)
+    return Covariance(
+        c.xx + 2.0 * _dot(travel, with_position) + _form(travel, travel, c) + noise.position,
+        _dot(e.v, with_position) + _form(e.v, travel, c),
+        _dot(e.p, with_position) + _form(e.p, travel, c),
+        _dot(e.z, with_position) + _form(e.z, travel, c),
+        _form(e.v, e.v, c) + noise.velocity,
+        _form(e.v, e.p, c),
+        _form(e.v, e.z, c),
+        _form(e.p, e.p, c) + noise.load_pressure,
+        _form(e.p, e.z, c),
+        _form(e.z, e.z, c) + noise.bristle,
+    )
+
+
+class Column(NamedTuple):
+    """Four numbers that belong to position, velocity, load pressure and bristle."""
+
+    x: Scalar
+    v: Scalar
+    p: Scalar
+    z: Scalar
+
+
+@equation
+def _joseph(ab: Scalar, a: Scalar, b: Scalar, own: Scalar, gain_a: Scalar, gain_b: Scalar, noise: Scalar) -> Scalar:
+    """One element of (1 - K H) C (1 - K H)' + K R K': positive definite for any gain, which C - K H C is not.
+
+    `ab` is the element, `a` and `b` are the covariances with the measured state, `own` is that state's variance.
+    """
+    return ab - gain_a * b - (a - gain_a * own) * gain_b + gain_a * gain_b * noise
+
+
+@equation
+def _corrected(
+    mean: Column, c: Covariance, with_measured: Column, own: Scalar, reading: Scalar, estimate: Scalar, noise: Scalar
+) -> tuple[Column, Covariance]:
+    """Means and covariance after the `reading` of one state, whose variance is `own`. Joseph's form."""
+    m, total = with_measured, own + noise
+    k = Column(m.x / total, m.v / total, m.p / total, m.z / total)
+    off = reading - estimate
+    return (
+        Column(mean.x + k.x * off, mean.v + k.v * off, mean.p + k.p * off, mean.z + k.z * off),
+        Covariance(
+            _joseph(c.xx, m.x, m.x, own, k.x, k.x, noise),
+            _joseph(c.xv, m.x, m.v, own, k.x, k.v, noise),
+            _joseph(c.xp, m.x, m.p, own, k.x, k.p, noise),
+            _joseph(c.xz, m.x, m.z, own, k.x, k.z, noise),
+            _joseph(c.vv, m.v, m.v, own, k.v, k.v, noise),
+            _joseph(c.vp, m.v, m.p, own, k.v, k.p, noise),
+            _joseph(c.vz, m.v, m.z, own, k.v, k.z, noise),
+            _joseph(c.pp, m.p, m.p, own, k.p, k.p, noise),
+            _joseph(c.pz, m.p, m.z, own, k.p, k.z, noise),
+            _joseph(c.zz, m.z, m.z, own, k.z, k.z, noise),
+        ),
+    )
+
+
+@equation
+def floored(c: Covariance, noise: Noise) -> Covariance:
+    """The covariance with its diagonal at least `FLOOR` times the process noise: rounding cannot take it to 0."""
+    return Covariance(
+        *(np.maximum(c.xx, FLOOR * noise.position), c.xv, c.xp, c.xz),
+        *(np.maximum(c.vv, FLOOR * noise.velocity), c.vp, c.vz),
+        *(np.maximum(c.pp, FLOOR * noise.load_pressure), c.pz),
+        np.maximum(c.zz, FLOOR * noise.bristle),
+    )
+
+
+@equation
+def ekf_update(
+    measurement: Measurement, realised: Scalar, state: EkfState, gains: EkfGains, sample_time: Scalar
+) -> tuple[Scalar, Scalar, Scalar, EkfState]:
+    """Estimates at a sample from its measurement and the voltage (V) realised over the sample before it.
+
+    Position and load pressure P1 - P2 are corrected one after the other, which for independent noise is the same as
+    together.
+
+    Returns:
+        velocity (m/s), load pressure (Pa), friction (N), and the next state, which holds the bristle's deflection.
+    """
+    h, noise = gains.hydraulics, gains.noise
+    target = np.minimum(np.maximum(h.valve_position_gain * realised, -h.spool_limit), h.spool_limit)
+    left = state.spool - target
+    keep = np.exp(-sample_time / h.valve_time_constant)
+    spool = target + left * (1.0 - keep) * h.valve_time_constant / sample_time  # its mean over the sample
+    rates, jacobian = believed_rates(state.velocity, state.load_pressure, state.bristle, spool, gains)
+    power, step, travel, rest = hold(rates, jacobian, sample_time)
+    mean = Column(
+        state.position + sample_time * state.velocity + rest,
+        state.velocity + step.v,
+        state.load_pressure + step.p,
+        state.bristle + step.z,
+    )
+    c = predicted_covariance(state.covariance, power, travel, noise)
+    with_position = Column(c.xx, c.xv, c.xp, c.xz)
+    mean, c = _corrected(mean, c, with_position, c.xx, measurement.position, mean.x, noise.measured_position)
+    with_pressure, reading = Column(c.xp, c.vp, c.pp, c.pz), measurement.pressure_1 - measurement.pressure_2
+    mean, c = _corrected(mean, c, with_pressure, c.pp, reading, mean.p, noise.measured_load_pressure)
+    velocity = np.minimum(np.maximum(mean.v, -gains.largest_velocity), gains.largest_velocity)
+    bristle = np.minimum(np.maximum(mean.z, -gains.largest_bristle), gains.largest_bristle)
+    friction, _, _, _ = believed_friction(velocity, bristle, gains)
+    following = EkfState(mean.x, velocity, mean.p, bristle, target + left * keep, floored(c, noise))
+    return velocity, mean.p, friction, following
+
+
+def design_ekf(belief: Any, settings: EkfSettings, sample_time: float) -> EkfGains:
+    """Numbers of the filter from the believed plant (hydraulics, body, friction) and the noise.
+
+    Raises:
+        ValueError: a standard deviation that is not above 0, or a belief without a valve.
+    """
+    if not hasattr(belief, "hydraulics"):
+        raise ValueError("the extended Kalman filter needs a hydraulic plant with measured pressures; take another one")
+    for name, value in settings._asdict().items():
+        if not value > 0.0:
+            raise ValueError(f"{name} is {value:g}, expected a value above 0")
+    h, mass, contact = belief.hydraulics, belief.body.mass, belief.friction
+    sides = (contact.positive, contact.negative)
+    softest = min(side.bristle_stiffness for side in sides)
+    oil_stiffness = 4.0 * h.bulk_modulus / float(hyd.oil_volume(h))
+    push = settings.force_noise * sample_time / mass
+    noise = Noise(
+        settings.position_noise**2,
+        2.0 * settings.pressure_noise**2,
+        (0.5 * sample_time * push) ** 2,
+        push**2,
+        (settings.flow_noise * oil_stiffness * sample_time) ** 2,
+        (settings.friction_noise / softest) ** 2,
+    )
+    fastest = ESTIMATE_RANGE * float(hyd.no_load_velocity_gain(h)) * h.spool_limit / h.valve_position_gain
+    largest = ESTIMATE_RANGE * max(side.coulomb + side.stribeck for side in sides) / softest
+    return EkfGains(h, belief.body, contact, noise, oil_stiffness, FASTEST_BRISTLE / sample_time, fastest, largest)
+
+
+def ekf_at_rest(measurement: Measurement, gains: EkfGains) -> EkfState:
+    """State for a plant at rest with a closed valve: the bristle carries what force the pressures leave.
+
+    Unsure of the bristle by its whole range, of the rest by its sensor, or by the process noise of a sample.
+    """
+    noise, stiffness = gains.noise, gains.friction.positive.bristle_stiffness
+    pressure = measurement.pressure_1 - measurement.pressure_2
+    force = float(hyd.pressure_force(pressure, gains.hydraulics)) - gains.body.load_force
+    bristle = float(np.clip(force / stiffness, -gains.largest_bristle, gains.largest_bristle))
+    covariance = Covariance(
+        *(noise.measured_position, 0.0, 0.0, 0.0),
+        *(noise.velocity, 0.0, 0.0),
+        *(noise.measured_load_pressure, 0.0),
+        gains.largest_bristle**2,
+    )
+    return EkfState(measurement.position, 0.0, pressure, bristle, 0.0, covariance)
