@@ -138,7 +138,7 @@ def plot(
     where: Where = None,
     out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
 ) -> None:
-    """Draw the figures of a study again, or any stored signal or column of its results."""
+    """Draw a study's figures again, or any stored signal or column."""
     from workbench.report.figures import quick_plot, write_figure
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
@@ -160,7 +160,8 @@ def _say_plan(planned: Any) -> None:
     print(file.title + (f" ({file.source})" if file.source else ""))
     for name, values in _axes_of(planned).items():
         print(f"  {name}: {', '.join(values)}")
-    print(f"  {len(planned.cases)} cases, {planned.simulated_seconds:g} s simulated")
+    count = len(planned.cases)
+    print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s to simulate")
 
 
 def _axes_of(planned: Any) -> dict[str, list[str]]:
@@ -233,11 +234,12 @@ class _Progress:
 
 
 def main() -> None:
-    """Run the command line. A user's mistake is one or two lines and exit code 2."""
+    """Run the command line. A user's mistake, or a file system's, is one or two lines and exit code 2."""
     try:
         app()
-    except UserError as error:
+    except (UserError, OSError) as error:
         if "--debug" in sys.argv:
             raise
-        print(f"error: {error}", file=sys.stderr)
+        place = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
+        print(f"error: {place}", file=sys.stderr)
         sys.exit(2)
