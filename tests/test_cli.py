@@ -65,9 +65,9 @@ def test_every_parameter_set_is_in_order(name: str, path: Path) -> None:
 
 def test_check_says_what_a_study_would_do(tmp_path: Path) -> None:
     path = write(tmp_path, STUDY + "[cases.a]\n[cases.b]\naxes = {}\n")
-    expected = "a study for tests\n  case: a, b\n  rpm: 0, 460\n  3 cases, 3 s to simulate\n"
+    expected = "a study for tests\n  case: a, b\n  rpm: 0, 460\n  3 cases, 3 s of simulated time\n"
     assert workbench("check", path) == (0, f"{path}: a study, in order\n{expected}", "")
-    assert workbench("check", write(tmp_path, changed("0, 460", "0"))).out.endswith("  1 case, 1 s to simulate\n")
+    assert workbench("check", write(tmp_path, changed("0, 460", "0"))).out.endswith("  1 case, 1 s of simulated time\n")
 
 
 def test_check_of_a_wrong_parameter_set(tmp_path: Path) -> None:

@@ -156,7 +156,9 @@ def test_three_formats_and_the_same_bytes_twice(tmp_path: Path) -> None:
 
 
 def test_curves_that_cannot_be(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"figure f: the trajectory of that case was not kept; run with --keep-traj"):
+    with pytest.raises(
+        UserError, match=r"figure f: the trajectory of rpm 0 was not kept \(kept: none\); run with --keep-traj"
+    ):
         lines(figure(panel({"y": "position", "where": {"rpm": 0}})), tmp_path)
     with pytest.raises(UserError, match=r"figure f: 3 cases for no condition, expected one"):
         lines(figure(panel({"y": "position"})), tmp_path)
@@ -198,10 +200,13 @@ def test_a_stored_signal_or_a_column(tmp_path: Path) -> None:
         (("--y", "phase_lag", "--x", "rpm"), 'nothing called "phase_lag" is stored; did you mean "phase_lag_deg"?'),
         (("--y", "position", "--out", "a.gif"), '"a.gif": expected a picture ending in .pdf, .svg, .png'),
         (("--y", "position", "--where", "rpm=7"), "no case has rpm 7"),
-        (("--y", "position"), "figure plot: the trajectory of that case was not kept; run with --keep-trajectories"),
+        (
+            ("--y", "position"),
+            "figure plot: the trajectory of rpm 0 was not kept (kept: rpm 460); run with --keep-trajectories for all",
+        ),
         (
             ("--y", "motor_current", "--x", "motor_voltage", "--where", "rpm=0"),
-            "figure plot: the trajectory of that case was not kept; run with --keep-trajectories",
+            "figure plot: the trajectory of rpm 0 was not kept (kept: rpm 460); run with --keep-trajectories for all",
         ),
     ],
 )

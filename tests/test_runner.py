@@ -150,7 +150,7 @@ def test_the_record_of_a_run(tmp_path: Path) -> None:
 
 def test_a_dry_run_writes_nothing(tmp_path: Path) -> None:
     answer = workbench("run", write(tmp_path, STUDY), "--out", tmp_path / "out", "--dry-run")
-    assert answer == (0, "a study for tests\n  rpm: 0, 460\n  2 cases, 2 s to simulate\n", "")
+    assert answer == (0, "a study for tests\n  rpm: 0, 460\n  2 cases, 2 s of simulated time\n", "")
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 

@@ -75,7 +75,7 @@ def run(
 def check(file: Annotated[Path, typer.Argument(help="A study or a parameter set.", metavar="FILE")]) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.files import read_toml
-    from workbench.parameters import read_parameters
+    from workbench.parameters import read_parameters, serves
     from workbench.study.document import read_study
     from workbench.study.runner import plan
 
@@ -83,6 +83,8 @@ def check(file: Annotated[Path, typer.Argument(help="A study or a parameter set.
     if "parameters" in data:
         values = read_parameters(file)
         print(f"{file}: a parameter set of {len(values)} values, all in order")
+        for line in serves(values):
+            print(f"  {line}")
         return
     planned = plan(read_study(file))
     print(f"{file}: a study, in order")
@@ -161,7 +163,7 @@ def _say_plan(planned: Any) -> None:
     for name, values in _axes_of(planned).items():
         print(f"  {name}: {', '.join(values)}")
     count = len(planned.cases)
-    print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s to simulate")
+    print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time")
 
 
 def _axes_of(planned: Any) -> dict[str, list[str]]:

@@ -159,6 +159,10 @@ def quick_plot(
     over_axis = x in frame.columns
     units = {name: unit_of_column(name) for name in map(str, frame.columns)} if over_axis else signal_units()
     for name in (x, *names):
+        if name not in units and name in frame.columns:
+            raise UserError(
+                f'"{name}" is a column of the results: draw it against an axis of the study, such as --x rpm'
+            )
         if name not in units:
             raise UserError(f'nothing called "{name}" is stored; {nearest(name, units)}')
     found = rows(frame, where)
@@ -174,12 +178,13 @@ def quick_plot(
             label = ", ".join([name, *(f"{axis} {value}" for axis, value in told.items() if axis in differing)])
             curves.append(Curve(y=name, where={**where, **told}, label=label))
     shared = {units[name] for name in names}
+    alike = len(shared) == 1
     panel = Panel(
         x=x,
-        x_label=x,
+        x_label="rotation" if x == "rpm" else x,
         x_unit=units[x],
-        y_label=", ".join(names),
-        y_unit=shared.pop() if len(shared) == 1 else "1",
+        y_label=", ".join(name if alike else f"{name} ({units[name]})" for name in names),
+        y_unit=shared.pop() if alike else "1",
         curves=curves,
     )
     title = in_words(where) or "all cases"

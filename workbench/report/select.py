@@ -37,6 +37,12 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.S
     return found.iloc[0]
 
 
+def _axes(row: pd.Series) -> dict[str, Any]:
+    """The values of a row's axes."""
+    names = [str(name) for name in row.index]
+    return {name: row[name] for name in names[: names.index("outcome")] if pd.notna(row[name])}
+
+
 def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.DataFrame:
     """The trajectory of the single case that `where` picks.
 
@@ -46,7 +52,11 @@ def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purp
     index = int(str(one_row(frame, where, purpose).name))
     path = trajectory_path(folder, index)
     if not path.exists():
-        raise UserError(f"{purpose}: the trajectory of that case was not kept; run with --keep-trajectories")
+        kept = [in_words(_axes(row)) for i, row in frame.iterrows() if trajectory_path(folder, int(str(i))).exists()]
+        raise UserError(
+            f"{purpose}: the trajectory of {in_words(where) or 'that case'} was not kept "
+            f"(kept: {'; '.join(kept) or 'none'}); run with --keep-trajectories for all"
+        )
     return pd.read_parquet(path)
 
 

@@ -61,9 +61,11 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     found = rows(frame, spec.where)
     index = str(spec.index)
     several = sum(bool(column.published) for column in spec.columns) > 1
+    axes = [str(name) for name in found.columns[: list(found.columns).index("outcome")]]
+    others = [name for name in axes if name != index and found[name].nunique(dropna=False) > 1]
     lines = []
     for _, row in found.iterrows():
-        line = {spec.index_label or index: _label(row[index])}
+        line = {spec.index_label or index: _label(row[index]), **{name: _label(row[name]) for name in others}}
         for column in spec.columns:
             text, number = _shown(row[column.result], column.result, column.unit, column.digits)
             if not column.published:
