@@ -50,8 +50,9 @@ LAWS: dict[str, Callable[..., Any]] = {
 class Settings(NamedTuple):
     """What a user sets; each law and estimator uses its own.
 
-    `kp`, `kd`, `ka`, `feedforward` (share of 1/K_q) belong to acceleration feedback; `position_rate` k_p, `force_rate` lam and
-    `lead` (share of the valve's lag that is inverted) to the valve inversion. The rest are settings of the estimators.
+    `kp`, `kd`, `ka`, `feedforward` (share of 1/K_q) belong to acceleration feedback; `position_rate` k_p, `force_rate`
+    lam and `lead` (share of the valve's lag that is inverted) to the valve inversion. The rest are settings of the
+    estimators.
     """
 
     law: Annotated[str, "acceleration_feedback", "valve_inversion", "force_source"] = "acceleration_feedback"

@@ -18,7 +18,7 @@ integration blows up."""
 TINY_LEVEL = 1e-12
 """N. Keeps 0/0 out of a contact without any friction level (such a contact must have no bristle stiffness)."""
 
-TINY = 1e-12
+TINY = 1e-20
 """m/s or m. Makes the length of a vector smooth at 0, far below any speed or deflection of interest."""
 
 

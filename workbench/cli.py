@@ -77,7 +77,7 @@ def check(
 ) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.files import read_toml
-    from workbench.parameters import read_parameters
+    from workbench.parameters import read_parameters, serves
     from workbench.study.document import read_study, scenario_trial
     from workbench.study.runner import plan
     from workbench.study.scenarios import is_scenario
@@ -86,6 +86,8 @@ def check(
     if "parameters" in data:
         values = read_parameters(file)
         print(f"{file}: a parameter set of {len(values)} values, all in order")
+        for line in serves(values):
+            print(f"  {line}")
         return
     if is_scenario(file):
         trial = plan(scenario_trial(file)).study
@@ -146,7 +148,7 @@ def plot(
     where: Where = None,
     out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
 ) -> None:
-    """Draw the figures of a study again, or any stored signal or column of its results."""
+    """Draw a study's figures again, or any stored signal or column."""
     from workbench.report.figures import quick_plot, write_figure
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
@@ -168,7 +170,8 @@ def _say_plan(planned: Any) -> None:
     print(file.title + (f" ({file.source})" if file.source else ""))
     for name, values in _axes_of(planned).items():
         print(f"  {name}: {', '.join(values)}")
-    print(f"  {len(planned.cases)} cases, {planned.simulated_seconds:g} s simulated")
+    count = len(planned.cases)
+    print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time")
 
 
 def _axes_of(planned: Any) -> dict[str, list[str]]:
@@ -191,6 +194,7 @@ def _conditions(where: list[str] | None) -> dict[str, str]:
 
 def _report(folder: Path, file: Any) -> None:
     """Tables and figures of finished results, and which cases did not simply complete."""
+    from workbench.report.comparison_page import write_comparison
     from workbench.report.figures import write_figure
     from workbench.study.store import read_results
 
@@ -198,6 +202,8 @@ def _report(folder: Path, file: Any) -> None:
     _tables(folder, file)
     for spec in file.figures:
         write_figure(spec, frame, folder)
+    for page in write_comparison(file, frame, folder):
+        print(f"wrote {page}")
     unusual = frame[frame["outcome"] != "completed"]
     for outcome, count in unusual["outcome"].value_counts().items():
         print(f"{count} of {len(frame)} cases: {outcome}")
@@ -241,11 +247,12 @@ class _Progress:
 
 
 def main() -> None:
-    """Run the command line. A user's mistake is one or two lines and exit code 2."""
+    """Run the command line. A user's mistake, or a file system's, is one or two lines and exit code 2."""
     try:
         app()
-    except UserError as error:
+    except (UserError, OSError) as error:
         if "--debug" in sys.argv:
             raise
-        print(f"error: {error}", file=sys.stderr)
+        place = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
+        print(f"error: {place}", file=sys.stderr)
         sys.exit(2)

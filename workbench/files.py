@@ -10,6 +10,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from workbench.errors import UserError, nearest
 
 Key = tuple[str | int, ...]
+
+LONGEST = 60
+"""Characters of a wrong value that a message repeats."""
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
@@ -26,7 +29,7 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
         UserError: no such file, not readable, or not TOML.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         siblings = sorted(p.name for p in path.parent.glob("*.toml")) if path.parent.is_dir() else []
         hint = nearest(path.name, siblings) if siblings else "check the path"
@@ -136,8 +139,10 @@ def _message(model: type[BaseModel], error: Any, key: Key) -> str:
         return str(error["ctx"]["error"])
     if error["type"] == "literal_error":
         return f'got "{error["input"]}", expected {error["ctx"]["expected"]}'
-    message = error["msg"]
-    return f"got {error['input']!r}: {message[0].lower()}{message[1:]}"
+    if error["type"] == "too_short":
+        return "is empty: expected at least one entry"
+    message, got = error["msg"], repr(error["input"])
+    return f"got {got if len(got) <= LONGEST else got[:LONGEST] + '...'}: {message[0].lower()}{message[1:]}"
 
 
 def _valid_keys(model: Any, key: Key) -> list[str]:

@@ -192,9 +192,22 @@ def build(cls: Any, values: Mapping[str, float], flow: str = "derived") -> Any:
         else:
             numbers.append(number)
     if missing:
-        raise UserError(f"the parameter set lacks {', '.join(missing)}")
+        needed = dict.fromkeys(name.removesuffix(f"_{NEGATIVE}") for name in missing)
+        raise UserError(f"the parameter set lacks {', '.join(needed)}")
     _check_together(available, [item.name for item in fields(cls)])
     return from_array(cls, numbers)
+
+
+def serves(values: Mapping[str, float]) -> list[str]:
+    """Of every plant, in words, whether it can be built from these values, or what is missing."""
+    lines = []
+    for plant in plants().values():
+        try:
+            build(plant.Parameters, values)
+            lines.append(f"serves {plant.name}")
+        except UserError as error:
+            lines.append(f"does not serve {plant.name}: {error}")
+    return lines
 
 
 def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:

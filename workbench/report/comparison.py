@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from workbench.study.schema import ComparisonTable
@@ -48,7 +49,7 @@ def best(rows: pd.DataFrame, error: str) -> Best | None:
     known = rows.dropna(subset=[error])
     if known.empty:
         return None
-    row = known.loc[known[error].astype(float).idxmin()]
+    row = known.iloc[int(np.argmin(known[error].to_numpy(float)))]
     return Best(str(row["controller"]), float(row["rpm"]), float(row[error]), row)
 
 
@@ -106,8 +107,7 @@ def sentences(spec: ComparisonTable, frame: pd.DataFrame) -> dict[str, list[str]
     for scenario in frame["scenario"].unique():
         part = frame[frame["scenario"] == scenario]
         lines = [
-            _verdict(spec, reference, part[part["reference"] == reference])
-            for reference in part["reference"].unique()
+            _verdict(spec, reference, part[part["reference"] == reference]) for reference in part["reference"].unique()
         ]
         found[str(scenario)] = [*lines, _hunting(part)]
     return found
@@ -126,13 +126,15 @@ def _verdict(spec: ComparisonTable, reference: str, rows: pd.DataFrame) -> str:
     cost = _cost(avoidance)
     tiny = max(avoidance.error, compensation.error) < spec.negligible
     if tiny:
-        verdict = f"both are exact to {spec.negligible * MM:g} mm, {compensation.words} and {avoidance.words}; rotation only costs {cost}"
+        verdict = (
+            f"both are exact to {spec.negligible * MM:g} mm, {compensation.words} and {avoidance.words}; "
+            f"rotation only costs {cost}"
+        )
     elif ratio < 1.0 - CLOSE:
         verdict = f"rotation beats compensation, {avoidance.words} against {compensation.words}, and costs {cost}"
     elif ratio > 1.0 + CLOSE:
         verdict = (
-            f"compensation beats rotation, {compensation.words} against {avoidance.words}, "
-            f"which would have cost {cost}"
+            f"compensation beats rotation, {compensation.words} against {avoidance.words}, which would have cost {cost}"
         )
     else:
         verdict = f"the two are level, {compensation.words} and {avoidance.words}, which costs {cost}"

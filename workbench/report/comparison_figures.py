@@ -107,9 +107,7 @@ def _trade(spec: ComparisonTable, rows: pd.DataFrame, scenario: str) -> Figure:
 
 def _ring(axes: Axes, power: np.ndarray, error: np.ndarray, rpm: np.ndarray) -> None:
     chosen = non_dominated(power, error)
-    axes.plot(
-        power[chosen], error[chosen], "o", markersize=10, fillstyle="none", color="black", label="non-dominated"
-    )
+    axes.plot(power[chosen], error[chosen], "o", markersize=10, fillstyle="none", color="black", label="non-dominated")
     for x, y, speed in zip(power[chosen], error[chosen], rpm[chosen], strict=True):
         axes.annotate(f"{speed:g} rpm", (x, y), (7, 3), textcoords="offset points", fontsize="x-small")
 
@@ -119,7 +117,9 @@ def _map(frame: pd.DataFrame) -> Figure:
     judged = frame.dropna(subset=["limit_cycle"])
     scenarios = list(judged["scenario"].unique())
     columns = min(2, len(scenarios))
-    figure, grid = _figure(-(-len(scenarios) // columns), columns, "Limit cycles after steps (sustained: mm peak to peak)")
+    figure, grid = _figure(
+        -(-len(scenarios) // columns), columns, "Limit cycles after steps (sustained: mm peak to peak)"
+    )
     for axes, scenario in zip(grid.ravel(), scenarios, strict=False):
         rows = judged[judged["scenario"] == scenario]
         controllers, speeds = list(rows["controller"].unique()), sorted(rows["rpm"].unique())

@@ -104,7 +104,8 @@ def _scope(frame: pd.DataFrame) -> str:
     unusual = frame[frame["outcome"] != "completed"]["outcome"].value_counts()
     outcomes = "; ".join(f"{count} {outcome}" for outcome, count in unusual.items())
     return (
-        f"{len(frame)} cases: {frame['controller'].nunique()} controllers, {frame['rpm'].nunique()} speeds of rotation, "
+        f"{len(frame)} cases: {frame['controller'].nunique()} controllers, "
+        f"{frame['rpm'].nunique()} speeds of rotation, "
         f"{frame['scenario'].nunique()} scenarios, {frame['reference'].nunique()} references."
         + (f" Not simply completed: {outcomes}." if outcomes else " All completed.")
     )

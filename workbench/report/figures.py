@@ -12,33 +12,17 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from plants.equation import fields
-from plants.registry import plants
 from workbench.errors import UserError, nearest
-from workbench.report.select import rows, trajectory, unit_of_column
+from workbench.report.select import rows, trajectory
 from workbench.report.style import COLOURS, DASHES, MARKERS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style
+from workbench.report.tables import shown_number
+from workbench.study.names import in_words, shown_factor, signal_units, unit_of_column
 from workbench.study.schema import Curve, FigureSpec, Panel
-from workbench.units import factor
 
 FORMATS = ("pdf", "svg", "png")
 
-SIGNAL_UNITS = {
-    "time": "s",
-    "error": "m",
-    "reference_position": "m",
-    "reference_velocity": "m/s",
-    "measured_position": "m",
-}
-"""Units of signals that no plant declares."""
-
-
-def signal_units() -> dict[str, str]:
-    """The SI unit of every signal that some plant has, by name."""
-    units = dict(SIGNAL_UNITS)
-    for plant in plants().values():
-        for item in (*fields(plant.Signals), *fields(plant.Inputs)):
-            units.setdefault(item.name, item.unit)
-    return units
+BELOW_LABELS = 30.0
+"""Points below a panel at which its note stands."""
 
 
 def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> Figure:
@@ -94,7 +78,8 @@ def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, nam
     if panel.y_range:
         axes.set_ylim(*panel.y_range)
     if panel.note:
-        axes.text(0.99, 0.02, panel.note, transform=axes.transAxes, ha="right", va="bottom", fontsize="small")
+        below: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": "small"}
+        axes.annotate(panel.note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
     if any(curve.label for curve in panel.curves):
         placed: dict[str, Any] = {"loc": panel.legend}
         axes.legend(**placed)
@@ -107,42 +92,50 @@ def _draw_signal(axes: Axes, panel: Panel, curve: Curve, table: pd.DataFrame, st
             raise UserError(f'the plant of that case has no signal "{name}"')
     time = table["time"].to_numpy()
     window = (time >= panel.start) & (time <= (panel.end if panel.end is not None else np.inf))
-    x = table[x_name].to_numpy()[window] * factor(units.get(x_name, "1"), panel.x_unit)
-    y = table[curve.y].to_numpy()[window] * factor(units.get(curve.y, "1"), panel.y_unit)
+    x = table[x_name].to_numpy()[window] * shown_factor(units.get(x_name, "1"), panel.x_unit)
+    y = table[curve.y].to_numpy()[window] * shown_factor(units.get(curve.y, "1"), panel.y_unit)
     label = curve.label
-    if curve.fit:
-        label += "\n" + _fit(axes, x, y, curve.fit, style["color"])
+    if curve.fit and np.unique(x).size > FITS[curve.fit]:  # else too little is left of a run that ended early
+        label = f"{label}\n{_fit(axes, x, y, curve.fit, style['color'])}".lstrip("\n")
     axes.plot(x, y, label=label or None, **style)
 
 
 FITS = {"line": 1, "cubic": 3}
+DIGITS = 4
+"""Significant digits of what a fit says."""
 
 
 def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> str:
-    """Draw the least-squares polynomial of y on x; returns it in words, with R^2."""
+    """Draw the least-squares polynomial of y on x; returns it in words, with R^2.
+
+    Terms that move y nowhere by one unit of the last digit shown are left out.
+    """
     polynomial = np.polynomial.Polynomial.fit(x, y, FITS[kind])
-    residual = y - polynomial(x)
-    r_squared = 1.0 - float(np.sum(residual**2) / np.sum((y - np.mean(y)) ** 2))
     grid = np.linspace(np.min(x), np.max(x), 200)
     axes.plot(grid, polynomial(grid), color=colour, linewidth=0.8, alpha=0.6)
-    terms = []
-    for power, coefficient in reversed(list(enumerate(polynomial.convert().coef))):
-        variable = "" if power == 0 else " v" if power == 1 else f" v$^{power}$"
-        terms.append(f"{coefficient:+.4g}{variable}")
-    formula = " ".join(terms).lstrip("+").replace("+", "+ ").replace(" -", " - ").replace("e+ ", "e+")
-    return f"F = {formula},  R$^2$ = {r_squared:.4f}"
+    reach, visible = float(np.max(np.abs(x))), 10.0**-DIGITS * float(np.max(np.abs(y)))
+    formula = ""
+    for power, coefficient in reversed(list(enumerate(polynomial.convert().coef.tolist()))):
+        if abs(coefficient) * reach**power > visible:
+            variable = "" if power == 0 else " x" if power == 1 else f" x$^{power}$"
+            formula += f"{' - ' if coefficient < 0.0 else ' + '}{shown_number(abs(coefficient), DIGITS)}{variable}"
+    formula = f"-{formula[3:]}" if formula.startswith(" -") else formula[3:]
+    scatter = float(np.sum((y - np.mean(y)) ** 2))
+    quality = f",  R$^2$ = {1.0 - float(np.sum((y - polynomial(x)) ** 2)) / scatter:.4f}" if scatter else ""
+    return f"y = {formula or '0'}{quality}"
 
 
 def _draw_column(
     axes: Axes, panel: Panel, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
 ) -> None:
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
-    scale = factor(unit_of_column(curve.y), panel.y_unit) if panel.y_unit != "1" else 1.0
+    scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
     marker = {"marker": MARKERS[number % len(MARKERS)]}
+    numeric = pd.api.types.is_numeric_dtype(found[panel.x])
     axes.plot(found[panel.x], found[curve.y] * scale, label=curve.label or None, **{**style, **marker})
     if curve.published:
         axes.plot(
-            [float(key) for key in curve.published],
+            [float(key) if numeric else key for key in curve.published],
             list(curve.published.values()),
             linestyle="none",
             marker="x",
@@ -166,31 +159,34 @@ def quick_plot(
     over_axis = x in frame.columns
     units = {name: unit_of_column(name) for name in map(str, frame.columns)} if over_axis else signal_units()
     for name in (x, *names):
+        if name not in units and name in frame.columns:
+            raise UserError(
+                f'"{name}" is a column of the results: draw it against an axis of the study, such as --x rpm'
+            )
         if name not in units:
             raise UserError(f'nothing called "{name}" is stored; {nearest(name, units)}')
     found = rows(frame, where)
     axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
     differing = [name for name in axes if found[name].nunique() > 1]
     curves = []
+    if found.empty:
+        raise UserError(f"no case has {in_words(where)}")
+    told_apart = [axis for axis in differing if axis != x] if over_axis else axes
     for name in names:
-        if over_axis:
-            curves.append(Curve(y=name, where=where, label=name))
-            continue
-        for _, row in found.iterrows():
-            case = {axis: row[axis] for axis in axes if pd.notna(row[axis])}
-            label = ", ".join([name, *(f"{axis} {row[axis]}" for axis in differing)])
-            curves.append(Curve(y=name, where=case, label=label))
-    if not curves:
-        raise UserError(f"no case has {', '.join(f'{key} {value}' for key, value in where.items())}")
+        for case in found[told_apart].drop_duplicates().to_dict("records"):
+            told = {str(axis): value for axis, value in case.items() if pd.notna(value)}
+            label = ", ".join([name, *(f"{axis} {value}" for axis, value in told.items() if axis in differing)])
+            curves.append(Curve(y=name, where={**where, **told}, label=label))
     shared = {units[name] for name in names}
+    alike = len(shared) == 1
     panel = Panel(
         x=x,
-        x_label=x,
+        x_label="rotation" if x == "rpm" else x,
         x_unit=units[x],
-        y_label=", ".join(names),
-        y_unit=shared.pop() if len(shared) == 1 else "1",
+        y_label=", ".join(name if alike else f"{name} ({units[name]})" for name in names),
+        y_unit=shared.pop() if alike else "1",
         curves=curves,
     )
-    title = ", ".join(f"{key} {value}" for key, value in where.items()) or "all cases"
+    title = in_words(where) or "all cases"
     figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
     return save(figure, path.stem, path.parent, (path.suffix[1:],))[0]

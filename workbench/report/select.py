@@ -7,31 +7,8 @@ from typing import Any
 import pandas as pd
 
 from workbench.errors import UserError, nearest
-from workbench.study.runner import matches
+from workbench.study.names import in_words, matches
 from workbench.study.store import trajectory_path
-
-BASE_UNITS = {
-    "deg": "deg",
-    "m": "m",
-    "s": "s",
-    "W": "W",
-    "V": "V",
-    "J": "J",
-    "N": "N",
-    "N_s_per_m": "N s/m",
-    "m_per_s": "m/s",
-    "m_per_s3": "m/s^3",
-    "rpm": "rpm",
-}
-"""Units of the results by the ending of a column's name."""
-
-
-def unit_of_column(column: str) -> str:
-    """The unit that the name of a result column ends in, "1" if none."""
-    for ending in sorted(BASE_UNITS, key=len, reverse=True):
-        if column == ending or column.endswith(f"_{ending}"):
-            return BASE_UNITS[ending]
-    return "1"
 
 
 def rows(frame: pd.DataFrame, where: Mapping[str, Any]) -> pd.DataFrame:
@@ -43,7 +20,7 @@ def rows(frame: pd.DataFrame, where: Mapping[str, Any]) -> pd.DataFrame:
     for key in where:
         if key not in frame.columns:
             raise UserError(f'the results have no column "{key}"; {nearest(key, map(str, frame.columns))}')
-    keep = [matches({str(k): v for k, v in row.items()}, where) for row in frame.to_dict("records")]
+    keep = [matches({str(name): value for name, value in row.items()}, where) for row in frame.to_dict("records")]
     return frame[keep]
 
 
@@ -55,8 +32,15 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.S
     """
     found = rows(frame, where)
     if len(found) != 1:
-        raise UserError(f"{purpose}: {len(found)} cases match {dict(where) or 'no condition'}, expected one")
+        number = f"{len(found) or 'no'} case{'s' * (len(found) > 1)}"
+        raise UserError(f"{purpose}: {number} for {in_words(where) or 'no condition'}, expected one")
     return found.iloc[0]
+
+
+def _axes(row: pd.Series) -> dict[str, Any]:
+    """The values of a row's axes."""
+    names = [str(name) for name in row.index]
+    return {name: row[name] for name in names[: names.index("outcome")] if pd.notna(row[name])}
 
 
 def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.DataFrame:
@@ -68,7 +52,11 @@ def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purp
     index = int(str(one_row(frame, where, purpose).name))
     path = trajectory_path(folder, index)
     if not path.exists():
-        raise UserError(f"{purpose}: the trajectory of that case was not kept; run with --keep-trajectories")
+        kept = [in_words(_axes(row)) for i, row in frame.iterrows() if trajectory_path(folder, int(str(i))).exists()]
+        raise UserError(
+            f"{purpose}: the trajectory of {in_words(where) or 'that case'} was not kept "
+            f"(kept: {'; '.join(kept) or 'none'}); run with --keep-trajectories for all"
+        )
     return pd.read_parquet(path)
 
 
@@ -84,6 +72,6 @@ def columns_of(frame: pd.DataFrame, columns: list[str], where: Mapping[str, Any]
             raise UserError(f'the results have no column "{name}"; {nearest(name, names)}')
     found = rows(frame, where)
     if found.empty:
-        raise UserError(f"no case has {', '.join(f'{key} {value}' for key, value in where.items())}")
+        raise UserError(f"no case has {in_words(where)}")
     axes = names[: names.index("outcome")]
     return found[[*axes, *columns]] if columns else found

@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.report.select import one_row, rows, unit_of_column
+from workbench.report.select import one_row, rows
+from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.schema import Column, Row, TableSpec
-from workbench.units import factor
 
 OURS, PUBLISHED, DIFFERENCE, PERCENT, REMARK = "this program", "published", "difference", "difference (%)", "remark"
 
@@ -28,11 +28,11 @@ def _shown(value: Any, column: str, unit: str, digits: int) -> tuple[str, float 
         return "", None
     if isinstance(value, str):
         return value, None
-    number = float(value) * (factor(unit_of_column(column), unit) if unit != "1" else 1.0)
-    return _text(number, digits), number
+    number = float(value) * shown_factor(unit_of_column(column), unit)
+    return shown_number(number, digits), number
 
 
-def _text(number: float, digits: int) -> str:
+def shown_number(number: float, digits: int) -> str:
     """`number` with `digits` significant digits, in plain notation where that is readable."""
     if number == 0.0 or not 1e-4 <= abs(number) < 1e6:
         return f"{number:.{digits - 1}e}" if number else "0"
@@ -46,7 +46,11 @@ def _compared(number: float | None, published: float | None, digits: int) -> dic
     difference = number - published
     percent = f"{100.0 * difference / published:+.2f}" if published else ""
     sign = "+" if difference > 0.0 else ""
-    return {PUBLISHED: f"{published:g}", DIFFERENCE: sign + _text(difference, min(digits, 3)), PERCENT: percent}
+    return {
+        PUBLISHED: f"{published:g}",
+        DIFFERENCE: sign + shown_number(difference, min(digits, 3)),
+        PERCENT: "0.00" if percent in ("+0.00", "-0.00") else percent,
+    }
 
 
 def _heading(column: Column) -> str:
@@ -56,21 +60,27 @@ def _heading(column: Column) -> str:
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     found = rows(frame, spec.where)
     index = str(spec.index)
+    several = sum(bool(column.published) for column in spec.columns) > 1
+    axes = [str(name) for name in found.columns[: list(found.columns).index("outcome")]]
+    others = [name for name in axes if name != index and found[name].nunique(dropna=False) > 1]
     lines = []
     for _, row in found.iterrows():
-        line = {spec.index_label or index: _label(row[index])}
+        line = {spec.index_label or index: _label(row[index]), **{name: _label(row[name]) for name in others}}
         for column in spec.columns:
             text, number = _shown(row[column.result], column.result, column.unit, column.digits)
             if not column.published:
                 line[_heading(column)] = text
                 continue
-            compared = _compared(number, column.published.get(_label(row[index])), column.digits)
             line[f"{_heading(column)}, {OURS}"] = text
-            line[PUBLISHED] = compared[PUBLISHED]
-            line[DIFFERENCE] = compared[DIFFERENCE]
-            line[PERCENT] = compared[PERCENT]
+            for name, cell in _compared(number, _published(column, row[index]), column.digits).items():
+                line[f"{column.label}, {name}" if several else name] = cell
         lines.append(line)
     return pd.DataFrame(lines)
+
+
+def _published(column: Column, value: Any) -> float | None:
+    """The published figure at this value of the axis."""
+    return next((number for key, number in column.published.items() if matches({"": value}, {"": key})), None)
 
 
 def _label(value: Any) -> str:
@@ -113,12 +123,19 @@ def _notes(spec: TableSpec) -> list[str]:
 def _markdown(spec: TableSpec, table: pd.DataFrame) -> str:
     numeric = [name not in ("quantity", "unit", REMARK) for name in table.columns]
     align = ["right" if right else "left" for right in numeric]
-    body = table.to_markdown(index=False, colalign=align, disable_numparse=True)
+    shown = table.rename(columns=_piped).map(_piped)
+    body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
     return "\n\n".join([f"**{spec.title}**", body, *_notes(spec)]) + "\n"
 
 
+def _piped(text: str) -> str:
+    return str(text).replace("|", r"\|")
+
+
 def _latex(spec: TableSpec, table: pd.DataFrame) -> str:
-    columns = "".join("l" if name in ("quantity", "unit", REMARK) else "r" for name in table.columns)
+    columns = "".join(
+        {REMARK: "p{45mm}"}.get(name, "l" if name in ("quantity", "unit") else "r") for name in table.columns
+    )
     caption = " ".join([f"{spec.title}.", *_notes(spec)])
     headed = table.rename(columns=_escaped).map(_escaped)
     return str(
@@ -133,7 +150,12 @@ def _latex(spec: TableSpec, table: pd.DataFrame) -> str:
 
 
 _SPECIAL = str.maketrans(
-    {"%": r"\%", "&": r"\&", "_": r"\_", "#": r"\#", "$": r"\$", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
+    {
+        **{character: f"\\{character}" for character in "%&_#${}"},
+        "^": r"\textasciicircum{}",
+        "~": r"\textasciitilde{}",
+        "\\": r"\textbackslash{}",
+    }
 )
 
 

@@ -140,9 +140,8 @@ def unfold(study: Study) -> list[Case]:
         _check_axes(study, name, axes, tables)
         for values in itertools.product(*axes.values()):
             point = dict(zip(axes, values, strict=True))
-            cases.append(
-                Case(len(cases), name, point, _at_point(study, tables, point), tables["plant"], study.path.parent)
-            )
+            filled = _at_point(study, name, tables, point)
+            cases.append(Case(len(cases), name, point, filled, tables["plant"], study.path.parent))
     return cases
 
 
@@ -158,7 +157,7 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
 
 
 def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, Any]) -> None:
-    place: files.Key = ("cases", case, "axes") if case and "axes" in study.file.cases[case] else ("axes",)
+    place = axes_key(study, case)
     if not isinstance(axes, dict):
         raise study.error(place, "expected a table of lists")
     for axis, values in axes.items():
@@ -176,14 +175,23 @@ def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, 
         }
         if axis in known:
             for value in values:
-                if value not in known[axis]:
+                if not isinstance(value, str) or value not in known[axis]:
                     raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}')
         elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
             roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
             raise study.error(key, f"unknown axis; {nearest(axis, roots)} (or a dotted key of the file)")
+        elif (section := axis.split(".")[0]) in ("controllers", "references"):
+            name = axis.partition(".")[2].split(".")[0]
+            if name not in tables[section]:
+                raise study.error(key, f'unknown {section[:-1]} "{name}"; {nearest(name, tables[section])}')
 
 
-def _at_point(study: Study, tables: Mapping[str, Any], point: Mapping[str, Any]) -> dict[str, Any]:
+def axes_key(study: Study, case: str | None) -> files.Key:
+    """Where the axes of a case stand: with the case if it has its own."""
+    return ("cases", case, "axes") if case and "axes" in study.file.cases[case] else ("axes",)
+
+
+def _at_point(study: Study, case: str | None, tables: Mapping[str, Any], point: Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a case at one point of its axes."""
     result = copy.deepcopy(dict(tables))
     if scenario := point.get("scenario"):
@@ -197,6 +205,38 @@ def _at_point(study: Study, tables: Mapping[str, Any], point: Mapping[str, Any])
             for part in parents:
                 table = table.setdefault(part, {})
                 if not isinstance(table, dict):
-                    raise study.error(("axes", axis), f'"{part}" is not a table')
+                    raise study.error((*axes_key(study, case), axis), f'"{part}" is not a table')
             table[last] = value
     return result
+
+
+def located(study: Study, case: Case, key: files.Key, message: str) -> UserError:
+    """The mistake where the user wrote it: on an axis, in the scenario, in the case, or in the study itself."""
+    for axis in case.axes:
+        parts = tuple(axis.split("."))
+        if parts == tuple(map(str, key[: len(parts)])):
+            return study.error((*axes_key(study, case.name), axis, *key[len(parts) :]), message)
+    layers: list[tuple[files.Key, Any]] = [((), study.file.model_dump(include=set(OVERRIDES)))]
+    if case.name:
+        layers.append((("cases", case.name), study.file.cases[case.name]))
+    if scenario := case.axes.get("scenario"):
+        layers.append((("scenarios", scenario), study.file.scenarios[scenario]))
+    place: files.Key = ()
+    depth = -1
+    for prefix, table in layers:
+        found = _depth(table, key)
+        if found > depth or found == len(key):  # what is written twice was last written in the later layer
+            place, depth = prefix, found
+    return study.error((*place, *key), message)
+
+
+def _depth(table: Any, key: files.Key) -> int:
+    """How many parts of `key` lead into `table`."""
+    for depth, part in enumerate(key):
+        if isinstance(table, list) and isinstance(part, int) and part < len(table):
+            table = table[part]
+        elif isinstance(table, dict) and part in table:
+            table = table[str(part)]
+        else:
+            return depth
+    return len(key)

@@ -17,23 +17,21 @@ def crossings(time: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
 
 
 def probe_values(run: Run, probes: Mapping[str, Probe], transient: float, case: str | None) -> dict[str, float | None]:
-    """The value (SI) of each probe, or None where it does not apply to this run.
-
-    Raises:
-        KeyError: a probe names a signal that the plant does not have.
-    """
+    """The value (SI) of each probe, or None where it does not apply: another case, a signal that the run lacks."""
     values: dict[str, float | None] = {}
     for name, probe in probes.items():
-        applies = not run.diverged and (not probe.cases or case in probe.cases)
+        needed = {probe.signal, probe.event or probe.signal}
+        applies = not run.diverged and (not probe.cases or case in probe.cases) and needed <= {"time", *run.signals}
         values[name] = _value(run, probe, transient) if applies else None
     return values
 
 
 def _value(run: Run, probe: Probe, transient: float) -> float | None:
-    signal = run.signals[probe.signal]
+    signals = {"time": run.time, **run.signals}
+    signal = signals[probe.signal]
     window = run.time >= transient
     if probe.event is not None:
-        events = crossings(run.time[window], run.signals[probe.event][window], probe.event_level)
+        events = crossings(run.time[window], signals[probe.event][window], probe.event_level)
         if events.size < 2:
             return None
         if probe.take == "interval":

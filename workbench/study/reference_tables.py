@@ -1,5 +1,6 @@
 """[references.NAME]: what may stand there, and the signal that it becomes."""
 
+import csv
 from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +13,7 @@ from workbench import files
 from workbench.errors import UserError, nearest
 from workbench.simulation import references as signals
 from workbench.study.schema import Hertz, Radian, Raw, Second
-from workbench.units import factor, si
+from workbench.units import QuantityError, factor, si
 
 
 class ReferenceTable(files.Strict, ABC):
@@ -22,7 +23,24 @@ class ReferenceTable(files.Strict, ABC):
 
     @abstractmethod
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        """The signal, with values in SI; a recorded one from a file in `folder`."""
+        """The signal, with values in SI; a recorded one from a file in `folder`.
+
+        Raises:
+            SchemaError: a setting of the wrong unit, or one that makes no such signal.
+            UserError: a record that cannot be used.
+        """
+
+
+def _quantity(table: ReferenceTable, name: str, unit: str) -> float:
+    """A setting in SI."""
+    return _converted(getattr(table, name), unit, (name,))
+
+
+def _converted(value: float | str, unit: str, key: files.Key) -> float:
+    try:
+        return si(value, unit)
+    except QuantityError as error:
+        raise files.SchemaError(key, str(error)) from None
 
 
 class SineTable(ReferenceTable):
@@ -32,7 +50,8 @@ class SineTable(ReferenceTable):
     phase: Radian = 0.0
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Sine(si(self.amplitude, unit), self.frequency, si(self.offset, unit), self.phase)
+        amplitude, offset = _quantity(self, "amplitude", unit), _quantity(self, "offset", unit)
+        return signals.Sine(amplitude, self.frequency, offset, self.phase)
 
 
 class StepsTable(ReferenceTable):
@@ -41,7 +60,8 @@ class StepsTable(ReferenceTable):
     start: Second = Field(0.0, ge=0.0)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Steps(tuple(si(level, unit) for level in self.levels), self.dwell, self.start)
+        levels = tuple(_converted(level, unit, ("levels", i)) for i, level in enumerate(self.levels))
+        return signals.Steps(levels, self.dwell, self.start)
 
 
 class RampTable(ReferenceTable):
@@ -50,7 +70,7 @@ class RampTable(ReferenceTable):
     stop: Second = np.inf
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Ramp(si(self.rate, f"{unit}/s"), self.start, self.stop)
+        return signals.Ramp(_quantity(self, "rate", f"{unit}/s"), self.start, self.stop)
 
 
 class TriangleTable(ReferenceTable):
@@ -66,9 +86,14 @@ class TriangleTable(ReferenceTable):
         return self
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        amplitude = si(self.amplitude, unit)
-        frequency = self.frequency or si(self.speed, f"{unit}/s") / (4.0 * amplitude)
-        return signals.Triangle(amplitude, frequency, si(self.offset, unit))
+        amplitude, offset = _quantity(self, "amplitude", unit), _quantity(self, "offset", unit)
+        if self.frequency is not None:
+            return signals.Triangle(amplitude, self.frequency, offset)
+        speed = _quantity(self, "speed", f"{unit}/s")
+        for name, number in (("amplitude", amplitude), ("speed", speed)):
+            if number <= 0.0:
+                raise files.SchemaError((name,), f"got {getattr(self, name)!r}, expected a value above 0")
+        return signals.Triangle(amplitude, speed / (4.0 * amplitude), offset)
 
 
 class MultisineTable(ReferenceTable):
@@ -77,7 +102,7 @@ class MultisineTable(ReferenceTable):
     harmonics: list[Annotated[int, Field(ge=1)]] = Field(min_length=1)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Multisine(si(self.amplitude, unit), self.frequency, tuple(self.harmonics))
+        return signals.Multisine(_quantity(self, "amplitude", unit), self.frequency, tuple(self.harmonics))
 
 
 class ChirpTable(ReferenceTable):
@@ -87,7 +112,8 @@ class ChirpTable(ReferenceTable):
     sweep: Second = Field(gt=0.0)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Chirp(si(self.amplitude, unit), self.start_frequency, self.end_frequency, self.sweep)
+        amplitude = _quantity(self, "amplitude", unit)
+        return signals.Chirp(amplitude, self.start_frequency, self.end_frequency, self.sweep)
 
 
 class RecordedTable(ReferenceTable):
@@ -103,18 +129,30 @@ class RecordedTable(ReferenceTable):
             table = pd.read_csv(path, sep=None, engine="python")
         except FileNotFoundError:
             raise UserError(f"{path}: no such file") from None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, csv.Error) as error:
             raise UserError(f"{path}: cannot be read as a table with a header ({error})") from None
         for column in (self.time, self.value):
             if column not in table:
                 raise UserError(f'{path}: no column "{column}"; {nearest(column, map(str, table.columns))}')
         numbers = [pd.to_numeric(table[column], errors="coerce").to_numpy() for column in (self.time, self.value)]
-        times, values = numbers[0] * factor(self.time_unit, "s"), numbers[1] * factor(self.unit or unit, unit)
+        times, values = numbers[0] * _factor("time_unit", self.time_unit, "s"), numbers[1]
+        if self.unit is not None:
+            values = values * _factor("unit", self.unit, unit)
         if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
             raise UserError(f"{path}: row {int(np.argmin(np.isfinite(times + values))) + 2} holds no finite number")
-        if times.size < 4 or np.any(np.diff(times) <= 0.0):
-            raise UserError(f"{path}: expected at least 4 rows with time rising from row to row")
+        if times.size < 4:
+            raise UserError(f"{path}: holds {times.size} rows, expected at least 4")
+        if np.any(np.diff(times) <= 0.0):
+            row = int(np.argmax(np.diff(times) <= 0.0)) + 3
+            raise UserError(f"{path}: row {row}: expected a time after that of the row before")
         return signals.Recorded(times, values)
+
+
+def _factor(name: str, given: str, unit: str) -> float:
+    try:
+        return factor(given, unit)
+    except QuantityError:
+        raise files.SchemaError((name,), f'got "{given}", expected a unit such as "{unit}"') from None
 
 
 KINDS: dict[str, type[ReferenceTable]] = {

@@ -19,7 +19,7 @@ from workbench.parameters import build, drawn, parameter_path, parameter_value, 
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
-from workbench.study.document import Case, Study
+from workbench.study.document import Case, Study, located
 from workbench.study.reference_tables import KINDS
 from workbench.study.schema import CaseTables, ChannelTable
 from workbench.units import QuantityError, si
@@ -63,35 +63,14 @@ def resolve(study: Study, case: Case) -> Resolved:
     try:
         return _resolve(tables, case)
     except _MistakeError as mistake:
-        raise _located(study, case, mistake.key, str(mistake)) from None
+        raise located(study, case, mistake.key, str(mistake)) from None
 
 
 def _validated(study: Study, case: Case) -> CaseTables:
     try:
         return files.conform(CaseTables, case.tables)
     except files.SchemaError as error:
-        raise _located(study, case, error.key, error.message) from None
-
-
-def _located(study: Study, case: Case, key: files.Key, message: str) -> UserError:
-    """The mistake where the user wrote it: on an axis, in the case, in the scenario, or in the study itself."""
-    dotted = ".".join(str(part) for part in key)
-    own = study.file.cases.get(case.name, {}) if case.name else {}
-    if dotted in case.axes:
-        key = (*(("cases", str(case.name)) if "axes" in own else ()), "axes", dotted)
-    elif case.name and _holds(own, key):
-        key = ("cases", case.name, *key)
-    elif (scenario := case.axes.get("scenario")) and _holds(study.file.scenarios[scenario], key):
-        key = ("scenarios", scenario, *key)
-    return study.error(key, message)
-
-
-def _holds(table: Any, key: files.Key) -> bool:
-    for part in key:
-        if not isinstance(table, dict) or part not in table:
-            return False
-        table = table[part]
-    return True
+        raise located(study, case, error.key, error.message) from None
 
 
 def _resolve(tables: CaseTables, case: Case) -> Resolved:
@@ -156,7 +135,8 @@ def _plant(tables: CaseTables) -> Plant:
     elif model == "drive":
         model = f"drive_{table.command}"
     if model not in known:
-        raise _MistakeError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, [*MODELS, *known])}')
+        names = dict.fromkeys((*MODELS, *known))
+        raise _MistakeError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, names)}')
     plant = known[model]
     if rpm and not plant.rotary_command:
         raise _MistakeError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
@@ -226,7 +206,9 @@ def _belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
 def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | None:
     """The name that an axis gives, or that of the only one there is."""
     if name is None and len(available) > 1:
-        raise _MistakeError((f"{kind}s",), f"holds {', '.join(available)}: an axis {kind} must say which")
+        *others, last = available
+        message = f'there is "{others[0]}" too: expected an axis {kind} that says which'
+        raise _MistakeError((f"{kind}s", last), message)
     return name or next(iter(available), None)
 
 
@@ -235,8 +217,10 @@ def _position_loop(
 ) -> tuple[Loop, ReferenceSignal | None, tuple[Feed, ...]]:
     """The controller with its gains, its reference (None in open loop), and what is fed to inputs instead."""
     name = _chosen("controller", tables.controller, tables.controllers)
-    controller, settings = _controller(str(name), tables, plant.command_unit)
-    key = ("controllers", str(name))
+    if name is None:
+        raise _MistakeError(("controllers",), "is missing: expected a table such as [controllers.p]")
+    controller, settings = _controller(name, tables, plant.command_unit)
+    key = ("controllers", name)
     try:
         if controller.choose is not None:
             controller = controller.choose(settings, belief)
@@ -273,7 +257,7 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
     table = dict(tables.controllers[name])
     known = controllers()
     kind = table.pop("type", None)
-    if kind not in known:
+    if not isinstance(kind, str) or kind not in known:
         message = "is missing; this key is needed here" if kind is None else f'unknown controller "{kind}"'
         raise _MistakeError((*key, "type"), f"{message}; {nearest(str(kind), known)}")
     controller = known[kind]
@@ -288,8 +272,9 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
             values[item] = si(value, metadata[0], command_unit) if base is float else value
         except QuantityError as error:
             raise _MistakeError((*key, item), str(error)) from None
-        if base is str and metadata != ("any",) and value not in metadata:
-            raise _MistakeError((*key, item), f'got "{value}", expected one of {", ".join(metadata)}')
+        if base is str and not (isinstance(value, str) and (metadata == ("any",) or value in metadata)):
+            expected = "a name" if metadata == ("any",) else f"one of {', '.join(metadata)}"
+            raise _MistakeError((*key, item), f"got {value!r}, expected {expected}")
     for item in hints:
         if item not in values and item not in settings._field_defaults:
             raise _MistakeError((*key, item), "is missing; this key is needed here")
@@ -299,14 +284,14 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
 def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
     key = ("references", name)
     kind = table.get("kind")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         message = "is missing; this key is needed here" if kind is None else f'unknown kind "{kind}"'
         raise _MistakeError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
     try:
         return files.conform(KINDS[kind], table).build(unit, folder)
     except files.SchemaError as error:
         raise _MistakeError((*key, *error.key), error.message) from None
-    except QuantityError as error:
+    except UserError as error:
         raise _MistakeError(key, str(error)) from None
 
 
@@ -314,20 +299,31 @@ def _sensors(tables: CaseTables) -> Sensors:
     channels = {}
     for item in fields(Measurement):
         table: ChannelTable = getattr(tables.sensors, item.name)
-        key = ("sensors", item.name)
-        try:
-            resolution = si(table.resolution, item.unit) if table.resolution is not None else 0.0
-            if table.range is not None and table.bits is not None:
-                resolution = si(table.range, item.unit) / 2**table.bits
-            noise, offset = si(table.noise, item.unit), si(table.offset, item.unit)
-            peak, travel = (
-                si(value or 0.0, item.unit) for value in (table.calibration_error, table.calibration_travel)
-            )
-        except QuantityError as error:
-            raise _MistakeError(key, str(error)) from None
-        if min(noise, resolution, peak) < 0.0:
-            raise _MistakeError(key, "noise, resolution and calibration_error are not negative")
-        if peak > 0.0 and not travel > 0.0:
-            raise _MistakeError((*key, "calibration_travel"), f"got {travel:g} {item.unit}, expected a value above 0")
-        channels[item.name] = Channel(noise, resolution, table.anti_alias, offset, table.gain_error, peak, travel)
+        resolution = _sensor_value(table, "resolution", item.name, item.unit)
+        if table.bits is not None:
+            resolution = _sensor_value(table, "range", item.name, item.unit) / 2**table.bits
+        travel = _sensor_value(table, "calibration_travel", item.name, item.unit)
+        if table.calibration_error is not None and travel == 0.0:
+            raise _MistakeError(("sensors", item.name, "calibration_travel"), "got 0, expected a value above 0")
+        channels[item.name] = Channel(
+            _sensor_value(table, "noise", item.name, item.unit),
+            resolution,
+            table.anti_alias,
+            _sensor_value(table, "offset", item.name, item.unit, signed=True),
+            table.gain_error,
+            _sensor_value(table, "calibration_error", item.name, item.unit),
+            travel,
+        )
     return Sensors(channels, tables.sensors.delay)
+
+
+def _sensor_value(table: ChannelTable, name: str, channel: str, unit: str, *, signed: bool = False) -> float:
+    """A setting of a sensor in SI, 0 where nothing is said."""
+    value, key = getattr(table, name), ("sensors", channel, name)
+    try:
+        number = si(value or 0.0, unit)
+    except QuantityError as error:
+        raise _MistakeError(key, str(error)) from None
+    if number < 0.0 and not signed:
+        raise _MistakeError(key, f"got {value!r}, expected a value that is not negative")
+    return number

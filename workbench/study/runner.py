@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError
 from workbench.metrics import COLUMNS, evaluate
 from workbench.simulation.simulate import simulate, solver_error
+from workbench.study.checks import Checks
 from workbench.study.document import Case, Study, unfold
+from workbench.study.names import matches
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.store import STUDY_COPY, Store, export, trajectory_path, write_json, write_trajectory
@@ -43,10 +45,14 @@ class Plan:
     resolved: list[Resolved]
 
     @property
+    def axes(self) -> list[str]:
+        """Columns that tell the cases apart."""
+        return list(dict.fromkeys(name for case in self.cases for name in case.columns))
+
+    @property
     def columns(self) -> list[str]:
         """Columns of results.csv: the axes, the standard figures, the probes."""
-        axes = list(dict.fromkeys(name for case in self.cases for name in case.columns))
-        return [*axes, *COLUMNS, *self.study.file.probes]
+        return [*self.axes, *COLUMNS, *self.study.file.probes]
 
     @property
     def identity(self) -> dict[str, str]:
@@ -80,48 +86,8 @@ def plan(study: Study) -> Plan:
     """
     cases = unfold(study)
     planned = Plan(study, cases, [resolve(study, case) for case in cases])
-    _check_signals(planned)
+    Checks(study, cases, planned.resolved, planned.axes, COLUMNS).all()
     return planned
-
-
-def _check_signals(planned: Plan) -> None:
-    """Probes, tables and figures name columns and signals that there are."""
-    study, columns = planned.study, planned.columns
-    signals = sorted(
-        {name for item in planned.resolved for name in _signal_names(item)}
-        | {"time", "error", "reference_position", "reference_velocity", "measured_position"}
-    )
-    for name, probe in study.file.probes.items():
-        for key, signal in (("signal", probe.signal), ("event", probe.event)):
-            if signal is not None and signal not in signals:
-                raise study.error(("probes", name, key), f'unknown signal "{signal}"; {nearest(signal, signals)}')
-    for i, table in enumerate(study.file.tables):
-        for form in ("columns", "rows"):
-            for j, item in enumerate(getattr(table, form)):
-                if item.result not in columns:
-                    message = f'unknown figure "{item.result}"; {nearest(item.result, columns)}'
-                    raise study.error(("tables", i, form, j, "result"), message)
-        if table.index is not None and table.index not in columns:
-            raise study.error(("tables", i, "index"), f'unknown axis "{table.index}"; {nearest(table.index, columns)}')
-    for i, figure in enumerate(study.file.figures):
-        for j, panel in enumerate(figure.panels):
-            valid = signals if panel.x not in columns else columns
-            for k, curve in enumerate(panel.curves):
-                for key, name_ in (("x", curve.x or panel.x), ("y", curve.y)):
-                    if name_ not in valid:
-                        message = f'unknown name "{name_}"; {nearest(name_, valid)}'
-                        raise study.error(("figures", i, "panels", j, "curves", k, key), message)
-
-
-def _signal_names(item: Resolved) -> Iterator[str]:
-    plant: Any = item.setup.plant
-    yield from plant.Signals._fields
-    yield from plant.Inputs._fields
-
-
-def matches(columns: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
-    """Whether a case has the values that `where` asks for; numbers are compared as numbers."""
-    return all(str(columns.get(key)) == str(value) or columns.get(key) == value for key, value in where.items())
 
 
 def needed_trajectories(planned: Plan) -> set[int]:

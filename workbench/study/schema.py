@@ -3,13 +3,13 @@
 from functools import partial
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, StrictFloat, model_validator
 
 from workbench.files import Strict
 from workbench.simulation.simulate import DEFAULT_TOLERANCE, METHODS
 from workbench.units import QuantityError, si
 
-Raw = float | str
+Raw = StrictFloat | str
 """A quantity whose unit depends on its place; converted when the case is resolved."""
 
 Metre = Annotated[float, BeforeValidator(partial(si, unit="m"))]
@@ -21,9 +21,12 @@ Radian = Annotated[float, BeforeValidator(partial(si, unit="rad"))]
 def rpm_si(value: Any) -> float:
     """A speed of rotation in rad/s; unlike elsewhere a bare number is in rpm, the unit of the axis' name."""
     try:
-        return si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
+        speed = si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
     except QuantityError:
         raise QuantityError(f'got {value!r}, expected a speed of rotation, such as 460 or "460 rpm"') from None
+    if speed < 0.0:
+        raise QuantityError(f"got {value!r}, expected a speed that is not negative")
+    return speed
 
 
 Rotation = Annotated[float, BeforeValidator(rpm_si)]
@@ -186,6 +189,9 @@ class TableSpec(Strict):
     def _one_form(self) -> "TableSpec":
         if bool(self.rows) == bool(self.columns) or bool(self.columns) != (self.index is not None):
             raise ValueError("expected index with columns, or rows")
+        headings = [(column.label, column.unit) for column in self.columns]
+        if len(set(headings)) < len(headings):
+            raise ValueError("two columns have the same label: expected different ones")
         return self
 
 
@@ -214,7 +220,18 @@ class Panel(Strict):
     y_range: tuple[float, float] | None = None
     start: Second = 0.0
     end: Second | None = None
-    legend: str = "best"
+    legend: Literal[
+        "best",
+        "upper left",
+        "upper center",
+        "upper right",
+        "center left",
+        "center",
+        "center right",
+        "lower left",
+        "lower center",
+        "lower right",
+    ] = "best"
     note: str = ""
     curves: list[Curve] = Field(min_length=1)
 
@@ -248,9 +265,9 @@ class CaseTables(Strict):
     belief: BeliefTable = BeliefTable()
     sensors: SensorsTable = SensorsTable()
     simulation: SimulationTable
-    controllers: dict[str, dict[str, Any]] = Field(min_length=1)
+    controllers: dict[str, dict[str, Any]] = {}
     references: dict[str, dict[str, Any]] = {}
-    rpm: Rotation = Field(0.0, ge=0.0)
+    rpm: Rotation = 0.0
     controller: str | None = None
     reference: str | None = None
 

@@ -20,9 +20,12 @@ from workbench.errors import UserError
 from workbench.simulation.simulate import Run
 
 DATABASE = "results.sqlite"
+INDEX = "case_index"
+"""The column of the database that orders the cases; not exported."""
+
 STUDY_COPY = "study.toml"
-OURS = (DATABASE, STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures")
-"""What a run may write into its folder, and therefore may replace."""
+OURS = (STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures", DATABASE)
+"""What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
 
 
 class Store:
@@ -38,11 +41,15 @@ class Store:
         """A new, empty store in `folder`, which is made if need be.
 
         Raises:
-            UserError: the folder holds results already, or cannot be written.
+            UserError: the folder holds results already, or files of the same names that no run wrote, or cannot be
+                written.
         """
         database = folder / DATABASE
         if database.exists() and not overwrite:
             raise UserError(f"{folder}: holds results already; go on with --resume, start anew with --overwrite")
+        foreign = [name for name in OURS if (folder / name).exists()]
+        if foreign and not database.exists():
+            raise UserError(f"{folder}: holds {', '.join(foreign)} that no run wrote; choose another folder with --out")
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in OURS:
@@ -53,10 +60,11 @@ class Store:
                     path.unlink(missing_ok=True)
             connection = sqlite3.connect(database)
             with connection:
+                connection.execute("BEGIN")
                 connection.execute("CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT)")
                 connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
                 names = ", ".join(_quoted(column) for column in columns)
-                connection.execute(f"CREATE TABLE results (case_index INTEGER PRIMARY KEY, {names})")
+                connection.execute(f"CREATE TABLE results ({INDEX} INTEGER PRIMARY KEY, {names})")
         except (OSError, sqlite3.Error) as error:
             raise UserError(f"{folder}: cannot be written ({error}); choose another folder with --out") from None
         return cls(connection, folder, columns)
@@ -85,7 +93,7 @@ class Store:
 
     def done(self) -> set[int]:
         """Indices of the finished cases."""
-        return {index for (index,) in self._connection.execute("SELECT case_index FROM results")}
+        return {index for (index,) in self._connection.execute(f"SELECT {INDEX} FROM results")}
 
     def add(self, index: int, values: Mapping[str, Any]) -> None:
         """Commit one finished case."""
@@ -95,10 +103,14 @@ class Store:
             self._connection.execute(f"INSERT OR REPLACE INTO results VALUES ({marks})", row)
 
     def frame(self) -> pd.DataFrame:
-        """All finished cases in order."""
-        cursor = self._connection.execute("SELECT * FROM results ORDER BY case_index")
+        """All finished cases in order; an axis of numbers and text, such as 0 and "460 rpm", is text."""
+        cursor = self._connection.execute(f"SELECT * FROM results ORDER BY {INDEX}")
         names = [item[0] for item in cursor.description]
-        return pd.DataFrame(cursor.fetchall(), columns=names).drop(columns="case_index")
+        frame = pd.DataFrame(cursor.fetchall(), columns=names).drop(columns=INDEX)
+        for name in frame.columns:
+            if any(isinstance(value, str) for value in frame[name]):
+                frame[name] = frame[name].map(str, na_action="ignore")
+        return frame
 
     def close(self) -> None:
         """Release the file."""
@@ -144,9 +156,12 @@ def read_results(folder: Path) -> pd.DataFrame:
     """The results of a finished study.
 
     Raises:
-        UserError: there are none.
+        UserError: there are none, or the file is damaged.
     """
     path = folder / "results.parquet"
     if not path.exists():
         raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
-    return pd.read_parquet(path)
+    try:
+        return pd.read_parquet(path)
+    except (OSError, ValueError) as error:
+        raise UserError(f"{path}: cannot be read ({error}); run the study again with --resume") from None

@@ -1,0 +1,101 @@
+"""The `workbench` command as tests run it, and a small study that they change."""
+
+import contextlib
+import io
+import sys
+from pathlib import Path
+from typing import NamedTuple
+from unittest import mock
+
+from workbench.cli import main
+
+ROOT = Path(__file__).parents[1]
+STUDIES = ROOT / "studies"
+PROCESS = (sys.executable, "-c", "from workbench.cli import main; main()")
+"""The command in a process of its own."""
+
+STUDY = """\
+title = "a study for tests"
+[plant]
+model = "by_rpm"
+parameters = "owen2001_simulation"
+
+[axes]
+rpm = [0, 460]
+
+[controllers.p]
+type = "pid"
+kp = "500 V/m"
+
+[references.sine]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "2 Hz"
+
+[simulation]
+duration = "1 s"
+transient = "0.4 s"
+"""
+
+DRIVE = """\
+title = "a drive, for tests"
+[plant]
+model = "drive"
+parameters = "canudas1995"
+
+[controllers.p]
+type = "pid"
+kp = "3 N/m"
+
+[references.step]
+kind = "steps"
+levels = ["1 m"]
+dwell = "1 s"
+
+[simulation]
+duration = "1 s"
+"""
+
+
+class Answer(NamedTuple):
+    """What a command left: its exit code and what it wrote."""
+
+    code: int
+    out: str
+    err: str
+
+
+def workbench(*arguments: str | Path) -> Answer:
+    """Run the command in this process."""
+    out, err, code = io.StringIO(), io.StringIO(), 0
+    with (
+        mock.patch.object(sys, "argv", ["workbench", *map(str, arguments)]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        try:
+            main()
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+    return Answer(code, out.getvalue(), err.getvalue())
+
+
+def write(folder: Path, text: str, name: str = "study.toml") -> Path:
+    """A file in `folder`."""
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def changed(old: str, new: str, study: str = STUDY) -> str:
+    """The study with one place of it changed."""
+    assert study.count(old) == 1, old
+    return study.replace(old, new)
+
+
+def ran(folder: Path, text: str, *options: str) -> Path:
+    """The folder of results of a study that runs without complaint."""
+    out = folder / "results"
+    answer = workbench("run", write(folder, text), "--out", out, *options)
+    assert (answer.code, answer.err) == (0, "")
+    return out

@@ -1,0 +1,176 @@
+"""The command line: help, list, check, table, and what it says when a command is wrong."""
+
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command import PROCESS, STUDIES, STUDY, changed, ran, workbench, write
+
+from controllers.registry import controllers
+from plants.registry import plants
+from workbench.metrics import COLUMNS
+from workbench.parameters import named_sets
+from workbench.study.reference_tables import KINDS
+
+HEAVY = ("numba", "numpy", "scipy", "pandas", "matplotlib", "pydantic", "pint", "casadi", "control")
+
+
+def test_help_imports_nothing_heavy() -> None:
+    """Else it takes seconds; this is why commands import what they need themselves."""
+    script = (
+        "import sys\nfrom workbench.cli import main\nsys.argv = ['workbench', '--help']\n"
+        "try:\n    main()\nfinally:\n    print(*sys.modules, file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert [name for name in HEAVY if name in done.stderr.split()] == []
+    assert "typer" in done.stderr.split()
+    for command in ("run", "check", "list", "table", "plot"):
+        assert f"  {command} " in done.stdout
+    assert "..." not in done.stdout.partition("Commands:")[2], "what each command does fits on its line"
+
+
+def test_list_names_all_that_a_study_may_name() -> None:
+    everything = workbench("list")
+    assert (everything.code, everything.err) == (0, "")
+    words = set(everything.out.replace(",", " ").split())
+    assert {*plants(), *controllers(), *named_sets(), *KINDS, *COLUMNS, "by_rpm", "rk4", "kp"} <= words
+    sections = [workbench("list", kind).out for kind in ("plants", "controllers", "parameters", "references")]
+    assert everything.out.startswith("".join(sections))
+    assert workbench("list", "references").out.splitlines()[1].split(maxsplit=1) == [
+        "sine",
+        "amplitude, frequency, offset, phase",
+    ]
+
+
+def test_list_of_nothing() -> None:
+    assert workbench("list", "plant") == (2, "", 'error: nothing called "plant" to list; did you mean "plants"?\n')
+
+
+@pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_study_is_in_order(path: Path) -> None:
+    answer = workbench("check", path)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(f"{path}: a study, in order\n")
+
+
+@pytest.mark.parametrize(("name", "path"), named_sets().items())
+def test_every_parameter_set_is_in_order(name: str, path: Path) -> None:
+    answer = workbench("check", path)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(f"{path}: a parameter set of ")
+
+
+def test_check_says_what_a_study_would_do(tmp_path: Path) -> None:
+    path = write(tmp_path, STUDY + "[cases.a]\n[cases.b]\naxes = {}\n")
+    expected = "a study for tests\n  case: a, b\n  rpm: 0, 460\n  3 cases, 3 s of simulated time\n"
+    assert workbench("check", path) == (0, f"{path}: a study, in order\n{expected}", "")
+    assert workbench("check", write(tmp_path, changed("0, 460", "0"))).out.endswith("  1 case, 1 s of simulated time\n")
+
+
+def test_check_of_a_wrong_parameter_set(tmp_path: Path) -> None:
+    path = write(tmp_path, 'title = "a"\nsource = "b"\n[parameters.mas]\nvalue = "1 kg"\nsource = "c"\n')
+    expected = f'error: {path}:4: parameters.mas.value: unknown parameter "mas"; did you mean "mass"?\n'
+    assert workbench("check", path) == (2, "", expected)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("rnu",), ("run",), ("run", "a.toml"), ("run", "a.toml", "--out", "b", "--jobs", "0")]
+)
+def test_a_wrong_command(arguments: tuple[str, ...]) -> None:
+    answer = workbench(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert "Traceback" not in answer.err
+    assert answer.err.rstrip().splitlines()[-1].startswith("Error: ")
+
+
+def test_debug_shows_the_traceback(tmp_path: Path) -> None:
+    path = write(tmp_path, changed("by_rpm", "by_rmp"))
+    plain, debug = (
+        subprocess.run([*PROCESS, *options, "check", str(path)], capture_output=True, text=True, check=False)
+        for options in ((), ("--debug",))
+    )
+    assert plain.returncode == 2
+    assert plain.stderr.count("\n") == 1
+    assert "Traceback" in debug.stderr
+    assert 'did you mean "by_rpm"?' in debug.stderr
+
+
+def test_a_progress_bar_on_a_terminal(tmp_path: Path) -> None:
+    """The number of cases done, and the last one, are written to a terminal alone."""
+    ours, theirs = pty.openpty()
+    command = [*PROCESS, "run", str(write(tmp_path, STUDY)), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=theirs, env={**os.environ, "TERM": "xterm"})
+    os.close(theirs)
+    shown = b""
+    while True:
+        try:
+            part = os.read(ours, 65536)
+        except OSError:  # how Linux says that the other end is closed
+            break
+        if not part:
+            break
+        shown += part
+    os.close(ours)
+    assert process.wait(timeout=60.0) == 0
+    assert b"2/2" in shown
+    assert b"rpm 460" in shown
+
+
+# --- table ---
+
+
+def test_columns_of_results(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    answer = workbench("table", out, "--column", "outcome", "--column", "gain_ratio")
+    assert answer.code == 0
+    head, _, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in answer.out.splitlines()]
+    assert head == ["rpm", "outcome", "gain_ratio"]
+    assert [line[:2] for line in lines] == [["0", "completed"], ["460", "completed"]]
+    one = workbench("table", out, "--column", "gain_ratio", "--where", "rpm=460").out.splitlines()
+    assert len(one) == 3
+    assert one[-1].split("|")[1].strip() == "460"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ((), "@: its study asks for no tables; choose columns with --column"),
+        (("--column", "gain_rato"), 'the results have no column "gain_rato"; did you mean "gain_ratio"?'),
+        (("--where", "rmp=0"), 'the results have no column "rmp"; did you mean "rpm"?'),
+        (("--where", "rpm=1"), "no case has rpm 1"),
+        (("--where", "rpm"), '--where "rpm": expected AXIS=VALUE, such as rpm=460'),
+    ],
+)
+def test_a_table_that_cannot_be(tmp_path: Path, options: tuple[str, ...], said: str) -> None:
+    out = ran(tmp_path, STUDY)
+    answer = workbench("table", out, *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.replace(str(out), "@") == f"error: {said}\n"
+
+
+@pytest.mark.parametrize("command", ["table", "plot"])
+def test_no_results(tmp_path: Path, command: str) -> None:
+    expected = f"error: {tmp_path}: holds no finished results; run a study with --out {tmp_path} first\n"
+    assert workbench(command, tmp_path) == (2, "", expected)
+
+
+def test_damaged_results(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    (out / "results.parquet").write_bytes(b"PAR1")
+    answer = workbench("table", out)
+    assert answer.code == 2
+    assert answer.err.startswith(f"error: {out / 'results.parquet'}: cannot be read (")
+    assert workbench("run", tmp_path / "study.toml", "--out", out, "--resume").code == 0
+    assert workbench("table", out, "--column", "outcome").code == 0
+
+
+def test_a_place_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    write(tmp_path, "mine", "file")
+    answer = workbench("plot", out, "--y", "gain_ratio", "--x", "rpm", "--out", tmp_path / "file" / "a.png")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"error: {tmp_path / 'file'}: ")
+    assert answer.err.count("\n") == 1

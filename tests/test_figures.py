@@ -1,0 +1,260 @@
+"""Figures: what is drawn, what the fits say, and files that are the same bytes each time."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from command import STUDY, ran, workbench, write
+
+from workbench.errors import UserError
+from workbench.report.figures import draw, quick_plot, write_figure
+from workbench.study.schema import FigureSpec
+from workbench.study.store import trajectory_path
+
+FRAME = pd.DataFrame(
+    {
+        "rpm": [0, 120, 460],
+        "outcome": ["completed"] * 3,
+        "rms_error_m": [3e-3, 2e-3, None],
+    }
+)
+TIME = np.linspace(0.0, 2.0, 201)
+
+
+def panel(curve: dict[str, Any], **settings: Any) -> dict[str, Any]:
+    """A panel with one curve."""
+    return {"x_label": "x", "y_label": "y", "y_unit": "mm", "curves": [curve], **settings}
+
+
+def figure(*panels: dict[str, Any]) -> FigureSpec:
+    """A figure with these panels."""
+    return FigureSpec(name="f", title="a figure", panels=list(panels))
+
+
+def store(folder: Path, index: int = 0, **signals: np.ndarray) -> Path:
+    """A folder with the trajectory of one case."""
+    path = trajectory_path(folder, index)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pd.DataFrame({"time": TIME[: len(next(iter(signals.values())))], **signals}).to_parquet(path)
+    return folder
+
+
+def lines(spec: FigureSpec, folder: Path) -> list[Any]:
+    """The lines of the first pair of axes."""
+    return list(draw(spec, FRAME, folder).axes[0].lines)
+
+
+def test_a_signal_in_its_units_and_window(tmp_path: Path) -> None:
+    store(tmp_path, position=1e-3 * TIME)
+    spec = figure(panel({"y": "position", "where": {"rpm": 0}}, x_unit="ms", start="0.5 s", end="1.5 s"))
+    (line,) = lines(spec, tmp_path)
+    assert line.get_xdata()[0] == pytest.approx(500.0)
+    assert line.get_xdata()[-1] == pytest.approx(1500.0)
+    np.testing.assert_allclose(line.get_ydata(), line.get_xdata() * 1e-3, rtol=1e-12)
+    axes = draw(spec, FRAME, tmp_path).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (ms)", "y (mm)")
+
+
+FITS = {
+    "line": (3.0 * TIME - 2.0, "line", "y = 3.000 x - 2.000,  R$^2$ = 1.0000"),
+    "through zero": (-2717.0 * TIME, "line", "y = -2717 x,  R$^2$ = 1.0000"),
+    "level": (5.0 + 0.0 * TIME, "line", "y = 5.000"),
+    "cubic": (
+        -40460.0 * TIME**3 + 2.0 * TIME**2 + 5093.0 * TIME,
+        "cubic",
+        "y = -40460 x$^3$ + 5093 x,  R$^2$ = 1.0000",
+    ),
+    "small": (2e-6 * TIME**3 + 1.5e-6, "cubic", "y = 2.000e-06 x$^3$ + 1.500e-06,  R$^2$ = 1.0000"),
+    "parabola": (
+        TIME**2,
+        "line",
+        # Over n even points from 0 to 2, m = n - 1: intercept -2/3 + 2/(3 m), R^2 = 15 m^2 / (15 m^2 + n^2 - 4).
+        "y = 2.000 x - 0.6633,  R$^2$ = 0.9369",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FITS)
+def test_what_a_fit_says(tmp_path: Path, case: str) -> None:
+    values, kind, text = FITS[case]
+    store(tmp_path, velocity=TIME, axial_friction=values)
+    spec = figure(
+        panel(
+            {"y": "axial_friction", "where": {"rpm": 0}, "label": "a", "fit": kind},
+            x="velocity",
+            x_unit="1",
+            y_unit="N",
+        )
+    )
+    fit, line = lines(spec, tmp_path)
+    assert line.get_label() == f"a\n{text}"
+    if case != "parabola":
+        np.testing.assert_allclose(
+            np.interp(TIME, fit.get_xdata(), fit.get_ydata()), values, atol=2e-4 * np.ptp(values)
+        )
+
+
+@pytest.mark.parametrize("samples", [0, 1, 2])
+def test_no_fit_of_what_ended_early(tmp_path: Path, samples: int) -> None:
+    store(tmp_path, position=TIME[:samples], velocity=TIME[:samples])
+    spec = figure(panel({"y": "velocity", "where": {"rpm": 0}, "label": "a", "fit": "cubic"}, y_unit="1"))
+    (line,) = lines(spec, tmp_path)
+    assert line.get_label() == "a"
+    assert len(line.get_xdata()) == samples
+
+
+def test_results_over_an_axis_beside_the_published(tmp_path: Path) -> None:
+    curve = {"y": "rms_error_m", "label": "ours", "published": {"0": 3.5, "460": 1.0}}
+    ours, published = lines(figure(panel(curve, x="rpm", x_unit="rpm")), tmp_path)
+    assert ours.get_xdata().tolist() == [0, 120]
+    np.testing.assert_allclose(ours.get_ydata().astype(float), [3.0, 2.0], rtol=1e-12)
+    assert (list(published.get_xdata()), list(published.get_ydata())) == ([0.0, 460.0], [3.5, 1.0])
+    assert published.get_linestyle() == "None"
+
+
+def test_panels_stand_one_above_the_other(tmp_path: Path) -> None:
+    store(tmp_path, position=TIME)
+    one = panel({"y": "position", "where": {"rpm": 0}}, note="a note", y_range=[0, 1])
+    upper, lower = draw(figure(one, one), FRAME, tmp_path).axes
+    assert upper.get_position().y0 > lower.get_position().y1
+    assert upper.get_ylim() == (0.0, 1.0)
+    assert [text.get_text() for text in upper.texts] == ["a note"]
+
+
+def test_the_note_hides_nothing(tmp_path: Path) -> None:
+    """It stands below the numbers and the name of the axis, inside the picture."""
+    store(tmp_path, position=TIME)
+    drawn = draw(figure(panel({"y": "position", "where": {"rpm": 0}}, note="two\nlines")), FRAME, tmp_path)
+    drawn.canvas.draw()
+    axes = drawn.axes[0]
+    note, name = axes.texts[0].get_window_extent(), axes.xaxis.label.get_window_extent()
+    assert note.y0 >= 0.0
+    assert note.y1 <= name.y0 + 1.0
+
+
+def test_curves_differ_in_colour_and_dash(tmp_path: Path) -> None:
+    store(tmp_path, position=TIME, velocity=TIME)
+    curves = [{"y": "position", "where": {"rpm": 0}} for _ in range(5)]
+    drawn = lines(figure({"x_label": "x", "y_label": "y", "y_unit": "mm", "curves": curves}), tmp_path)
+    assert len({(line.get_color(), str(line.get_linestyle())) for line in drawn}) == 5
+    assert len({line.get_color() for line in drawn}) == 5
+
+
+def test_three_formats_and_the_same_bytes_twice(tmp_path: Path) -> None:
+    store(tmp_path, velocity=TIME, axial_friction=TIME**3)
+    curve = {"y": "axial_friction", "where": {"rpm": 0}, "label": "a", "fit": "cubic"}
+    spec = figure(panel(curve, x="velocity", x_unit="m/s", y_unit="N", title="K$_p$"))
+    paths = write_figure(spec, FRAME, tmp_path)
+    assert [path.relative_to(tmp_path).as_posix() for path in paths] == [
+        f"figures/f.{e}" for e in ("pdf", "svg", "png")
+    ]
+    first = [path.read_bytes() for path in paths]
+    assert [content[:5] for content in first] == [b"%PDF-", b"<?xml", b"\x89PNG\r"]
+    assert [path.read_bytes() for path in write_figure(spec, FRAME, tmp_path)] == first
+
+
+def test_curves_that_cannot_be(tmp_path: Path) -> None:
+    with pytest.raises(
+        UserError, match=r"figure f: the trajectory of rpm 0 was not kept \(kept: none\); run with --keep-traj"
+    ):
+        lines(figure(panel({"y": "position", "where": {"rpm": 0}})), tmp_path)
+    with pytest.raises(UserError, match=r"figure f: 3 cases for no condition, expected one"):
+        lines(figure(panel({"y": "position"})), tmp_path)
+    store(tmp_path, position=TIME)
+    with pytest.raises(UserError, match=r'the plant of that case has no signal "velocity"'):
+        lines(figure(panel({"y": "velocity", "where": {"rpm": 0}}, y_unit="m/s")), tmp_path)
+
+
+# --- workbench plot ---
+
+HEAD = '[[figures]]\nname = "lag"\ntitle = "Lag"\n[[figures.panels]]\nx_label = "time"\ny_label = "y"\n'
+DRAWN = STUDY + HEAD + 'y_unit = "mm"\ncurves = [{ y = "position", where = { rpm = 460 } }]\n'
+
+
+def test_the_figures_of_a_study_again(tmp_path: Path) -> None:
+    out = ran(tmp_path, DRAWN)
+    paths = [out / "figures" / f"lag.{ending}" for ending in ("pdf", "svg", "png")]
+    before = [path.read_bytes() for path in paths]
+    for path in paths:
+        path.unlink()
+    answer = workbench("plot", out)
+    assert answer == (0, f"wrote {paths[0]}, {paths[1]}, {paths[2]}\n", "")
+    assert [path.read_bytes() for path in paths] == before
+
+
+def test_a_stored_signal_or_a_column(tmp_path: Path) -> None:
+    out = ran(tmp_path, DRAWN)
+    signal = workbench("plot", out, "--y", "position", "--y", "velocity", "--where", "rpm=460")
+    assert signal == (0, f"wrote {out / 'figures' / 'position_velocity_over_time.png'}\n", "")
+    column = workbench("plot", out, "--y", "phase_lag_deg", "--x", "rpm", "--out", tmp_path / "lag.svg")
+    assert column == (0, f"wrote {tmp_path / 'lag.svg'}\n", "")
+    assert (tmp_path / "lag.svg").read_bytes().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--y", "positon"), 'nothing called "positon" is stored; did you mean "position"?'),
+        (("--y", "phase_lag", "--x", "rpm"), 'nothing called "phase_lag" is stored; did you mean "phase_lag_deg"?'),
+        (("--y", "position", "--out", "a.gif"), '"a.gif": expected a picture ending in .pdf, .svg, .png'),
+        (("--y", "position", "--where", "rpm=7"), "no case has rpm 7"),
+        (
+            ("--y", "position"),
+            "figure plot: the trajectory of rpm 0 was not kept (kept: rpm 460); run with --keep-trajectories for all",
+        ),
+        (
+            ("--y", "motor_current", "--x", "motor_voltage", "--where", "rpm=0"),
+            "figure plot: the trajectory of rpm 0 was not kept (kept: rpm 460); run with --keep-trajectories for all",
+        ),
+    ],
+)
+def test_a_plot_that_cannot_be(tmp_path: Path, options: tuple[str, ...], said: str) -> None:
+    out = ran(tmp_path, DRAWN)
+    assert workbench("plot", out, *options) == (2, "", f"error: {said}\n")
+
+
+def test_no_figures(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    assert workbench("plot", out) == (
+        2,
+        "",
+        f"error: {out}: its study asks for no figures; say what to draw with --y\n",
+    )
+
+
+def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over rpm, the results of each controller are a curve of their own."""
+    frame = pd.DataFrame(
+        {
+            "rpm": [0, 0, 460, 460],
+            "controller": ["p", "pd", "p", "pd"],
+            "outcome": ["completed"] * 4,
+            "rms_error_m": [4.0, 3.0, 2.0, 1.0],
+        }
+    )
+    drawn: list[FigureSpec] = []
+
+    def watched(spec: FigureSpec, *rest: Any) -> Any:
+        drawn.append(spec)
+        return draw(spec, *rest)
+
+    monkeypatch.setattr("workbench.report.figures.draw", watched)
+    quick_plot(tmp_path, frame, "rpm", ["rms_error_m"], {}, tmp_path / "a.png")
+    curves = drawn[0].panels[0].curves
+    assert [curve.label for curve in curves] == ["rms_error_m, controller p", "rms_error_m, controller pd"]
+    values = [line.get_ydata().tolist() for line in draw(drawn[0], frame, tmp_path).axes[0].lines]
+    assert values == [[4.0, 2.0], [3.0, 1.0]]
+
+
+def test_text_on_an_axis(tmp_path: Path) -> None:
+    """Quantities with units are names on their axis, published values stand at the same names."""
+    text = (
+        STUDY.replace("[0, 460]", '["120 rpm", "460 rpm"]')
+        + HEAD
+        + ('x = "rpm"\ny_unit = "deg"\ncurves = [{ y = "phase_lag_deg", published = { "460 rpm" = 3.0 } }]\n')
+    )
+    answer = workbench("run", write(tmp_path, text), "--out", tmp_path / "out")
+    assert (answer.code, answer.err) == (0, "")
+    assert (tmp_path / "out" / "figures" / "lag.png").exists()

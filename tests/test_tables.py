@@ -1,0 +1,218 @@
+"""Tables: numbers in their units beside published ones, as CSV, Markdown and LaTeX."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from command import STUDY, ran, workbench
+
+from workbench.errors import UserError
+from workbench.report.tables import make_table, shown_number, write_table
+from workbench.study.schema import TableSpec
+
+FRAME = pd.DataFrame(
+    {
+        "rpm": [0, 120, 460],
+        "outcome": ["completed", "completed", "diverged"],
+        "phase_lag_deg": [8.61, 7.985, None],
+        "rms_error_m": [3.186e-3, 2.956e-3, None],
+        "limit_cycle": ["none", None, None],
+        "friction_slope_N_s_per_m": [5117.0, 3585.4, None],
+    }
+)
+
+
+def table(**content: Any) -> pd.DataFrame:
+    """The table of a spec, over the frame above."""
+    return make_table(TableSpec(name="t", title="a title", **content), FRAME)
+
+
+def test_columns_over_an_axis() -> None:
+    found = table(
+        index="rpm",
+        index_label="rotation (rpm)",
+        columns=[
+            {"result": "rms_error_m", "label": "rms error", "unit": "mm", "digits": 3},
+            {
+                "result": "friction_slope_N_s_per_m",
+                "label": "slope",
+                "unit": "N s/m",
+                "published": {"120": 3600.0, "460": 2700.0},
+            },
+        ],
+    )
+    assert found.to_dict("list") == {
+        "rotation (rpm)": ["0", "120", "460"],
+        "rms error (mm)": ["3.19", "2.96", ""],
+        "slope (N s/m), this program": ["5117", "3585", ""],
+        "published": ["", "3600", "2700"],
+        "difference": ["", "-14.6", ""],
+        "difference (%)": ["", "-0.41", ""],
+    }
+
+
+def test_two_columns_with_published_values_keep_both() -> None:
+    found = table(
+        index="rpm",
+        columns=[
+            {"result": "phase_lag_deg", "label": "lag", "unit": "deg", "published": {"0": 8.55}},
+            {"result": "rms_error_m", "label": "rms", "unit": "mm", "published": {"0.0": 3.0}},
+        ],
+    )
+    first = found.iloc[0].to_dict()
+    assert first == {
+        "rpm": "0",
+        "lag (deg), this program": "8.610",
+        "lag, published": "8.55",
+        "lag, difference": "+0.0600",
+        "lag, difference (%)": "+0.70",
+        "rms (mm), this program": "3.186",
+        "rms, published": "3",
+        "rms, difference": "+0.186",
+        "rms, difference (%)": "+6.20",
+    }
+
+
+def test_rows_of_single_figures() -> None:
+    found = table(
+        rows=[
+            {"where": {"rpm": 0}, "result": "phase_lag_deg", "label": "lag", "unit": "deg", "published": 8.55},
+            {"where": {"rpm": 460}, "result": "phase_lag_deg", "label": "lag", "unit": "deg", "published": 7.65},
+            {"where": {"rpm": 0}, "result": "limit_cycle", "label": "verdict", "remark": "as expected"},
+        ]
+    )
+    assert found.to_dict("records") == [
+        {
+            "quantity": "lag",
+            "unit": "deg",
+            "this program": "8.610",
+            "published": "8.55",
+            "difference": "+0.0600",
+            "difference (%)": "+0.70",
+            "remark": "",
+        },
+        {
+            "quantity": "lag",
+            "unit": "deg",
+            "this program": "",
+            "published": "7.65",
+            "difference": "",
+            "difference (%)": "",
+            "remark": "",
+        },
+        {
+            "quantity": "verdict",
+            "unit": "",
+            "this program": "none",
+            "published": "",
+            "difference": "",
+            "difference (%)": "",
+            "remark": "as expected",
+        },
+    ]
+
+
+def test_columns_that_are_empty_throughout_are_left_out() -> None:
+    found = table(rows=[{"where": {"rpm": 0}, "result": "outcome", "label": "outcome"}])
+    assert found.to_dict("records") == [{"quantity": "outcome", "this program": "completed"}]
+
+
+def test_conditions_of_a_table() -> None:
+    columns = [{"result": "phase_lag_deg", "label": "lag"}]
+    assert table(index="rpm", where={"rpm": 120}, columns=columns)["lag"].tolist() == ["7.985"]
+    with pytest.raises(UserError, match=r'table t, row "lag": 3 cases for no condition, expected one'):
+        table(rows=columns)
+    with pytest.raises(UserError, match=r'table t, row "lag": no case for rpm 7, expected one'):
+        table(rows=columns, where={"rpm": 7})
+
+
+@pytest.mark.parametrize(
+    ("number", "digits", "text"),
+    [
+        (3585.43, 4, "3585"),
+        (0.0, 4, "0"),
+        (0.999986, 4, "1.0000"),
+        (0.99951, 3, "1.000"),
+        (0.0114, 2, "0.011"),
+        (-14.57, 3, "-14.6"),
+        (4.926e-05, 4, "4.926e-05"),
+        (22166.4, 4, "22166"),
+        (5.77e6, 3, "5.77e+06"),
+    ],
+)
+def test_significant_digits(number: float, digits: int, text: str) -> None:
+    assert shown_number(number, digits) == text
+
+
+SPEC = TableSpec(
+    name="table_1",
+    title="Gain of 50 % & more",
+    source="Owen 2001, table_3.1",
+    note="K_p ^ ~ # $ {x} \\ y",
+    rows=[
+        {"where": {"rpm": 0}, "result": "phase_lag_deg", "label": "lag | 0_rpm", "unit": "deg", "published": 8.61},
+        {"where": {"rpm": 0}, "result": "limit_cycle", "label": "verdict", "remark": "100 %"},
+    ],
+)
+
+
+def test_files(tmp_path: Path) -> None:
+    paths = write_table(SPEC, FRAME, tmp_path / "tables")
+    assert [path.name for path in paths] == ["table_1.csv", "table_1.md", "table_1.tex"]
+    assert paths[0].read_text(encoding="utf-8") == (
+        "quantity,unit,this program,published,difference,difference (%),remark\n"
+        "lag | 0_rpm,deg,8.610,8.61,0,0.00,\n"
+        "verdict,,none,,,,100 %\n"
+    )
+
+
+def test_markdown(tmp_path: Path) -> None:
+    lines = write_table(SPEC, FRAME, tmp_path)[1].read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "**Gain of 50 % & more**"
+    assert [cell.strip() for cell in lines[2].split("|")[1:-1]] == [
+        "quantity",
+        "unit",
+        "this program",
+        "published",
+        "difference",
+        "difference (%)",
+        "remark",
+    ]
+    alignment = [cell[0] + cell[-1] for cell in lines[3].split("|")[1:-1]]
+    assert alignment == [":-", ":-", "-:", "-:", "-:", "-:", ":-"]
+    assert lines[4].startswith("| lag \\| 0_rpm ")
+    assert "Published: Owen 2001, table_3.1." in lines
+
+
+def test_latex(tmp_path: Path) -> None:
+    text = write_table(SPEC, FRAME, tmp_path)[2].read_text(encoding="utf-8")
+    assert [text.count(rule) for rule in (r"\toprule", r"\midrule", r"\bottomrule")] == [1, 1, 1]
+    assert r"\begin{tabular}{llrrrrp{45mm}}" in text
+    assert r"\label{tab:table_1}" in text
+    assert r"lag | 0\_rpm & deg & 8.610 & 8.61 & 0 & 0.00 &  \\" in text
+    assert r"verdict &  & none &  &  &  & 100 \% \\" in text
+    caption = (
+        r"\caption{Gain of 50 \% \& more. Published: Owen 2001, table\_3.1. "
+        r"K\_p \textasciicircum{} \textasciitilde{} \# \$ \{x\} \textbackslash{} y}"
+    )
+    assert caption in text
+
+
+def test_the_command_writes_what_the_study_asks_for(tmp_path: Path) -> None:
+    spec = (
+        '[[tables]]\nname = "lags"\ntitle = "Lags"\nindex = "rpm"\n'
+        'columns = [{ result = "phase_lag_deg", label = "lag", unit = "deg", published = { "460" = 1.0 } }]\n'
+    )
+    out = ran(tmp_path, STUDY + spec)
+    names = [out / "tables" / f"lags.{ending}" for ending in ("csv", "md", "tex")]
+    before = [path.read_bytes() for path in names]
+    for path in names:
+        path.unlink()
+    answer = workbench("table", out)
+    assert (answer.code, answer.err) == (0, "")
+    assert [path.read_bytes() for path in names] == before
+    assert answer.out.strip() == before[1].decode().strip()
+    lag = pd.read_csv(names[0]).set_index("rpm")["lag (deg), this program"]
+    results = pd.read_csv(out / "results.csv").set_index("rpm")["phase_lag_deg"]
+    assert lag[460] == pytest.approx(results[460], rel=5e-4)

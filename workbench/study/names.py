@@ -1,0 +1,88 @@
+"""Names of what runs leave behind, with their units: signals over time, and columns of the results."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from plants.equation import fields
+from plants.interface import Plant
+from plants.registry import plants
+from workbench.units import factor
+
+TRACKING = ("reference_position", "reference_velocity", "error")
+"""Signals of runs that have a reference."""
+
+SIGNAL_UNITS = {
+    "time": "s",
+    "error": "m",
+    "reference_position": "m",
+    "reference_velocity": "m/s",
+    "measured_position": "m",
+}
+"""Units of signals that no plant declares."""
+
+BASE_UNITS = {
+    "deg": "deg",
+    "m": "m",
+    "s": "s",
+    "W": "W",
+    "V": "V",
+    "J": "J",
+    "N": "N",
+    "N_s_per_m": "N s/m",
+    "m_per_s": "m/s",
+    "m_per_s3": "m/s^3",
+    "rpm": "rpm",
+}
+"""Units of the results by the ending of a column's name."""
+
+
+def signals_of(plant: Plant, tracks: bool) -> list[str]:
+    """Names of the signals of a run of `plant`; `tracks`: whether a position reference is followed."""
+    names = [item.name for item in (*fields(plant.Signals), *fields(plant.Inputs))]
+    return list(dict.fromkeys([*names, "time", "measured_position", *(TRACKING if tracks else ())]))
+
+
+def signal_units() -> dict[str, str]:
+    """The SI unit of every signal that some plant has, by name."""
+    units = dict(SIGNAL_UNITS)
+    for plant in plants().values():
+        for item in (*fields(plant.Signals), *fields(plant.Inputs)):
+            units.setdefault(item.name, item.unit)
+    return units
+
+
+def unit_of_column(column: str) -> str:
+    """The unit that the name of a result column ends in, "1" if none."""
+    for ending in sorted(BASE_UNITS, key=len, reverse=True):
+        if column == ending or column.endswith(f"_{ending}"):
+            return BASE_UNITS[ending]
+    return "1"
+
+
+def shown_factor(unit: str, shown: str) -> float:
+    """What to multiply a value in `unit` with to show it in `shown`; "1" shows it as it is stored.
+
+    Raises:
+        QuantityError: the two do not measure the same.
+    """
+    return 1.0 if shown == "1" else factor(unit, shown)
+
+
+def matches(columns: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
+    """Whether a case has the values that `where` asks for; numbers are compared as numbers, "460" being one."""
+    return all(_comparable(columns.get(key)) == _comparable(value) for key, value in where.items())
+
+
+def _comparable(value: Any) -> float | str:
+    if isinstance(value, list | dict):
+        return json.dumps(value)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return str(value)
+
+
+def in_words(where: Mapping[str, Any]) -> str:
+    """Conditions as a message says them."""
+    return ", ".join(f"{key} {value}" for key, value in where.items())
