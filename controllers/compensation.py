@@ -158,11 +158,17 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         settings.adaptation,
     )
     h = getattr(belief, "hydraulics", None)
+    area_1, area_2 = (h.piston_area_1, h.piston_area_2) if h is not None else (0.0, 0.0)
+    return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate)
+
+
+def law_gains(settings: Any, belief: Any) -> LawGains:
+    """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
+    h = getattr(belief, "hydraulics", None)
     if h is None:
-        law = LawGains(settings.kp, settings.kd, settings.ka, 0.0, 0.0, 0.0, 0.0, belief.body.mass, *(0.0,) * 7)
-        return Gains(estimator, believed, law, 0.0, 0.0, settings.sliding_rate)
+        return LawGains(settings.kp, settings.kd, settings.ka, 0.0, 0.0, 0.0, 0.0, belief.body.mass, *(0.0,) * 7)
     area = float(piston_area(h))
-    law = LawGains(
+    return LawGains(
         settings.kp,
         settings.kd,
         settings.ka,
@@ -179,7 +185,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         h.valve_position_gain,
         h.valve_time_constant,
     )
-    return Gains(estimator, believed, law, h.piston_area_1, h.piston_area_2, settings.sliding_rate)
 
 
 @functools.cache

@@ -6,6 +6,7 @@
 records only.
 """
 
+import functools
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -101,6 +102,7 @@ def thesis_filter(time_constant: float, sample_time: float) -> Estimator:
     )
 
 
+@functools.cache
 def kalman(position_noise: float, jerk_density: float, sample_time: float) -> Estimator:
     """Constant-acceleration Kalman filter in its steady state: the same gain at every sample.
 

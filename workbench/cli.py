@@ -68,7 +68,7 @@ def run(
     except KeyboardInterrupt:
         print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
-    _report(out, planned.study.file)
+    _report(out, planned)
 
 
 @app.command()
@@ -192,14 +192,15 @@ def _conditions(where: list[str] | None) -> dict[str, str]:
     return conditions
 
 
-def _report(folder: Path, file: Any) -> None:
+def _report(folder: Path, planned: Any) -> None:
     """Tables and figures of finished results, and which cases did not simply complete."""
     from workbench.report.comparison_page import write_comparison
     from workbench.report.figures import write_figure
     from workbench.study.store import read_results
 
-    frame = read_results(folder)
+    frame, file = read_results(folder), planned.study.file
     _tables(folder, file)
+    cycles = _limit_cycles(folder, planned, frame)
     for spec in file.figures:
         write_figure(spec, frame, folder)
     for page in write_comparison(file, frame, folder):
@@ -207,8 +208,20 @@ def _report(folder: Path, file: Any) -> None:
     unusual = frame[frame["outcome"] != "completed"]
     for outcome, count in unusual["outcome"].value_counts().items():
         print(f"{count} of {len(frame)} cases: {outcome}")
-    written = ["results.csv"] + ["tables/"] * bool(file.tables) + ["figures/"] * bool(file.figures)
+    written = ["results.csv"] + ["tables/"] * (bool(file.tables) or cycles) + ["figures/"] * bool(file.figures)
     print(f"results in {folder}: {', '.join(written)}")
+
+
+def _limit_cycles(folder: Path, planned: Any, frame: Any) -> bool:
+    """Each limit cycle beside its describing-function prediction; whether there is any."""
+    if not frame["limit_cycle"].isin(["sustained", "decaying"]).any():
+        return False
+    from workbench.report.limit_cycles import write_limit_cycles
+
+    path = write_limit_cycles(planned, frame, folder)
+    print()
+    print(path.read_text(encoding="utf-8"))
+    return True
 
 
 def _tables(folder: Path, file: Any) -> None:

@@ -22,22 +22,40 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def read_toml(path: Path) -> tuple[dict[str, Any], str]:
-    """The content of a TOML file, as a dictionary and as text.
+def read_text(path: Path) -> str:
+    """The content of a text file.
 
     Raises:
-        UserError: no such file, not readable, or not TOML.
+        UserError: no such file, or not readable as text.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         siblings = sorted(p.name for p in path.parent.glob("*.toml")) if path.parent.is_dir() else []
         hint = nearest(path.name, siblings) if siblings else "check the path"
         raise UserError(f"{path}: no such file; {hint}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read as text ({error})") from None
+
+
+def read_toml(path: Path) -> tuple[dict[str, Any], str]:
+    """The content of a TOML file, as a dictionary and as text.
+
+    Raises:
+        UserError: no such file, not readable, or not TOML.
+    """
+    text = read_text(path)
+    return parse_toml(path, text), text
+
+
+def parse_toml(path: Path, text: str) -> dict[str, Any]:
+    """`text`, the content of the file at `path`, as a dictionary.
+
+    Raises:
+        UserError: not TOML.
+    """
     try:
-        return tomllib.loads(text), text
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UserError(f"{path}: not a TOML file: {error}") from None
 

@@ -1,7 +1,6 @@
 """Named parameter sets and parameter files: physical values with units and sources, checked, for any plant."""
 
 import functools
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -98,7 +97,7 @@ def read_parameters(path: Path) -> Mapping[str, float]:
     Raises:
         UserError: unknown name, wrong unit, impossible value.
     """
-    return _parsed(path, toml.read_toml(path)[1])[0]
+    return _parsed(path, toml.read_text(path))[0]
 
 
 def read_deviations(path: Path) -> Mapping[str, float]:
@@ -107,13 +106,13 @@ def read_deviations(path: Path) -> Mapping[str, float]:
     Raises:
         UserError: as `read_parameters`.
     """
-    return _parsed(path, toml.read_toml(path)[1])[1]
+    return _parsed(path, toml.read_text(path))[1]
 
 
 @functools.cache
 def _parsed(path: Path, text: str) -> tuple[Mapping[str, float], Mapping[str, float]]:
     """Values and standard deviations."""
-    data = tomllib.loads(text)
+    data = toml.parse_toml(path, text)
     content = toml.validate(ParameterFile, data, path, text)
     values, deviations = {}, {}
     for name, entry in content.parameters.items():

@@ -16,6 +16,9 @@ from workbench.study.schema import ComparisonTable
 CLOSE = 0.05
 """Two errors that differ by less than this share count as the same."""
 
+LEAST = 1e-7
+"""m. Smaller errors are not told: they are the integration's."""
+
 MM = 1e3
 
 
@@ -32,7 +35,8 @@ class Best:
     def words(self) -> str:
         """The case in words."""
         where = "without rotation" if self.rpm == 0 else f"at {self.rpm:g} rpm"
-        return f"{self.controller} {where} ({self.error * MM:.3g} mm)"
+        size = f"{self.error * MM:.3g} mm" if self.error >= LEAST else f"under {LEAST * MM:g} mm"
+        return f"{_plain(self.controller)} {where} ({size})"
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,15 @@ def best(rows: pd.DataFrame, error: str) -> Best | None:
         return None
     row = known.iloc[int(np.argmin(known[error].to_numpy(float)))]
     return Best(str(row["controller"]), float(row["rpm"]), float(row[error]), row)
+
+
+def cheapest(rows: pd.DataFrame, error: str, limit: float) -> Best | None:
+    """The row whose motor draws least among those with an `error` below `limit`; None where there is none."""
+    known = rows[rows[error].astype(float) < limit]
+    if known.empty:
+        return None
+    order = known.sort_values(["motor_electric_power_W", error], kind="stable")
+    return best(order.iloc[:1], error)
 
 
 def error_column(spec: ComparisonTable, reference: str) -> str:
@@ -122,31 +135,43 @@ def _verdict(spec: ComparisonTable, reference: str, rows: pd.DataFrame) -> str:
     subject = f"{_plain(reference).capitalize()}:"
     if compensation is None or avoidance is None or both is None:
         return f"{subject} no comparison, since no case of one side completed."
-    ratio = avoidance.error / compensation.error if compensation.error else float("inf")
-    cost = _cost(avoidance)
-    tiny = max(avoidance.error, compensation.error) < spec.negligible
-    if tiny:
-        verdict = (
-            f"both are exact to {spec.negligible * MM:g} mm, {compensation.words} and {avoidance.words}; "
-            f"rotation only costs {cost}"
+    level = max(compensation.error, spec.negligible)
+    enough = cheapest(rows[plain & (rows["rpm"] > 0)], error, spec.negligible)
+    better = cheapest(rows[plain & (rows["rpm"] > 0)], error, (1.0 - CLOSE) * compensation.error)
+    if compensation.error < spec.negligible and enough is not None:
+        return (
+            f"{subject} compensation and rotation are both exact to {spec.negligible * MM:g} mm, "
+            f"{compensation.words} and {enough.words}; rotation costs {_cost(enough)}."
         )
-    elif ratio < 1.0 - CLOSE:
-        verdict = f"rotation beats compensation, {avoidance.words} against {compensation.words}, and costs {cost}"
-    elif ratio > 1.0 + CLOSE:
+    if compensation.error < spec.negligible:
         verdict = (
-            f"compensation beats rotation, {compensation.words} against {avoidance.words}, which would have cost {cost}"
+            f"compensation is exact to {spec.negligible * MM:g} mm, {compensation.words}; rotation is not, "
+            f"{avoidance.words}, at a cost of {_cost(avoidance)}"
+        )
+    elif better is not None:
+        verdict = f"rotation beats compensation, {compensation.words}: from {better.words} on, at {_cost(better)}"
+        if better.rpm != avoidance.rpm:
+            verdict += f"; it does best with {avoidance.words}, at {_cost(avoidance)}"
+    elif avoidance.error > (1.0 + CLOSE) * compensation.error:
+        verdict = (
+            f"compensation beats rotation, {compensation.words} against {avoidance.words}, "
+            f"which would have cost {_cost(avoidance)}"
         )
     else:
-        verdict = f"the two are level, {compensation.words} and {avoidance.words}, which costs {cost}"
+        verdict = f"the two are level, {compensation.words} and {avoidance.words}, which costs {_cost(avoidance)}"
     together = ""
-    if both.rpm > 0 and both.controller not in spec.plain and both.error < (1.0 - CLOSE) * compensation.error:
+    if both.rpm > 0 and both.controller not in spec.plain and both.error < (1.0 - CLOSE) * min(level, avoidance.error):
         together = f" Both together do best: {both.words}."
     return f"{subject} {verdict}.{together}"
 
 
 def _cost(case: Best) -> str:
     rotary, electric = case.row["rotation_power_W"], case.row["motor_electric_power_W"]
-    return f"{rotary:.3g} W at the rod, {electric:.3g} W at the motor's terminals"
+    return f"{_watts(rotary)} at the rod, {_watts(electric)} at the motor's terminals"
+
+
+def _watts(power: float) -> str:
+    return f"{power / 1e3:.2g} kW" if power >= 1e3 else f"{power:.2g} W"
 
 
 def _hunting(rows: pd.DataFrame) -> str:
@@ -160,7 +185,7 @@ def _hunting(rows: pd.DataFrame) -> str:
     for controller, group in hunting.groupby("controller", sort=False):
         speeds = ", ".join(f"{rpm:g}" for rpm in sorted(group["rpm"]))
         largest = group["limit_cycle_amplitude_m"].max() * MM
-        parts.append(f"{controller} at {speeds} rpm (up to {largest:.3g} mm peak to peak)")
+        parts.append(f"{_plain(str(controller))} at {speeds} rpm (up to {largest:.3g} mm peak to peak)")
     return f"Sustained limit cycles: {'; '.join(parts)}."
 
 

@@ -14,6 +14,9 @@ from workbench.report.figures import save
 from workbench.report.style import COLOURS, DASHES, MARKERS, PANEL_HEIGHT, WIDTH, figure_style
 from workbench.study.schema import ComparisonTable
 
+WORTH_TELLING = 0.8
+"""A point of the non-dominated set is labelled if its error is below this share of the one labelled before."""
+
 VERDICTS = ("none", "decaying", "sustained")
 VERDICT_COLOURS = ("#f2f2f2", "#9ecae1", "#d55e00")
 
@@ -108,8 +111,13 @@ def _trade(spec: ComparisonTable, rows: pd.DataFrame, scenario: str) -> Figure:
 def _ring(axes: Axes, power: np.ndarray, error: np.ndarray, rpm: np.ndarray) -> None:
     chosen = non_dominated(power, error)
     axes.plot(power[chosen], error[chosen], "o", markersize=10, fillstyle="none", color="black", label="non-dominated")
-    for x, y, speed in zip(power[chosen], error[chosen], rpm[chosen], strict=True):
-        axes.annotate(f"{speed:g} rpm", (x, y), (7, 3), textcoords="offset points", fontsize="x-small")
+    told = np.inf
+    for i in np.flatnonzero(chosen)[np.argsort(power[chosen])]:
+        if error[i] < WORTH_TELLING * told:
+            told = error[i]
+            axes.annotate(
+                f"{rpm[i]:g} rpm", (power[i], error[i]), (7, 3), textcoords="offset points", fontsize="x-small"
+            )
 
 
 def _map(frame: pd.DataFrame) -> Figure:

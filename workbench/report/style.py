@@ -6,10 +6,10 @@ from typing import Any
 
 import matplotlib as mpl
 
-# Okabe and Ito's palette, without its yellow, which print loses; each colour comes with a dash of its own.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-DASHES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1)))
-MARKERS = ("o", "s", "^", "D", "v", "P", "x")
+# Okabe and Ito's palette, without its yellow, which print loses, and a wine red; each with a dash of its own.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#882255")
+DASHES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)))
+MARKERS = ("o", "s", "^", "D", "v", "P", "x", "*")
 REFERENCE = "#666666"
 
 WIDTH = 6.4

@@ -1,0 +1,105 @@
+"""Compensation with the velocity and the friction of the extended Kalman filter, by any law for a valve."""
+
+import functools
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+from controllers.compensation import LAWS, law_gains
+from controllers.compensation_laws import LawGains, LawState, Wanted
+from controllers.extended_kalman import EkfGains, EkfSettings, EkfState, design_ekf, ekf_at_rest, ekf_update
+from controllers.interface import Controller, Reference
+from plants.equation import Scalar, equation
+from plants.interface import Measurement
+
+
+class Settings(NamedTuple):
+    """Settings of the laws as in `controllers.compensation`, and the noise that the filter believes in."""
+
+    law: Annotated[str, "acceleration_feedback", "valve_inversion"] = "valve_inversion"
+    kp: Annotated[float, "command/m"] = 500.0
+    kd: Annotated[float, "command s/m"] = 0.0
+    ka: Annotated[float, "command s^2/m"] = 0.002
+    feedforward: Annotated[float, "1"] = 1.0
+    position_rate: Annotated[float, "1/s"] = 34.0
+    force_rate: Annotated[float, "1/s"] = 0.0
+    lead: Annotated[float, "1"] = 0.0
+    position_noise: Annotated[float, "m"] = 13e-6
+    pressure_noise: Annotated[float, "Pa"] = 2e3
+    force_noise: Annotated[float, "N"] = 5.0
+    flow_noise: Annotated[float, "m^3/s"] = 5e-7
+    friction_noise: Annotated[float, "N"] = 150.0
+
+
+class Gains(NamedTuple):
+    ekf: EkfGains
+    law: LawGains
+    area_1: Annotated[float, "m^2"]
+    area_2: Annotated[float, "m^2"]
+
+
+class State(NamedTuple):
+    ekf: EkfState
+    law: LawState
+    realised: Annotated[float, "command"]
+
+
+def combine(law: Callable[..., Any]) -> Callable[..., Any]:
+    """The step of a controller made of the filter and a law."""
+
+    @equation
+    def step(
+        reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
+    ) -> tuple[Scalar, State]:
+        velocity, _, friction, ekf = ekf_update(measurement, state.realised, state.ekf, gains.ekf, sample_time)
+        error = reference.position - measurement.position
+        force = gains.area_1 * measurement.pressure_1 - gains.area_2 * measurement.pressure_2
+        wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
+        command, following = law(wanted, friction, state.law, gains.law, sample_time)
+        return command, State(ekf, following, state.realised)
+
+    return step
+
+
+@equation
+def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
+    """Keeps the realised voltage, which moves the believed spool."""
+    return State(state.ekf, state.law, realised)
+
+
+def start(measurement: Measurement, gains: Gains) -> State:
+    """At rest with a closed valve."""
+    return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0)
+
+
+def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+    """Gains from settings and the believed plant.
+
+    Raises:
+        ValueError: a noise that is not above 0, or a belief without a valve.
+    """
+    noise = EkfSettings(*(getattr(settings, name) for name in EkfSettings._fields))
+    ekf = design_ekf(belief, noise, sample_time)
+    h = belief.hydraulics
+    return Gains(ekf, law_gains(settings, belief), h.piston_area_1, h.piston_area_2)
+
+
+def choose(settings: Settings, belief: Any) -> Controller:
+    """The compensator for the law that the settings name."""
+    return ekf_compensator(settings.law)
+
+
+@functools.cache
+def ekf_compensator(law: str = "valve_inversion") -> Controller:
+    """The controller made of the filter and a law."""
+    return Controller(
+        name="ekf",
+        summary="friction compensation: extended Kalman filter of velocity, load pressure and bristle",
+        Settings=Settings,
+        Gains=Gains,
+        State=State,
+        design=design,
+        step=combine(LAWS[law]),
+        commit=commit,
+        start=start,
+        choose=choose,
+    )
