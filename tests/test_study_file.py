@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 from command import DRIVE, STUDY, changed, workbench, write
 
+from controllers.registry import controllers
+
 FORCE = changed('"3 N/m"', '"3 N/m"\nfeedforward = 1', DRIVE)
 SCENARIO = changed("[0, 460]", '[0]\nscenario = ["worn"]')
 TABLE = '[[tables]]\nname = "t"\ntitle = "t"\n'
@@ -70,7 +72,7 @@ MISTAKES = {
     ),
     "controller without type": (
         changed('type = "pid"\n', ""),
-        "@:9: controllers.p.type: is missing; this key is needed here; expected one of pid, open_loop",
+        "@:9: controllers.p.type: is missing; this key is needed here; expected one of " + ", ".join(controllers()),
     ),
     "unknown gain": (changed("kp =", "kpp ="), '@:11: controllers.p.kpp: unknown key; did you mean "kp"?'),
     "missing gain": (
