@@ -12,7 +12,7 @@ from controllers.pid import PID, Gains
 from controllers.velocity import filtered_differentiator
 from workbench.metrics import evaluate
 from workbench.metrics.limit_cycle import NONE, LimitCycle, judge, worst
-from workbench.simulation.references import Steps
+from workbench.simulation.references import Sine, Steps
 from workbench.simulation.simulate import Loop, Run, simulate
 
 STEP = 1e-3
@@ -201,14 +201,16 @@ def test_rotation_stops_the_hunting_on_soft_hoses() -> None:
     assert figures["limit_cycle_period_s"] is None
 
 
-def mass_under_pid(duration: float, stribeck: float | None = None) -> Run:
-    """The mass of Canudas de Wit et al. 1995 under PID: K_p 3, K_i 4, K_v 6, step of 1 m."""
+def mass_under_pid(
+    duration: float, stribeck: float | None = None, kp: float = 3.0, ki: float = 4.0, kd: float = 6.0
+) -> Run:
+    """The mass of Canudas de Wit et al. 1995 under PID, step of 1 m; by default K_p 3, K_i 4, K_v 6."""
     setup = registered(
         "drive_force",
         "canudas1995",
         duration=duration,
         reference=Steps((1.0,), duration),
-        loop=Loop(PID, Gains(3.0, 4.0, 6.0, 0.0, 0.0, filtered_differentiator(0.002, 0.001))),
+        loop=Loop(PID, Gains(kp, ki, kd, 0.0, 0.0, filtered_differentiator(0.002, 0.001))),
     )
     if stribeck is not None:
         law = setup.parameters.friction.positive._replace(stribeck=stribeck)
@@ -229,3 +231,20 @@ def test_coulomb_friction_alone_is_no_limit_cycle() -> None:
     for duration in (40.0, 100.0, 250.0):
         run = mass_under_pid(duration, stribeck=0.0)
         assert evaluate(run, Steps((1.0,), duration), 0.0)["limit_cycle"] in ("none", "decaying")
+
+
+@settings(deadline=None, max_examples=25)
+@given(kp=st.floats(1.0, 10.0), kd=st.floats(2.0, 10.0), share=st.floats(0.05, 0.8))
+def test_coulomb_friction_alone_never_sustains_a_cycle_under_stabilising_gains(
+    kp: float, kd: float, share: float
+) -> None:
+    # The mass of 1 kg without friction is stable for K_i < K_p K_d.
+    run = mass_under_pid(100.0, 0.0, kp, share * kp * kd, kd)
+    assert evaluate(run, Steps((1.0,), 100.0), 0.0)["limit_cycle"] != "sustained"
+
+
+@pytest.mark.parametrize("frequency", [0.1, 1.0])
+def test_tracking_a_sine_is_no_limit_cycle(frequency: float) -> None:
+    reference = Sine(0.01, frequency)
+    run = simulate(registered("non_rotating", duration=30.0, reference=reference))
+    assert evaluate(run, reference, 0.0)["limit_cycle"] is None
