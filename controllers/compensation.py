@@ -20,7 +20,6 @@ from controllers.static_map import no_estimate, static_map
 from controllers.tafazoli import fit_map, tafazoli
 from controllers.velocity import (
     Estimator,
-    EstimatorSettings,
     EstimatorState,
     at_rest,
     design_estimator,
@@ -139,12 +138,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     """Gains from settings and the believed plant; the Tustin map is fitted to the believed friction."""
-    estimator = design_estimator(
-        EstimatorSettings(
-            settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
-        ),
-        sample_time,
-    )
+    estimator = design_estimator(settings, sample_time)
     tustin, _ = fit_map(belief.friction)
     believed = Belief(
         belief.body.mass,

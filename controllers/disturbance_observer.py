@@ -11,7 +11,6 @@ import numpy as np
 from controllers.interface import Controller, Reference
 from controllers.velocity import (
     Estimator,
-    EstimatorSettings,
     EstimatorState,
     at_rest,
     design_estimator,
@@ -111,9 +110,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     if settings.observer_time_constant <= 0.0:
         raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
     gain, lag = float(no_load_velocity_gain(belief.hydraulics)), belief.hydraulics.valve_time_constant
-    estimator = EstimatorSettings(
-        settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
-    )
     return Gains(
         settings.kp,
         settings.feedforward / gain,
@@ -121,7 +117,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         lag,
         float(np.exp(-sample_time / lag)),
         float(-np.expm1(-sample_time / settings.observer_time_constant)),
-        design_estimator(estimator, sample_time),
+        design_estimator(settings, sample_time),
     )
 
 

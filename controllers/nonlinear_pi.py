@@ -12,7 +12,7 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
-from controllers.velocity import Estimator, EstimatorSettings, EstimatorState, at_rest, design_estimator
+from controllers.velocity import Estimator, EstimatorState, at_rest, design_estimator
 from controllers.velocity import estimate_velocity as estimate
 from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
@@ -127,9 +127,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     linear = pid.design(
         pid.Settings(settings.kp, settings.ki, 0.0, settings.feedforward, settings.tracking_time), belief, sample_time
     )
-    estimator = EstimatorSettings(
-        settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
-    )
     return Gains(
         settings.kp,
         settings.ki,
@@ -139,7 +136,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         settings.error_band,
         settings.reversal_speed,
         linear.tracking,
-        design_estimator(estimator, sample_time),
+        design_estimator(settings, sample_time),
     )
 
 

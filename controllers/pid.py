@@ -5,7 +5,6 @@ from typing import Annotated, Any, NamedTuple
 from controllers.interface import Controller, Reference
 from controllers.velocity import (
     Estimator,
-    EstimatorSettings,
     EstimatorState,
     at_rest,
     design_estimator,
@@ -97,10 +96,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     if settings.ki:
         tracking_time = settings.tracking_time or abs(settings.kp / settings.ki)
         tracking = 1.0 / max(tracking_time, sample_time)
-    estimator = EstimatorSettings(
-        settings.velocity, settings.velocity_time_constant, settings.position_noise, settings.jerk_density
-    )
-    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, design_estimator(estimator, sample_time))
+    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, design_estimator(settings, sample_time))
 
 
 PID = Controller(

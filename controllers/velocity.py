@@ -7,7 +7,7 @@ records only.
 """
 
 import functools
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 from filterpy.common import Q_continuous_white_noise
@@ -141,13 +141,24 @@ def kalman(position_noise: float, jerk_density: float, sample_time: float) -> Es
     return Estimator._make(float(number) for number in numbers)
 
 
-class EstimatorSettings(NamedTuple):
-    """Which estimator, and what it needs."""
+class EstimatorSettings(Protocol):
+    """What a controller's settings say of its velocity estimator: which one, and what it needs."""
 
-    kind: str
-    time_constant: float
-    position_noise: float
-    jerk_density: float
+    @property
+    def velocity(self) -> str:
+        """Which one."""
+
+    @property
+    def velocity_time_constant(self) -> float:
+        """T_v (s) of the filters."""
+
+    @property
+    def position_noise(self) -> float:
+        """Standard deviation (m) for the Kalman filter."""
+
+    @property
+    def jerk_density(self) -> float:
+        """Density of the jerk (m^2/s^5) for the Kalman filter."""
 
 
 def design_estimator(settings: EstimatorSettings, sample_time: float) -> Estimator:
@@ -156,14 +167,14 @@ def design_estimator(settings: EstimatorSettings, sample_time: float) -> Estimat
     Raises:
         ValueError: a time constant, noise or density that is not above 0.
     """
-    needed = ("position_noise", "jerk_density") if settings.kind == "kalman" else ("time_constant",)
+    needed = ("position_noise", "jerk_density") if settings.velocity == "kalman" else ("velocity_time_constant",)
     for name in needed:
         if getattr(settings, name) <= 0.0:
             raise ValueError(f"{name} is {getattr(settings, name):g}, expected a value above 0")
-    if settings.kind == "filter":
-        return filtered_differentiator(settings.time_constant, sample_time)
-    if settings.kind == "thesis_filter":
-        return thesis_filter(settings.time_constant, sample_time)
+    if settings.velocity == "filter":
+        return filtered_differentiator(settings.velocity_time_constant, sample_time)
+    if settings.velocity == "thesis_filter":
+        return thesis_filter(settings.velocity_time_constant, sample_time)
     return kalman(settings.position_noise, settings.jerk_density, sample_time)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from controllers.pid import Settings
 from controllers.velocity import (
     Estimator,
-    EstimatorSettings,
     at_rest,
     design_estimator,
     estimate_velocity,
@@ -121,16 +121,16 @@ def test_estimators_are_still_at_rest() -> None:
 
 
 def test_design_chooses_by_name() -> None:
-    settings = EstimatorSettings("filter", T_V, 13e-6, 10.0)
+    settings = Settings(1.0, velocity="filter", velocity_time_constant=T_V)
     assert design_estimator(settings, H) == filtered_differentiator(T_V, H)
-    assert design_estimator(settings._replace(kind="kalman"), H) == kalman(13e-6, 10.0, H)
+    assert design_estimator(settings._replace(velocity="kalman"), H) == kalman(13e-6, 10.0, H)
 
 
 @pytest.mark.parametrize(
-    ("kind", "name"), [("filter", "time_constant"), ("kalman", "position_noise"), ("kalman", "jerk_density")]
+    ("kind", "name"), [("filter", "velocity_time_constant"), ("kalman", "position_noise"), ("kalman", "jerk_density")]
 )
 def test_design_names_the_setting_that_does_not_serve(kind: str, name: str) -> None:
-    settings = EstimatorSettings(kind, T_V, 13e-6, 10.0)._replace(**{name: 0.0})
+    settings = Settings(1.0, velocity=kind, velocity_time_constant=T_V)._replace(**{name: 0.0})
     with pytest.raises(ValueError, match=f"{name} is 0, expected a value above 0"):
         design_estimator(settings, H)
 
