@@ -3,7 +3,7 @@ PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting compensation comparison
+STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation comparison
 
 .PHONY: study test lint benchmark clean
 

@@ -87,10 +87,13 @@ class Gains(NamedTuple):
 
 
 class State(NamedTuple):
+    """`friction` is the estimate of this sample; it is kept to be seen."""
+
     estimator: EstimatorState
     memory: Memory
     law: LawState
     realised: Annotated[float, "command"]
+    friction: Annotated[float, "N"]
 
 
 @equation
@@ -120,7 +123,7 @@ def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Call
         friction, memory = estimate(seen, state.memory, gains.belief, sample_time)
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)
-        return command, State(estimator, memory, following, state.realised)
+        return command, State(estimator, memory, following, state.realised, friction)
 
     return step
 
@@ -128,12 +131,12 @@ def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Call
 @equation
 def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
     """Keeps the realised command: a drive's applied force."""
-    return State(state.estimator, state.memory, state.law, realised)
+    return State(state.estimator, state.memory, state.law, realised, state.friction)
 
 
 def start(measurement: Measurement, gains: Gains) -> State:
     """At rest; LuGre's theta at 1, Friedland-Park's level at 0."""
-    return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0)
+    return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0, 0.0)
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:

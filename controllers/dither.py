@@ -98,6 +98,11 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     return Gains(linear, settings.amplitude, TURN * settings.frequency, float(settings.shape == "square"))
 
 
+def forcing(gains: Gains) -> float:
+    """Frequency (Hz) of the dither."""
+    return gains.angular_frequency / TURN
+
+
 DITHER = Controller(
     name="dither",
     summary="PID with a fast sine or square wave on the command",
@@ -108,4 +113,5 @@ DITHER = Controller(
     step=step,
     commit=commit,
     start=start,
+    forcing=forcing,
 )

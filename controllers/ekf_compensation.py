@@ -38,9 +38,12 @@ class Gains(NamedTuple):
 
 
 class State(NamedTuple):
+    """`friction` is the estimate of this sample; it is kept to be seen."""
+
     ekf: EkfState
     law: LawState
     realised: Annotated[float, "command"]
+    friction: Annotated[float, "N"]
 
 
 def combine(law: Callable[..., Any]) -> Callable[..., Any]:
@@ -55,7 +58,7 @@ def combine(law: Callable[..., Any]) -> Callable[..., Any]:
         force = gains.area_1 * measurement.pressure_1 - gains.area_2 * measurement.pressure_2
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)
-        return command, State(ekf, following, state.realised)
+        return command, State(ekf, following, state.realised, friction)
 
     return step
 
@@ -63,12 +66,12 @@ def combine(law: Callable[..., Any]) -> Callable[..., Any]:
 @equation
 def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
     """Keeps the realised voltage, which moves the believed spool."""
-    return State(state.ekf, state.law, realised)
+    return State(state.ekf, state.law, realised, state.friction)
 
 
 def start(measurement: Measurement, gains: Gains) -> State:
     """At rest with a closed valve."""
-    return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0)
+    return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0, 0.0)
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:

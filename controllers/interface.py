@@ -28,6 +28,9 @@ class Controller:
     start(measurement, gains) -> state                                              for a plant at rest
     design(settings, belief, sample_time) -> gains                                  once, before the run
     choose(settings, belief) -> Controller                                          which of a family the settings mean
+    forcing(gains) -> frequency (Hz)                                                at which it shakes the plant on
+                                                                                    purpose; what answers is no limit
+                                                                                    cycle
 
     `Settings` is what a user writes: a NamedTuple of `Annotated[float, unit]` (the unit may name the plant's
     `command`) and `Annotated[str, choice, choice, ...]`, with defaults. `belief` is what the controller believes
@@ -45,6 +48,7 @@ class Controller:
     commit: Callable[..., Any]
     start: Callable[..., Any]
     choose: Callable[..., "Controller"] | None = None
+    forcing: Callable[..., float] | None = None
 
 
 STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)

@@ -51,7 +51,7 @@ def frame(plain: dict[float, float], compensated: dict[float, float], verdict: s
             {0: 9e-4, 10: 3e-4, 100: 1e-4},
             {0: 5e-4, 100: 5e-4},
             "rotation beats compensation, lugre without rotation (0.5 mm): from p at 10 rpm (0.3 mm) on, "
-            "at 10 W at the rod, 40 W at the motor's terminals; it does best with p at 100 rpm (0.1 mm), at 1e+02 W",
+            "at 10 W at the rod, 40 W at the motor's terminals; it does best with p at 100 rpm (0.1 mm), at 100 W",
         ),
         ({0: 9e-4, 100: 8e-4}, {0: 5e-4, 100: 5e-4}, "compensation beats rotation, lugre without rotation (0.5 mm)"),
         ({0: 9e-4, 100: 5.1e-4}, {0: 5e-4, 100: 5e-4}, "the two are level"),

@@ -146,28 +146,27 @@ def test_the_sampled_observer_is_bounded_up_to_one_metre_a_second(
 # --- adaptation -----------------------------------------------------------------------------------------------
 
 
-def thetas(run: Run, name: str, **changed: Any) -> np.ndarray:
-    """Theta over a run: the controller's own equations over what was measured and realised."""
-    gains = comp.design(comp.Settings(law="force_source", **changed), parameters(), H)
-    controller = comp.compensator(name, "force_source", False)
-    state = controller.start(Measurement(*run.measurements[0]), gains)
-    found = []
-    assert run.reference is not None
-    for k in range(run.time.size):
-        reference = Reference(*(part[k] for part in run.reference))
-        _, state = controller.step(reference, Measurement(*run.measurements[k]), state, gains, H)
-        state = controller.commit(run.command[k], state, gains, H)
-        found.append(float(state.memory.theta))
-    return np.array(found)
-
-
 @pytest.mark.parametrize("velocity", ["filter", "thesis_filter"])
 def test_theta_converges_to_the_inverse_of_the_true_friction(velocity: str) -> None:
     truth = parameters(coulomb=1.3, stribeck=1.3)
     run = in_the_loop("lugre_adaptive", "force_source", Sine(0.02, 0.5), 12.0, truth, velocity=velocity)
-    found = thetas(run, "lugre_adaptive", velocity=velocity)
+    found = run.signals["controller_theta"]
     assert np.mean(found[run.time > 8.0]) == pytest.approx(1.0 / 1.3, rel=0.05)
     assert np.all((found >= THETA_RANGE[0]) & (found <= THETA_RANGE[1]))
+
+
+def test_the_controllers_state_is_recorded_as_its_equations_give_it() -> None:
+    run = in_the_loop("lugre_adaptive", "valve_inversion", Sine(0.02, 0.5), 0.3)
+    controller, gains = run.loop.controller, run.loop.gains
+    assert run.reference is not None
+    state = controller.start(Measurement(*run.measurements[0]), gains)
+    for k in range(run.time.size):
+        reference = Reference(*(part[k] for part in run.reference))
+        _, state = controller.step(reference, Measurement(*run.measurements[k]), state, gains, H)
+        state = controller.commit(run.command[k], state, gains, H)
+        assert run.signals["controller_friction"][k] == pytest.approx(float(state.friction), rel=1e-9, abs=1e-9)
+        assert run.signals["controller_theta"][k] == pytest.approx(float(state.memory.theta), rel=1e-9)
+    assert np.max(np.abs(run.signals["controller_friction"])) > 300.0
 
 
 def test_theta_holds_at_rest() -> None:

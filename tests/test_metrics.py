@@ -19,7 +19,7 @@ from workbench.metrics.power import control_effort, jerk_rms, mean_powers, stuck
 from workbench.metrics.tracking import phase_lag_and_gain
 from workbench.metrics.window import find_dwells, find_window
 from workbench.simulation.references import Multisine, Ramp, ReferenceSignal, Sine, Steps
-from workbench.simulation.simulate import Loop, Run, simulate
+from workbench.simulation.simulate import NO_LOOP, Loop, Run, simulate
 
 STEP = 1e-3
 
@@ -32,8 +32,19 @@ def made_up(position: np.ndarray, reference: ReferenceSignal | None, outcome: st
     states = np.column_stack([position, velocity])
     inputs = np.zeros((time.size, 2))
     profile = None if reference is None else reference(time)
+    measured, memory = np.zeros((time.size, 4)), np.zeros((time.size, 1))
     return Run(
-        support.OSCILLATOR, parameters, time, states, inputs, np.zeros((time.size, 4)), profile, outcome, time.size
+        support.OSCILLATOR,
+        NO_LOOP,
+        parameters,
+        time,
+        states,
+        inputs,
+        measured,
+        memory,
+        profile,
+        outcome,
+        time.size,
     )
 
 

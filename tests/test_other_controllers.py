@@ -19,6 +19,7 @@ from controllers.scheduled_rotation import SCHEDULED_ROTATION
 from plants.equation import to_array
 from plants.interface import Measurement
 from workbench.errors import UserError
+from workbench.metrics import evaluate
 from workbench.metrics.limit_cycle import LimitCycle, judge
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.sensors import Channel, Sensors
@@ -187,6 +188,19 @@ def test_what_reaches_spool_and_piston() -> None:
     free = NO_LOAD_GAIN * 2.5 * share / (100.0 * np.pi)
     assert free * np.sqrt(1.0 - 587.0 / (6.33e-4 * 2.94e6)) < moved < free
     assert moved > 587.0 / 5.77e6  # the bristles' deflection at break-away
+
+
+def test_the_dithers_own_motion_is_no_limit_cycle_and_what_it_does_not_quench_is() -> None:
+    steps = Steps((0.0,), 3.0)
+    run = simulate(loop(DITHER, dither.Settings(), steps, 3.0))
+    assert np.ptp(run.signals["error"][run.time > 2.0]) > 1e-4
+    assert evaluate(run, steps, 0.0)["limit_cycle"] == "none"
+
+    time = run.time
+    shaking, cycle = 2e-4 * np.sin(2.0 * np.pi * 50.0 * time), 2e-4 * np.sin(2.0 * np.pi * 4.0 * time)
+    found = judge(time, shaking + cycle, np.gradient(shaking + cycle, time), 1e-6, forced=0.02)
+    assert (found.verdict, found.period) == ("sustained", pytest.approx(0.25, rel=5e-3))
+    assert judge(time, shaking, np.gradient(shaking, time), 1e-6, forced=0.0203).verdict == "none"
 
 
 def test_dither_quenches_the_limit_cycle_at_a_price() -> None:

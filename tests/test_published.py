@@ -10,7 +10,7 @@ import pytest
 from command import STUDIES, workbench
 from scipy.integrate import solve_ivp
 
-NAMES = ("lugre_reference", "thesis_chapter3", "thesis_chapter3_steps")
+NAMES = ("lugre_reference", "observers", "thesis_chapter3", "thesis_chapter3_steps")
 
 
 @pytest.fixture(scope="session")
@@ -162,6 +162,30 @@ def test_hunting_of_34_kg_against_lsoda(results: Path, damping: int) -> None:
     row = figures(results, "lugre_reference", ["case"]).loc[f"mass_34_kg_kd_{damping}"]
     found = row[["limit_cycle_amplitude_m", "limit_cycle_period_s", "share_below_0_1_mm_per_s"]].tolist()
     assert found == pytest.approx(continuous_loop(damping), rel=0.005)
+
+
+# --- what the observers converge to ---
+
+
+@pytest.mark.parametrize("plant", ["force", "valve"])
+def test_theta_finds_the_true_friction_and_holds_at_rest(results: Path, plant: str) -> None:
+    found = figures(results, "observers", ["case"])
+    for motion in ("fast", "slow"):
+        row = found.loc[f"theta_{motion}_{plant}"]
+        assert row["theta_mean"] == pytest.approx(1.0 / 1.3, rel=0.05)
+        assert 0.4 <= row["theta_least"] <= row["theta_most"] <= 2.5
+    halted = found.loc[f"theta_halt_{plant}"]
+    assert halted["theta_change"] == 0.0
+    assert halted["theta_mean"] < 0.95
+
+
+@pytest.mark.parametrize(
+    ("gain", "exponent", "speed"), [(170, 1.0, 20), (340, 1.0, 20), (170, 0.8, 20), (340, 1.2, 100)]
+)
+def test_the_friedland_park_error_decays_at_its_rate(results: Path, gain: int, exponent: float, speed: int) -> None:
+    case = f"level_k{gain}_mu{exponent:.1f}_v{speed}".replace(".", "")
+    theory = gain * exponent / 34.0 * (1e-3 * speed) ** (exponent - 1.0)
+    assert figures(results, "observers", ["case"]).loc[case, "level_rate"] == pytest.approx(theory, rel=0.05)
 
 
 # --- every study ---

@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 from command import DRIVE, PROCESS, STUDY, changed, ran, workbench, write
 
+from workbench.study.probes import decay_rate
 from workbench.study.store import Store, read_results
 
 FIGURES = (
@@ -170,6 +171,12 @@ def test_probes(tmp_path: Path) -> None:
     )
     assert row["share"] == pytest.approx(0.4, abs=5e-3)
     assert np.isnan(row["period"]), "one event makes no interval"
+
+
+def test_the_rate_of_a_decay() -> None:
+    time = 1e-3 * np.arange(2001)
+    assert decay_rate(time, 3.0 - 5.0 * np.exp(-7.0 * time)) == pytest.approx(7.0, rel=1e-3)
+    assert decay_rate(time, np.ones(2001)) is None
 
 
 def test_a_probe_of_a_signal_that_a_case_lacks_is_empty(tmp_path: Path) -> None:

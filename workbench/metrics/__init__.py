@@ -118,8 +118,10 @@ def _dwells(run: Run, reference: ReferenceSignal, transient: float, resolution: 
     if not dwells:
         return {}
     time, error, velocity = run.time, signals["error"], signals["velocity"]
+    forcing = run.loop.controller.forcing
+    forced = 0.0 if forcing is None else 1.0 / forcing(run.loop.gains)
     cycle = limit_cycle.worst(
-        [limit_cycle.judge(time[i], error[i], velocity[i], resolution, transient) for i in dwells]
+        [limit_cycle.judge(time[i], error[i], velocity[i], resolution, transient, forced) for i in dwells]
     )
     return {
         "steady_state_error_m": tracking.steady_state_error(run.time, signals["error"], dwells, transient),

@@ -16,6 +16,8 @@ How it is judged, on the second half of the dwell (the first is transient):
   within 0.9 to 1.1 of the one a cycle before, or none smaller (an oscillation that grows is still on its way to its
   limit cycle), and the cycles last to the end of the record.
 - none: everything else.
+- What a controller forces on the plant, such as dither, is no limit cycle: the error is averaged over one period of it
+  first, and a cycle of that period is none.
 
 A slow fall is looked for before amplitudes are compared with their neighbours, because friction of Coulomb's kind
 alone converges so slowly that neighbours agree within 10 %, and it is no limit cycle (Ruderman 2020). A verdict should
@@ -27,6 +29,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import Polynomial
+from scipy.ndimage import uniform_filter1d
 from scipy.stats import linregress
 
 from workbench.simulation.simulate import STUCK_SPEED
@@ -66,18 +69,22 @@ class LimitCycle:
 NONE = LimitCycle("none")
 
 
-def judge(time: np.ndarray, error: np.ndarray, velocity: np.ndarray, band: float, transient: float = 0.0) -> LimitCycle:
+def judge(
+    time: np.ndarray, error: np.ndarray, velocity: np.ndarray, band: float, transient: float = 0.0, forced: float = 0.0
+) -> LimitCycle:
     """Verdict over one dwell from samples of time (s), tracking error (m) and velocity (m/s).
 
     What lies before `transient` (s) is left out, and at least the first half of the dwell.
 
     `band` (m) is the half-width of the hysteresis: the larger of three standard deviations of the position noise and
-    the sensor's step; at least `FLOOR`.
+    the sensor's step; at least `FLOOR`. `forced` (s): period of what the controller itself puts on the plant; 0: none.
     """
     start = max(time.size // 2, int(np.searchsorted(time, transient)))
     time, error, velocity = time[start:], error[start:], velocity[start:]
     if time.size < LEAST_SAMPLES:
         return NONE
+    if forced:
+        error = uniform_filter1d(error, max(1, round(forced / (time[1] - time[0]))), mode="nearest")
     crossings, heights = _half_waves(time, error, max(band, FLOOR))
     if heights.size < LEAST_AMPLITUDES + 2:
         return NONE
@@ -87,6 +94,8 @@ def judge(time: np.ndarray, error: np.ndarray, velocity: np.ndarray, band: float
     if verdict == "none":
         return NONE
     amplitude, period = float(np.mean(amplitudes)), float(np.mean(periods))
+    if forced and abs(period / forced - 1.0) < PERIOD_SPREAD:
+        return NONE
     cycling = (time >= crossings[0]) & (time <= crossings[-1])
     slow = min(STUCK_SPEED, SLOW * 2.0 * amplitude / period)
     return LimitCycle(verdict, amplitude, period, bool(np.mean(np.abs(velocity[cycling]) < slow) > STICKING_SHARE))

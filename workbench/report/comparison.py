@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from workbench.report.tables import shown_number
 from workbench.study.schema import ComparisonTable
 
 CLOSE = 0.05
@@ -171,7 +172,7 @@ def _cost(case: Best) -> str:
 
 
 def _watts(power: float) -> str:
-    return f"{power / 1e3:.2g} kW" if power >= 1e3 else f"{power:.2g} W"
+    return f"{shown_number(power / 1e3, 2)} kW" if power >= 995.0 else f"{shown_number(power, 2)} W"
 
 
 def _hunting(rows: pd.DataFrame) -> str:

@@ -38,7 +38,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     types.Tuple((_number, _integer, _integer, _number)),  # sample time, method, steps a sample, tolerance
-    types.Tuple((_table, _table, _table)),  # logs: states, inputs, measurements
+    types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
 )
 
 
@@ -100,10 +100,10 @@ def run_loop(
     noise, resolution, cutoffs, errors = sensors
     delay_samples, delay_rest = delay
     h, method, steps_a_sample, tolerance = clock
-    log_states, log_inputs, log_measurements = logs
+    log_states, log_inputs, log_measurements, log_control = logs
 
     plant_states = log_states.shape[1]
-    n, m, channel_count = y.size, base.size, cutoffs.size
+    n, m, channel_count, memory_count = y.size, base.size, cutoffs.size, state.size
     readings, work = np.zeros(channel_count), np.zeros(8 * n)
     system = (
         derivatives,
@@ -133,11 +133,8 @@ def run_loop(
     p_references, p_rotary_references = address(references), address(rotary_references)
     p_exogenous, p_noise, p_resolution = address(exogenous), address(noise), address(resolution)
     p_errors = address(errors)
-    p_log_states, p_log_inputs, p_log_read = (
-        address(log_states),
-        address(log_inputs),
-        address(log_measurements),
-    )
+    p_log_states, p_log_inputs = address(log_states), address(log_inputs)
+    p_log_read, p_log_control = address(log_measurements), address(log_control)
     inputs = (p_now, p_initial, p_slopes)
     for i in range(slots):
         _read(system, p_y, shift(p_delayed, i * channel_count))
@@ -172,6 +169,8 @@ def run_loop(
             )
             p_initial[rotary_input] += rotary
             call_commit(rotary_commit, rotary, p_rotary_state, p_rotary_gains, h)
+        for j in range(memory_count):
+            p_log_control[k * memory_count + j] = p_state[j]
         for j in range(plant_states):
             p_log_states[k * plant_states + j] = p_y[j]
         for j in range(m):

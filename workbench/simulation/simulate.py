@@ -101,23 +101,33 @@ class Setup:
     seed: int = 0
 
 
+def memory_names(controller: Controller) -> list[str]:
+    """Names of the signals that a controller's state gives: `controller_theta`, `controller_friction`, ..."""
+    return [f"controller_{item.name}" for item in fields(controller.State)]
+
+
 @dataclass(frozen=True)
 class Run:
-    """What happened. Arrays over the sample instants; `outcome` in words."""
+    """What happened. Arrays over the sample instants; `outcome` in words.
+
+    `memory` holds the controller's state after each sample: its estimates, its integral.
+    """
 
     plant: Plant
+    loop: Loop
     parameters: Any
     time: np.ndarray
     states: np.ndarray
     inputs: np.ndarray
     measurements: np.ndarray
+    memory: np.ndarray
     reference: tuple[np.ndarray, np.ndarray, np.ndarray] | None
     outcome: str
     steps: int
 
     @functools.cached_property
     def signals(self) -> Mapping[str, np.ndarray]:
-        """All signals, by name, over time: the plant's, its inputs, and the reference and tracking error."""
+        """All signals, by name, over time: the plant's, its inputs, the controller's state, reference and error."""
         with np.errstate(all="ignore"):  # a diverged run holds numbers beyond all bounds
             state = from_array(self.plant.State, self.states.T)
             inputs = from_array(self.plant.Inputs, self.inputs.T)
@@ -127,6 +137,8 @@ class Run:
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
         named["measured_position"] = self.measurements[:, 0]
+        for i, name in enumerate(memory_names(self.loop.controller)):
+            named[name] = self.memory[:, i]
         if self.reference is not None:
             named["reference_position"] = self.reference[0]
             named["reference_velocity"] = self.reference[1]
@@ -189,11 +201,9 @@ def simulate(setup: Setup) -> Run:
     rotary_references[:, 0] = setup.rotation_speed
     exogenous, linear = _sampled_feeds(setup, samples)
     rotary = setup.rotary or NO_LOOP
-    log = (
-        np.empty((samples, len(fields(plant.State)))),
-        np.empty((samples, inputs.size)),
-        np.empty((samples, len(Measurement._fields))),
-    )
+    memory = _memory(setup.loop, shown)
+    widths = (len(fields(plant.State)), inputs.size, len(Measurement._fields), memory[0].size)
+    log = tuple(np.empty((samples, width)) for width in widths)
     delay_samples = int(np.floor(setup.sensors.delay / h + DELAY_SLACK))
     delay_rest = setup.sensors.delay - delay_samples * h
     integrator = setup.integrator
@@ -202,7 +212,7 @@ def simulate(setup: Setup) -> Run:
         _addresses(_compiled_plant(plant)),
         _addresses(_compiled_controller(setup.loop.controller)) + _addresses(_compiled_controller(rotary.controller)),
         (state, inputs, parameters, scales),
-        (*_memory(setup.loop, shown), *_memory(rotary, shown)),
+        (*memory, *_memory(rotary, shown)),
         (
             plant.input_index(plant.command),
             limit,
@@ -214,14 +224,16 @@ def simulate(setup: Setup) -> Run:
         (h, METHODS[integrator.method], int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
         log,
     )
-    states, realised, measurements = (table[:count] for table in log)
+    states, realised, measurements, remembered = (table[:count] for table in log)
     run = Run(
         plant,
+        setup.loop,
         setup.parameters,
         time[:count],
         states,
         realised,
         measurements,
+        remembered,
         None if profile is None else tuple(part[:count] for part in profile),  # type: ignore[arg-type]
         "",
         steps,

@@ -37,7 +37,10 @@ class Checks:
     @cached_property
     def signals(self) -> list[list[str]]:
         """Names of the signals of each case."""
-        return [signals_of(item.setup.plant, item.setup.reference is not None) for item in self.resolved]
+        return [
+            signals_of(item.setup.plant, item.setup.loop.controller, item.setup.reference is not None)
+            for item in self.resolved
+        ]
 
     def all(self) -> None:
         """Raise UserError for the first mistake."""

@@ -4,10 +4,13 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from controllers.interface import Controller
+from controllers.registry import controllers
 from plants.equation import fields
 from plants.interface import Plant
 from plants.registry import plants
-from workbench.units import factor
+from workbench.simulation.simulate import memory_names
+from workbench.units import COMMAND, factor
 
 TRACKING = ("reference_position", "reference_velocity", "error")
 """Signals of runs that have a reference."""
@@ -37,18 +40,24 @@ BASE_UNITS = {
 """Units of the results by the ending of a column's name."""
 
 
-def signals_of(plant: Plant, tracks: bool) -> list[str]:
-    """Names of the signals of a run of `plant`; `tracks`: whether a position reference is followed."""
+def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
+    """Names of the signals of a run; `tracks`: whether a position reference is followed."""
     names = [item.name for item in (*fields(plant.Signals), *fields(plant.Inputs))]
-    return list(dict.fromkeys([*names, "time", "measured_position", *(TRACKING if tracks else ())]))
+    return list(
+        dict.fromkeys([*names, "time", "measured_position", *memory_names(controller), *(TRACKING if tracks else ())])
+    )
 
 
 def signal_units() -> dict[str, str]:
-    """The SI unit of every signal that some plant has, by name."""
+    """The SI unit of every signal that some plant or controller has, by name; none of those in the command's unit."""
     units = dict(SIGNAL_UNITS)
     for plant in plants().values():
         for item in (*fields(plant.Signals), *fields(plant.Inputs)):
             units.setdefault(item.name, item.unit)
+    for controller in controllers().values():
+        for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
+            if COMMAND not in item.unit:
+                units.setdefault(name, item.unit)
     return units
 
 

@@ -39,7 +39,26 @@ def _value(run: Run, probe: Probe, transient: float) -> float | None:
         if probe.take == "change":
             return float(np.mean(np.diff(np.interp(events, run.time, signal))))
         window &= (run.time >= events[0]) & (run.time < events[-1])
+    if probe.take == "decay_rate":
+        return decay_rate(run.time[window], signal[window])
     return _figure(signal[window], probe)
+
+
+DECAYED = 0.01
+"""Share of the first distance at which a decay is over: what is left says more of the final value's own error."""
+
+
+def decay_rate(time: np.ndarray, values: np.ndarray) -> float | None:
+    """Rate lam (1/s) of values -> final + c exp(-lam t), by regression of the logarithm; None where nothing decays."""
+    distance = np.abs(values - values[-1])
+    ended = int(np.argmax(distance <= DECAYED * distance[0]))
+    if ended < FEWEST_OF_DECAY:
+        return None
+    return -float(np.polyfit(time[:ended], np.log(distance[:ended]), 1)[0])
+
+
+FEWEST_OF_DECAY = 5
+"""Samples from which a rate is taken."""
 
 
 _FIGURES: Mapping[str, Callable[[np.ndarray], Any]] = {

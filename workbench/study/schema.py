@@ -131,11 +131,13 @@ class Probe(Strict):
     Events are upward crossings of the signal `event` through `event_level`: `interval` is the mean time between
     them, `change` the mean change of `signal` from one to the next; every other figure is taken from the first to
     the last event where there are events, else over the window of the metrics. `share_below` is the share of time
-    in which |signal| is below `level`.
+    in which |signal| is below `level`; `decay_rate` (1/s) that at which the signal approaches its final value.
     """
 
     signal: str
-    take: Literal["maximum", "minimum", "peak_to_peak", "mean", "rms", "final", "share_below", "interval", "change"]
+    take: Literal[
+        "maximum", "minimum", "peak_to_peak", "mean", "rms", "final", "share_below", "decay_rate", "interval", "change"
+    ]
     level: float | None = None
     event: str | None = None
     event_level: float = 0.0
