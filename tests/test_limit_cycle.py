@@ -210,7 +210,7 @@ def mass_under_pid(
         "canudas1995",
         duration=duration,
         reference=Steps((1.0,), duration),
-        loop=Loop(PID, Gains(kp, ki, kd, 0.0, 0.0, filtered_differentiator(0.002, 1e-4))),
+        loop=Loop(PID, Gains(kp, ki, kd, 0.0, 0.0, filtered_differentiator(0.002, 0.001))),
     )
     if stribeck is not None:
         law = setup.parameters.friction.positive._replace(stribeck=stribeck)
