@@ -107,7 +107,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_hose_fed(folder: Path) -> None:
-    """Verdicts and sizes as computed independently at two step sizes; the size to the last digit of a continuous loop."""
+    """Verdicts and sizes as computed independently at two step sizes; the size to its last digit."""
     table = pd.read_csv(folder / "results.csv", keep_default_na=False).set_index(["case", "rpm"])
     rows = table[table.index.get_level_values("case").str.startswith("hose")]
     assert rows["limit_cycle"].tolist() == ["decaying", "sustained", "none", "sustained"]
