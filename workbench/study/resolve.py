@@ -4,27 +4,30 @@ import functools
 import typing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from controllers import scheduled_rotation, speed_servo
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
-from controllers.registry import controllers
+from controllers.registry import CONTROLLERS
 from controllers.scheduled_rotation import SCHEDULED_ROTATION
 from plants.equation import fields
 from plants.interface import Plant
-from plants.registry import plants
+from plants.plugins import Registry
+from plants.registry import PLANTS
 from workbench import files
 from workbench.errors import UserError, nearest
 from workbench.files import SchemaError
-from workbench.parameters import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
 from workbench.study.document import Case, Study, located
+from workbench.study.parameter_tables import build_belief, build_truth
 from workbench.study.reference_tables import KINDS
 from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
 from workbench.units import QuantityError, si
+
+T = TypeVar("T")
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
 """Models of [plant] that stand for several plants; any registered plant's own name serves too."""
@@ -64,8 +67,8 @@ def resolve(study: Study, case: Case) -> Resolved:
 
 def _resolve(tables: CaseTables, case: Case) -> Resolved:
     plant = _plant(tables)
-    parameters = _truth(plant, tables, case.folder)
-    belief = _belief(plant, tables, case)
+    parameters = build_truth(plant, tables, case.folder)
+    belief = build_belief(plant, tables, case)
     rotation_speed, surface_speed = _rotation(plant, parameters, tables)
     state, inputs = plant.equilibrium(parameters, surface_speed)
     if tables.plant.start == "standstill":
@@ -129,8 +132,19 @@ def _rotary(
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
 
 
+def _registered(registry: Registry[T], name: str, key: files.Key, shorthands: tuple[str, ...] = ()) -> T:
+    """The plant or controller of that name."""
+    known, broken = registry.working(), registry.broken()
+    if name in known:
+        return known[name]
+    if name in broken:
+        raise SchemaError(key, broken[name])
+    hint = nearest(name, dict.fromkeys((*shorthands, *known)))
+    raise SchemaError(key, f'unknown {registry.kind.__name__.lower()} "{name}"; {hint}')
+
+
 def _plant(tables: CaseTables) -> Plant:
-    known, table, rpm = plants(), tables.plant, tables.rpm
+    table, rpm = tables.plant, tables.rpm
     model = table.model
     if model == "by_rpm":
         model = "rotating" if rpm else "non_rotating"
@@ -138,73 +152,10 @@ def _plant(tables: CaseTables) -> Plant:
         model = f"rotating_{table.bristle}{'_ideal' if table.rotation == 'ideal' else ''}"
     elif model == "drive":
         model = f"drive_{table.command}"
-    if model not in known:
-        names = dict.fromkeys((*MODELS, *known))
-        raise SchemaError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, names)}')
-    plant = known[model]
+    plant = _registered(PLANTS, model, ("plant", "model"), MODELS)
     if rpm and not plant.rotary_command:
         raise SchemaError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
     return plant
-
-
-def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
-    """Values of a set or file with `set` overrides, by canonical name."""
-    try:
-        values = dict(read_parameters(parameter_path(parameters, folder)))
-    except UserError as error:
-        raise SchemaError((table, "parameters"), str(error)) from None
-    for name, value in overrides.items():
-        try:
-            values[name] = parameter_value(name, value)
-        except (UserError, QuantityError) as error:
-            raise SchemaError((table, "set", name), str(error)) from None
-    return values
-
-
-def _truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
-    table = tables.plant
-    values = _values(table.parameters, table.set, folder, "plant")
-    _spread(values, tables, folder)
-    for name, ratio in table.scale.items():
-        if name not in values:
-            raise SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
-        if not ratio >= 0.0:
-            raise SchemaError(("plant", "scale", name), f"got {ratio}, expected a factor that is not negative")
-        for scaled in (name, f"{name}_negative"):
-            if scaled in values:
-                values[scaled] *= ratio
-    try:
-        return build(plant.Parameters, values, table.flow)
-    except UserError as error:
-        raise SchemaError(
-            ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
-        ) from None
-
-
-def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
-    """Draw the parameters of [plant.spread] about their values, each direction apart where the file has both."""
-    table = tables.plant
-    deviations = read_deviations(parameter_path(table.parameters, folder))
-    for name, times in table.spread.items():
-        if name not in deviations:
-            hint = nearest(name, deviations)
-            raise SchemaError(("plant", "spread", name), f'"{table.parameters}" gives no std for it; {hint}')
-        if not times >= 0.0:
-            raise SchemaError(("plant", "spread", name), f"got {times}, expected a factor that is not negative")
-        for each in (name, f"{name}_negative"):
-            if each in deviations:
-                values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
-
-
-def _belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
-    belief, declared = tables.belief, case.declared
-    source = belief.parameters or declared.get("parameters", tables.plant.parameters)
-    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
-    values = _values(source, overrides, case.folder, "belief")
-    try:
-        return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
-    except UserError as error:
-        raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None
 
 
 def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | None:
@@ -257,12 +208,10 @@ def _setting_hints(cls: Any) -> dict[str, tuple[Any, tuple[str, ...]]]:
 def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
     key = ("controllers", name)
     table = dict(tables.controllers[name])
-    known = controllers()
-    kind = table.pop("type", None)
-    if not isinstance(kind, str) or kind not in known:
-        message = "is missing; this key is needed here" if kind is None else f'unknown controller "{kind}"'
-        raise SchemaError((*key, "type"), f"{message}; {nearest(str(kind), known)}")
-    controller = known[kind]
+    if "type" not in table:
+        hint = nearest("", CONTROLLERS.working())
+        raise SchemaError((*key, "type"), f"is missing; this key is needed here; {hint}")
+    controller = _registered(CONTROLLERS, str(table.pop("type")), (*key, "type"))
     settings: Any = controller.Settings
     hints = _setting_hints(settings)
     values: dict[str, Any] = {}
