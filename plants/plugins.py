@@ -1,14 +1,13 @@
 """Objects by name: ours, and what other packages bring by entry point. A broken package never stops the others."""
 
 import functools
-import hashlib
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+
+from plants.equation import package_hash
 
 T = TypeVar("T")
 Check: TypeAlias = Callable[[Any], None]
@@ -42,7 +41,7 @@ class Registry(Generic[T]):
 
     def source(self, name: str) -> str:
         """A hash of the source files of a plug-in, those of its whole package; "" for what is ours."""
-        return next((_source(plugin.module) for known, plugin in self._plugins() if known == name), "")
+        return next((package_hash(plugin.module) for known, plugin in self._plugins() if known == name), "")
 
     def _plugins(self) -> list[tuple[str, Plugin]]:
         found = _loaded(self.group, self.kind, self.check, tuple(sys.path))
@@ -67,15 +66,3 @@ def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
         failure = f"{point.value}{package} cannot be used ({reason}); mend or uninstall the package"
         return Plugin(point.module, None, failure)
     return Plugin(point.module, found, "")
-
-
-def _source(module: str) -> str:
-    spec = find_spec(module.partition(".")[0])
-    folders = (spec and spec.submodule_search_locations) or ()
-    files = [path for folder in folders for path in sorted(Path(folder).rglob("*.py"))]
-    if spec and spec.origin and not files:
-        files = [Path(spec.origin)]
-    digest = hashlib.sha256()
-    for path in files:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]

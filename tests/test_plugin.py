@@ -160,6 +160,25 @@ def test_the_whole_package_of_a_plugin_counts(tmp_path: Path, monkeypatch: pytes
     assert CONTROLLERS.source("pid") == CONTROLLERS.source("none") == ""
 
 
+def test_compiled_code_follows_every_file_of_a_plugin(tmp_path: Path) -> None:
+    """Half the gain, in a file that the entry point does not name, leaves a larger error."""
+    package = tmp_path / "apart"
+    package.mkdir()
+    write(package, "", "__init__.py")
+    law = "from plants.equation import equation\n@equation\ndef gain(kp):\n    return 1.0 * kp\n"
+    module = changed("command = gains.kp *", "command = gain(gains.kp) *", (EXAMPLE / "deadband_p.py").read_text())
+    write(package, "from apart.law import gain\n" + module, "deadband.py")
+    brings(tmp_path, "friction_workbench.controllers", "apart = apart.deadband:DEADBAND_P")
+    text = changed('"deadband_p"', '"apart"', STUDY.read_text(encoding="utf-8")).replace('"2 s"', '"0.02 s"')
+    errors = []
+    for number, code in enumerate((law, changed("1.0", "0.5", law))):
+        write(package, code, "law.py")
+        out = tmp_path / str(number)
+        assert in_a_process(tmp_path, "run", write(tmp_path, text), "--out", out).returncode == 0
+        errors.append(pd.read_parquet(out / "results.parquet")["rms_error_m"][0])
+    assert errors[1] > errors[0]
+
+
 UNDECLARED = """\
 from dataclasses import replace
 from typing import NamedTuple
