@@ -1,5 +1,7 @@
 """The position controllers by name: ours, and those that other packages bring by entry point."""
 
+import typing
+
 from controllers.compensation import ESTIMATORS, compensator
 from controllers.disturbance_observer import DISTURBANCE_OBSERVER
 from controllers.dither import DITHER
@@ -8,11 +10,9 @@ from controllers.interface import Controller
 from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.open_loop import OPEN_LOOP
 from controllers.pid import PID
-from plants.plugins import plugins
+from plants.plugins import Registry
 
-ENTRY_POINT_GROUP = "friction_workbench.controllers"
-
-_BUILT_IN = (
+_OURS = (
     PID,
     *(compensator(name) for name in ESTIMATORS),
     ekf_compensator(),
@@ -23,7 +23,15 @@ _BUILT_IN = (
 )
 
 
+def _check(controller: Controller) -> None:
+    for name, hint in typing.get_type_hints(controller.Settings, include_extras=True).items():
+        if typing.get_origin(hint) is not typing.Annotated:
+            raise TypeError(f"Settings.{name}: expected Annotated[float, unit] or Annotated[str, choice, ...]")
+
+
+CONTROLLERS = Registry("friction_workbench.controllers", Controller, {item.name: item for item in _OURS}, _check)
+
+
 def controllers() -> dict[str, Controller]:
-    """All position controllers by name; ours first, and no other package can take their names."""
-    ours = {controller.name: controller for controller in _BUILT_IN}
-    return {**ours, **plugins(ENTRY_POINT_GROUP), **ours}
+    """All position controllers by name; ours first."""
+    return CONTROLLERS.working()

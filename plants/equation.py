@@ -22,6 +22,7 @@ import hashlib
 import inspect
 import operator
 import os
+import sys
 import typing
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -271,9 +272,20 @@ def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
-    """A hash of the source file of `function`: a plug-in's file lies outside the folders of the cache's key."""
-    file = inspect.getsourcefile(inspect.unwrap(function))
-    return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] if file else ""
+    """A hash of the source of the package that `function` is from: a plug-in's lies outside the cache's key."""
+    return package_hash(inspect.unwrap(function).__module__)
+
+
+def package_hash(module: str) -> str:
+    """A hash of the source files of the package that holds `module`, or of the module where that is all there is."""
+    top = sys.modules[module.partition(".")[0]]
+    files = [path for folder in getattr(top, "__path__", ()) for path in sorted(Path(folder).rglob("*.py"))]
+    if not files and top.__file__:
+        files = [Path(top.__file__)]
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def compiled(signature: Any) -> Callable[[Callable[..., Any]], Any]:

@@ -1,19 +1,68 @@
-"""What other packages bring by entry point."""
+"""Objects by name: ours, and what other packages bring by entry point. A broken package never stops the others."""
 
 import functools
 import sys
-from collections.abc import Mapping
-from importlib.metadata import entry_points
-from types import MappingProxyType
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+
+from plants.equation import package_hash
+
+T = TypeVar("T")
+Check: TypeAlias = Callable[[Any], None]
 
 
-def plugins(group: str) -> Mapping[str, Any]:
-    """The objects behind the entry points of a group, by name; looked up once for each search path."""
-    return _plugins(group, tuple(sys.path))
+class Plugin(NamedTuple):
+    """Where an entry point leads: to an object, or to a failure in words."""
+
+    module: str
+    found: Any
+    failure: str
+
+
+@dataclass(frozen=True)
+class Registry(Generic[T]):
+    """Objects of class `kind`: ours, and those behind the entry points of `group`, which cannot take our names."""
+
+    group: str
+    kind: type
+    ours: Mapping[str, T]
+    check: Check
+    """Raises where an object of others does not declare what `kind` asks for."""
+
+    def working(self) -> dict[str, T]:
+        """All that can be used, ours first."""
+        return {**self.ours, **{name: plugin.found for name, plugin in self._plugins() if not plugin.failure}}
+
+    def broken(self) -> dict[str, str]:
+        """Of each plug-in that cannot be used: why."""
+        return {name: plugin.failure for name, plugin in self._plugins() if plugin.failure}
+
+    def source(self, name: str) -> str:
+        """A hash of the source files of a plug-in, those of its whole package; "" for what is ours."""
+        return next((package_hash(plugin.module) for known, plugin in self._plugins() if known == name), "")
+
+    def _plugins(self) -> list[tuple[str, Plugin]]:
+        found = _loaded(self.group, self.kind, self.check, tuple(sys.path))
+        return [(name, plugin) for name, plugin in found.items() if name not in self.ours]
 
 
 @functools.cache
-def _plugins(group: str, search_path: tuple[str, ...]) -> Mapping[str, Any]:
+def _loaded(group: str, kind: type, check: Check, search_path: tuple[str, ...]) -> Mapping[str, Plugin]:
     points = sorted(entry_points(group=group), key=lambda point: point.name)
-    return MappingProxyType({point.name: point.load() for point in points})
+    return {point.name: _load(point, kind, check) for point in points}
+
+
+def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
+    try:
+        found = point.load()
+        if not isinstance(found, kind):
+            raise TypeError(f"got {type(found).__name__}, expected {kind.__name__}")
+        check(found)
+    except Exception as error:  # noqa: BLE001  the code of others may raise anything
+        package = f' of the package "{point.dist.name}"' if point.dist else ""
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        failure = f"{point.value}{package} cannot be used ({reason}); mend or uninstall the package"
+        return Plugin(point.module, None, failure)
+    return Plugin(point.module, found, "")

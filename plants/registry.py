@@ -1,18 +1,27 @@
 """The plants by name: ours, and those that other packages bring by entry point."""
 
 from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
+from plants.equation import fields
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
-from plants.plugins import plugins
+from plants.plugins import Registry
 from plants.rotating import HELICAL, ISOTROPIC
 from plants.rotating_ideal import HELICAL_IDEAL, ISOTROPIC_IDEAL
 
-ENTRY_POINT_GROUP = "friction_workbench.plants"
+_OURS = (NON_ROTATING, HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL, DRIVE_FORCE, DRIVE_VOLTAGE)
 
-_BUILT_IN = (NON_ROTATING, HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL, DRIVE_FORCE, DRIVE_VOLTAGE)
+
+def _check(plant: Plant) -> None:
+    for cls in (plant.State, plant.Inputs, plant.Parameters, plant.Signals):
+        try:
+            fields(cls)
+        except (AttributeError, TypeError):
+            raise TypeError(f"{cls.__name__}: expected a NamedTuple of Annotated[float, unit]") from None
+
+
+PLANTS = Registry("friction_workbench.plants", Plant, {plant.name: plant for plant in _OURS}, _check)
 
 
 def plants() -> dict[str, Plant]:
-    """All plants by name; ours first, and no other package can take their names."""
-    ours = {plant.name: plant for plant in _BUILT_IN}
-    return {**ours, **plugins(ENTRY_POINT_GROUP), **ours}
+    """All plants by name; ours first."""
+    return PLANTS.working()

@@ -40,6 +40,11 @@ begin = 2
 
 [ controllers . p ]
 type = "pid"
+
+[belief.set.more]
+a = 1
+[belief.set]
+b = 2
 """
 
 
@@ -66,6 +71,11 @@ type = "pid"
         (("controllers", "p", "type"), 30),
         (("plant", "no_such_key"), 4),
         (("records", 1, "no_such_key"), 19),
+        (("simulation",), 2),
+        (("plant", "set"), 6),
+        (("controllers",), 29),
+        (("belief", "parameters"), 32),
+        (("belief", "set"), 34),
         (("no_such_table",), None),
     ],
 )

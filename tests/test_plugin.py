@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from command import PROCESS, ROOT, changed, workbench, write
+from command import DRIVE, PROCESS, ROOT, changed, workbench, write
 
 from controllers.interface import Reference
-from controllers.registry import controllers
+from controllers.pid import PID
+from controllers.registry import CONTROLLERS, controllers
 from plants.interface import Measurement
 
 EXAMPLE = ROOT / "docs" / "plugin_example"
@@ -40,10 +41,26 @@ def site(folder: Path, *, declared: bool) -> Path:
     return folder
 
 
+def brings(folder: Path, group: str, line: str) -> None:
+    """A distribution `other` in `folder` with one entry point."""
+    information = folder / "other-1.0.dist-info"
+    information.mkdir()
+    write(information, "Metadata-Version: 2.1\nName: other\nVersion: 1.0\n", "METADATA")
+    write(information, f"[{group}]\n{line}\n", "entry_points.txt")
+
+
 def visible(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Python finds packages in the folder too, until the test ends."""
     monkeypatch.setattr(sys, "path", [str(folder), *sys.path])
     monkeypatch.delitem(sys.modules, "deadband_p", raising=False)
+
+
+def in_a_process(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own, as a user runs it, with the packages of `folder`."""
+    packages = [str(folder), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, packages))}
+    command = [*PROCESS, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
 
 
 @pytest.fixture
@@ -98,19 +115,127 @@ def test_its_settings_are_checked_like_ours(tmp_path: Path, old: str, new: str, 
 
 
 def test_the_study_ends_at_the_deadband(tmp_path: Path) -> None:
-    """The cylinder integrates: without overshoot it stops where the command becomes 0, at |e| = D.
-
-    In a process of its own, as a user runs it.
-    """
-    packages = [str(site(tmp_path, declared=True)), os.environ.get("PYTHONPATH", "")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, packages))}
+    """The cylinder integrates: without overshoot it stops where the command becomes 0, at |e| = D."""
     out = tmp_path / "out"
-    arguments = [*PROCESS, "run", str(STUDY), "--out", str(out)]
-    done = subprocess.run(arguments, capture_output=True, text=True, check=False, env=environment)
+    done = in_a_process(site(tmp_path, declared=True), "run", STUDY, "--out", out)
     assert (done.returncode, done.stderr) == (0, "")
     results = pd.read_parquet(out / "results.parquet")
     assert list(results["outcome"]) == ["completed"] * 3
     np.testing.assert_allclose(results["steady_state_error_m"], [0.0, 0.5e-3, 1.0e-3], rtol=0.0, atol=1e-8)
+
+
+def test_an_edited_plugin_cannot_be_resumed(tmp_path: Path) -> None:
+    """Its file lies outside the program's; a study that does not name it is resumed all the same."""
+    module, out, plain = site(tmp_path, declared=True) / "deadband_p.py", tmp_path / "out", tmp_path / "plain"
+    text = STUDY.read_text(encoding="utf-8")
+    short = write(tmp_path, changed('duration = "2 s"', 'duration = "0.01 s"', text))
+    ours = write(tmp_path, DRIVE, "drive.toml")
+    for study, results in ((short, out), (ours, plain)):
+        assert in_a_process(tmp_path, "run", study, "--out", results).returncode == 0
+    assert in_a_process(tmp_path, "run", short, "--out", out, "--resume").returncode == 0
+    law = module.read_text(encoding="utf-8")
+    module.write_text(changed("np.abs(error) - gains.deadband", "np.abs(error) - 2 * gains.deadband", law))
+    refused = in_a_process(tmp_path, "run", short, "--out", out, "--resume")
+    assert (refused.returncode, refused.stderr) == (
+        2,
+        f"error: {out}: its results are of another version of the plug-ins; start anew with --overwrite, or choose "
+        "another --out\n",
+    )
+    assert in_a_process(tmp_path, "run", ours, "--out", plain, "--resume").returncode == 0
+
+
+def test_the_whole_package_of_a_plugin_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A law may stand in another file than the one that the entry point names."""
+    package = tmp_path / "whole_package"
+    package.mkdir()
+    for name in ("__init__", "mine", "law"):
+        write(package, "", f"{name}.py")
+    write(package, "from whole_package import law\nfrom controllers.pid import PID as MINE\n", "mine.py")
+    brings(tmp_path, "friction_workbench.controllers", "mine = whole_package.mine:MINE")
+    visible(tmp_path, monkeypatch)
+    before = CONTROLLERS.source("mine")
+    assert before == CONTROLLERS.source("mine") != ""
+    write(package, "changed = 1\n", "law.py")
+    assert CONTROLLERS.source("mine") != before
+    assert CONTROLLERS.source("pid") == CONTROLLERS.source("none") == ""
+
+
+def test_compiled_code_follows_every_file_of_a_plugin(tmp_path: Path) -> None:
+    """Half the gain, in a file that the entry point does not name, leaves a larger error."""
+    package = tmp_path / "apart"
+    package.mkdir()
+    write(package, "", "__init__.py")
+    law = "from plants.equation import equation\n@equation\ndef gain(kp):\n    return 1.0 * kp\n"
+    module = changed("command = gains.kp *", "command = gain(gains.kp) *", (EXAMPLE / "deadband_p.py").read_text())
+    write(package, "from apart.law import gain\n" + module, "deadband.py")
+    brings(tmp_path, "friction_workbench.controllers", "apart = apart.deadband:DEADBAND_P")
+    text = changed('"deadband_p"', '"apart"', STUDY.read_text(encoding="utf-8")).replace('"2 s"', '"0.02 s"')
+    errors = []
+    for number, code in enumerate((law, changed("1.0", "0.5", law))):
+        write(package, code, "law.py")
+        out = tmp_path / str(number)
+        assert in_a_process(tmp_path, "run", write(tmp_path, text), "--out", out).returncode == 0
+        errors.append(pd.read_parquet(out / "results.parquet")["rms_error_m"][0])
+    assert errors[1] > errors[0]
+
+
+UNDECLARED = """\
+from dataclasses import replace
+from typing import NamedTuple
+from controllers.pid import PID
+from plants.drive import DRIVE_FORCE
+class Bare(NamedTuple):
+    kp: float
+IT = replace(DRIVE_FORCE, Parameters=Bare) if {is_plant} else replace(PID, Settings=Bare)
+"""
+
+
+@pytest.mark.parametrize("kind", ["controllers", "plants"])
+@pytest.mark.parametrize(
+    ("code", "wrong"),
+    [
+        ("import no_such_module", "(ModuleNotFoundError: No module named 'no_such_module')"),
+        ("raise ValueError('first\\nsecond')", "(ValueError: first second)"),
+        ("", "(AttributeError: module 'broken_{kind}' has no attribute 'IT')"),
+        (UNDECLARED, "(TypeError: {undeclared})"),
+        ("IT = 3", "(TypeError: got int, expected {type})"),
+    ],
+    ids=["import", "raises", "no object", "no units", "wrong object"],
+)
+def test_a_broken_plugin_is_told_where_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, code: str, wrong: str
+) -> None:
+    """In one line, with the package; the list shows it, and what does not name it runs."""
+    module = f"broken_{kind}"
+    brings(tmp_path, f"friction_workbench.{kind}", f"mine = {module}:IT")
+    visible(tmp_path, monkeypatch)
+    monkeypatch.delitem(sys.modules, module, raising=False)
+    names = {
+        "controllers": ("Controller", "Settings.kp: expected Annotated[float, unit] or Annotated[str, choice, ...]"),
+        "plants": ("Plant", "Bare: expected a NamedTuple of Annotated[float, unit]"),
+    }
+    wrong = wrong.format(kind=kind, type=names[kind][0], undeclared=names[kind][1])
+    write(tmp_path, code.replace("{is_plant}", str(kind == "plants")), f"{module}.py")
+    said = f'{module}:IT of the package "other" cannot be used {wrong}; mend or uninstall the package\n'
+    assert workbench("check", write(tmp_path, DRIVE)).code == 0
+    listed = workbench("list", kind)
+    assert (listed.code, listed.err) == (0, "")
+    assert f"  {'mine':22} {said}" in listed.out
+    key, old = ("controllers.p.type", '"pid"') if kind == "controllers" else ("plant.model", '"drive"')
+    refused = workbench("check", write(tmp_path, changed(old, '"mine"', DRIVE)))
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.partition(".toml:")[2].partition(": ")[2] == f"{key}: {said}"
+
+
+def test_a_list_shows_the_name_that_studies_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The entry point's, whatever the object calls itself; and none of ours can be taken."""
+    write(tmp_path, "from controllers.dither import DITHER\n", "renamed.py")
+    brings(tmp_path, "friction_workbench.controllers", "shaken = renamed:DITHER\npid = renamed:DITHER")
+    visible(tmp_path, monkeypatch)
+    names = [line.split()[0] for line in workbench("list", "controllers").out.splitlines() if line[2:3] != " "]
+    assert names.count("shaken") == names.count("dither") == names.count("pid") == 1
+    assert controllers()["shaken"].name == "dither"
+    assert controllers()["pid"] is PID
 
 
 @pytest.mark.usefixtures("installed")

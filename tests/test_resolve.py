@@ -190,6 +190,26 @@ def test_a_speed_servo_starts_from_the_believed_voltage(tmp_path: Path) -> None:
     assert setup.rotary.gains.bias == pytest.approx(voltage, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("model", "rotation", "drives", "by"),
+    [
+        ("rotating_helical_ideal", "servo", "motor_voltage", "surface_speed"),
+        ("rotating_isotropic", "ideal", "surface_speed", "motor_voltage"),
+    ],
+)
+def test_a_rotation_that_the_plant_does_not_have(
+    tmp_path: Path, model: str, rotation: str, drives: str, by: str
+) -> None:
+    """A registered plant may be named itself; how it is rotated is then decided."""
+    text = changed('"by_rpm"', f'"{model}"\nrotation = "{rotation}"').replace("[0, 460]", "[460]")
+    with pytest.raises(UserError) as caught:
+        resolved(tmp_path, text)
+    assert str(caught.value) == (
+        f'{tmp_path}/study.toml:4: plant.rotation: "{rotation}" drives {drives}, and {model} is rotated by its {by}; '
+        "expected another rotation, or another model"
+    )
+
+
 def test_an_open_loop_command_is_fed_to_its_input(tmp_path: Path) -> None:
     drive = changed('kp = "3 N/m"', 'input = "spring_end"\nhold = "zero"', DRIVE).replace('"pid"', '"open_loop"')
     item = resolved(tmp_path, drive)[0]

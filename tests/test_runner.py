@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -247,6 +248,45 @@ def test_files_of_others_are_never_removed(tmp_path: Path, options: tuple[str, .
     said = complaint(tmp_path, "--out", tmp_path, *options)
     assert said == "@: holds study.toml, figures that no run wrote; choose another folder with --out"
     assert (tmp_path / "figures" / "rig.svg").read_text(encoding="utf-8") == "mine"
+
+
+SCENARIO = 'title = "t"\nsource = "s"\n[plant.scale]\ncoulomb = 1.5\n'
+
+
+def scenario_study(folder: Path) -> str:
+    """A study that names one of the two scenario files beside it."""
+    (folder / "scenarios").mkdir()
+    write(folder / "scenarios", SCENARIO, "worn.toml")
+    write(folder / "scenarios", SCENARIO, "other.toml")
+    return changed("[0, 460]", '[0]\nscenario = ["worn"]')
+
+
+def test_results_can_be_run_again_from_their_copy_of_the_study(tmp_path: Path) -> None:
+    """Also into themselves; the scenario file comes along, one that the study does not name stays behind."""
+    out = ran(tmp_path, scenario_study(tmp_path))
+    assert [path.name for path in (out / "scenarios").iterdir()] == ["worn.toml"]
+    expected = (out / "results.csv").read_bytes()
+    shutil.rmtree(tmp_path / "scenarios")
+    for again, option in ((tmp_path / "again", ()), (out, ("--overwrite",)), (out, ("--resume",))):
+        answer = workbench("run", out / "study.toml", "--out", again, *option)
+        assert (answer.code, answer.err) == (0, "")
+        assert (again / "results.csv").read_bytes() == expected
+        assert (again / "scenarios" / "worn.toml").read_text(encoding="utf-8") == SCENARIO
+
+
+def test_scenarios_of_others_are_never_removed(tmp_path: Path) -> None:
+    """Results beside the study: refused where a folder of scenarios is, and one that came later is kept."""
+    study = scenario_study(tmp_path)
+    mine = write(tmp_path, study, "mine.toml")
+    refused = workbench("run", mine, "--out", tmp_path)
+    assert refused.err.replace(str(tmp_path), "@") == (
+        "error: @: holds scenarios that no run wrote; choose another folder with --out\n"
+    )
+    (tmp_path / "scenarios").rename(tmp_path / "later")
+    assert workbench("run", write(tmp_path, STUDY, "plain.toml"), "--out", tmp_path).code == 0
+    (tmp_path / "later").rename(tmp_path / "scenarios")
+    assert workbench("run", mine, "--out", tmp_path, "--overwrite").code == 0
+    assert sorted(path.name for path in (tmp_path / "scenarios").iterdir()) == ["other.toml", "worn.toml"]
 
 
 def test_a_cluster_that_does_not_answer(tmp_path: Path) -> None:

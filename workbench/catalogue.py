@@ -2,8 +2,10 @@
 
 import typing
 
-from controllers.registry import controllers
-from plants.registry import plants
+from controllers.interface import Controller
+from controllers.registry import CONTROLLERS
+from plants.plugins import Registry
+from plants.registry import PLANTS
 from workbench.files import read_toml
 from workbench.metrics import COLUMNS
 from workbench.parameters import named_sets
@@ -15,8 +17,15 @@ from workbench.study.resolve import MODELS
 def catalogue() -> dict[str, list[str]]:
     """Lines by section, in the order in which they are shown."""
     return {
-        "plants": [f"{'model':22} {', '.join(MODELS)}", *(f"{p.name:22} {p.summary}" for p in plants().values())],
-        "controllers": [line for controller in controllers().values() for line in _controller(controller)],
+        "plants": [
+            f"{'model':22} {', '.join(MODELS)}",
+            *(f"{name:22} {plant.summary}" for name, plant in PLANTS.working().items()),
+            *_broken(PLANTS),
+        ],
+        "controllers": [
+            *(line for name, controller in CONTROLLERS.working().items() for line in _controller(name, controller)),
+            *_broken(CONTROLLERS),
+        ],
         "parameters": [f"{name:22} {read_toml(path)[0]['title']}" for name, path in named_sets().items()],
         "references": [
             f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}"
@@ -27,12 +36,18 @@ def catalogue() -> dict[str, list[str]]:
     }
 
 
-def _controller(controller: typing.Any) -> list[str]:
-    hints = typing.get_type_hints(controller.Settings, include_extras=True)
-    defaults = controller.Settings._field_defaults
-    lines = [f"{controller.name:22} {controller.summary}"]
-    for name, hint in hints.items():
+def _broken(registry: Registry[typing.Any]) -> list[str]:
+    """Plug-ins that cannot be used, and why."""
+    return [f"{name:22} {failure}" for name, failure in registry.broken().items()]
+
+
+def _controller(name: str, controller: Controller) -> list[str]:
+    settings: typing.Any = controller.Settings
+    hints = typing.get_type_hints(settings, include_extras=True)
+    defaults = settings._field_defaults
+    lines = [f"{name:22} {controller.summary}"]
+    for setting, hint in hints.items():
         meaning = hint.__metadata__[0] if hint.__origin__ is float else " | ".join(hint.__metadata__)
-        default = f"default {defaults[name]}" if name in defaults else "needed"
-        lines.append(f"  {name:26} {meaning:22} {default}")
+        default = f"default {defaults[setting]}" if setting in defaults else "needed"
+        lines.append(f"  {setting:26} {meaning:22} {default}")
     return lines

@@ -71,8 +71,12 @@ def _parts(dotted: str) -> Key:
 
 
 def line_of(text: str, key: Key) -> int | None:
-    """The line (from 1) on which `key` stands, or that of the nearest table above it, or None."""
+    """The line (from 1) on which `key` stands, or that of the nearest table above it, or None.
+
+    A table without a line of its own, such as `plant` of `[plant.set]`, stands where something in it first does.
+    """
     found: dict[Key, int] = {}
+    implied: dict[Key, int] = {}
     table: Key = ()
     counts: dict[Key, int] = {}
     for number, line in enumerate(text.splitlines(), start=1):
@@ -82,13 +86,16 @@ def line_of(text: str, key: Key) -> int | None:
                 index = counts.get(table, -1) + 1
                 counts[table] = index
                 table = (*table, index)
-            found.setdefault(table, number)
+            place = table
         elif assign := _ASSIGN.match(line):
-            found.setdefault((*table, *_parts(assign["name"])), number)
-    for length in range(len(key), 0, -1):
-        if (number_found := found.get(tuple(key[:length]))) is not None:
-            return number_found
-    return None
+            place = (*table, *_parts(assign["name"]))
+        else:
+            continue
+        found.setdefault(place, number)
+        for length in range(1, len(place)):
+            implied.setdefault(place[:length], number)
+    lines = {**implied, **found}
+    return next((lines[key[:length]] for length in range(len(key), 0, -1) if key[:length] in lines), None)
 
 
 def _placed(table: Key, counts: dict[Key, int]) -> Key:

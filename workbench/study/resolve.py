@@ -4,28 +4,36 @@ import functools
 import typing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from controllers import scheduled_rotation, speed_servo
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
-from controllers.registry import controllers
+from controllers.registry import CONTROLLERS
+from controllers.scheduled_rotation import SCHEDULED_ROTATION
 from plants.equation import fields
-from plants.interface import Measurement, Plant
-from plants.registry import plants
+from plants.interface import Plant
+from plants.plugins import Registry
+from plants.registry import PLANTS
 from workbench import files
 from workbench.errors import UserError, nearest
-from workbench.parameters import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
+from workbench.files import SchemaError
 from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
 from workbench.study.document import Case, Study, located
+from workbench.study.parameter_tables import build_belief, build_truth
 from workbench.study.reference_tables import KINDS
-from workbench.study.schema import CaseTables, ChannelTable
+from workbench.study.schema import CaseTables
+from workbench.study.sensor_tables import build_sensors
 from workbench.units import QuantityError, si
+
+T = TypeVar("T")
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
 """Models of [plant] that stand for several plants; any registered plant's own name serves too."""
+
+ROTATED_BY = {"servo": ("motor_voltage",), "scheduled": tuple(SCHEDULED_ROTATION), "ideal": ("surface_speed",)}
+"""The input of the plant that each kind of rotation drives."""
 
 SIGMAS = 3.0
 """The noise band of the limit-cycle judge, in standard deviations of the position noise."""
@@ -45,57 +53,30 @@ class Resolved:
         return self.setup.reference or next((feed.signal for feed in self.setup.feeds), None)
 
 
-class _MistakeError(Exception):
-    """A mistake, with the key at which it stands."""
-
-    def __init__(self, key: files.Key, message: str) -> None:
-        super().__init__(message)
-        self.key = key
-
-
 def resolve(study: Study, case: Case) -> Resolved:
     """Build what a case runs.
 
     Raises:
         UserError: whatever is wrong, with file, line and key.
     """
-    tables = _validated(study, case)
     try:
-        return _resolve(tables, case)
-    except _MistakeError as mistake:
-        raise located(study, case, mistake.key, str(mistake)) from None
-
-
-def _validated(study: Study, case: Case) -> CaseTables:
-    try:
-        return files.conform(CaseTables, case.tables)
-    except files.SchemaError as error:
-        raise located(study, case, error.key, error.message) from None
+        return _resolve(files.conform(CaseTables, case.tables), case)
+    except SchemaError as mistake:
+        raise located(study, case, mistake.key, mistake.message) from None
 
 
 def _resolve(tables: CaseTables, case: Case) -> Resolved:
     plant = _plant(tables)
-    parameters = _truth(plant, tables, case.folder)
-    belief = _belief(plant, tables, case)
+    parameters = build_truth(plant, tables, case.folder)
+    belief = build_belief(plant, tables, case)
     rotation_speed, surface_speed = _rotation(plant, parameters, tables)
     state, inputs = plant.equilibrium(parameters, surface_speed)
     if tables.plant.start == "standstill":
         state, _ = plant.equilibrium(parameters, 0.0)
     state = state._replace(position=tables.plant.start_position)
-    rotary = None
-    if tables.plant.rotation == "servo" and plant.rotary_command:
-        _, believed = plant.equilibrium(belief, surface_speed)
-        settings = speed_servo.Settings(believed.motor_voltage)
-        gains = speed_servo.design(settings, belief, tables.simulation.sample_time)
-        rotary, inputs = Loop(speed_servo.SPEED_SERVO, gains), inputs._replace(motor_voltage=0.0)
-    if tables.plant.rotation == "scheduled" and plant.rotary_command:
-        _, believed = plant.equilibrium(belief, surface_speed)
-        schedule = scheduled_rotation.Settings(getattr(believed, plant.rotary_command))
-        scheduled = scheduled_rotation.SCHEDULED_ROTATION[plant.rotary_command]
-        rotary = Loop(scheduled, scheduled.design(schedule, belief, tables.simulation.sample_time))
-        inputs = inputs._replace(**{plant.rotary_command: 0.0})
+    rotary, inputs = _rotary(plant, belief, inputs, surface_speed, tables)
     loop, reference, feeds = _position_loop(plant, belief, tables, case.folder)
-    sensors = _sensors(tables)
+    sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
     simulation = tables.simulation
     setup = Setup(
@@ -125,8 +106,45 @@ def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float,
     return (tables.rpm, tables.rpm * radius) if minimum is None else (minimum / radius, minimum)
 
 
+def _rotary(
+    plant: Plant, belief: Any, inputs: Any, surface_speed: float, tables: CaseTables
+) -> tuple[Loop | None, Any]:
+    """What controls the rotation, if anything does, and the inputs without what it then gives."""
+    rotation, command = tables.plant.rotation, plant.rotary_command
+    if not command or rotation == "voltage":
+        return None, inputs
+    if command not in ROTATED_BY[rotation]:
+        raise SchemaError(
+            ("plant", "rotation"),
+            f'"{rotation}" drives {" or ".join(ROTATED_BY[rotation])}, and {plant.name} is rotated by its {command}; '
+            "expected another rotation, or another model",
+        )
+    if rotation == "ideal":
+        return None, inputs
+    _, believed = plant.equilibrium(belief, surface_speed)
+    settings: Any
+    if rotation == "servo":
+        controller, settings = speed_servo.SPEED_SERVO, speed_servo.Settings(believed.motor_voltage)
+    else:
+        controller = SCHEDULED_ROTATION[command]
+        settings = scheduled_rotation.Settings(getattr(believed, command))
+    gains = controller.design(settings, belief, tables.simulation.sample_time)
+    return Loop(controller, gains), inputs._replace(**{command: 0.0})
+
+
+def _registered(registry: Registry[T], name: str, key: files.Key, shorthands: tuple[str, ...] = ()) -> T:
+    """The plant or controller of that name."""
+    known, broken = registry.working(), registry.broken()
+    if name in known:
+        return known[name]
+    if name in broken:
+        raise SchemaError(key, broken[name])
+    hint = nearest(name, dict.fromkeys((*shorthands, *known)))
+    raise SchemaError(key, f'unknown {registry.kind.__name__.lower()} "{name}"; {hint}')
+
+
 def _plant(tables: CaseTables) -> Plant:
-    known, table, rpm = plants(), tables.plant, tables.rpm
+    table, rpm = tables.plant, tables.rpm
     model = table.model
     if model == "by_rpm":
         model = "rotating" if rpm else "non_rotating"
@@ -134,73 +152,10 @@ def _plant(tables: CaseTables) -> Plant:
         model = f"rotating_{table.bristle}{'_ideal' if table.rotation == 'ideal' else ''}"
     elif model == "drive":
         model = f"drive_{table.command}"
-    if model not in known:
-        names = dict.fromkeys((*MODELS, *known))
-        raise _MistakeError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, names)}')
-    plant = known[model]
+    plant = _registered(PLANTS, model, ("plant", "model"), MODELS)
     if rpm and not plant.rotary_command:
-        raise _MistakeError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
+        raise SchemaError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
     return plant
-
-
-def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
-    """Values of a set or file with `set` overrides, by canonical name."""
-    try:
-        values = dict(read_parameters(parameter_path(parameters, folder)))
-    except UserError as error:
-        raise _MistakeError((table, "parameters"), str(error)) from None
-    for name, value in overrides.items():
-        try:
-            values[name] = parameter_value(name, value)
-        except (UserError, QuantityError) as error:
-            raise _MistakeError((table, "set", name), str(error)) from None
-    return values
-
-
-def _truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
-    table = tables.plant
-    values = _values(table.parameters, table.set, folder, "plant")
-    _spread(values, tables, folder)
-    for name, ratio in table.scale.items():
-        if name not in values:
-            raise _MistakeError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
-        if not ratio >= 0.0:
-            raise _MistakeError(("plant", "scale", name), f"got {ratio}, expected a factor that is not negative")
-        for scaled in (name, f"{name}_negative"):
-            if scaled in values:
-                values[scaled] *= ratio
-    try:
-        return build(plant.Parameters, values, table.flow)
-    except UserError as error:
-        raise _MistakeError(
-            ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
-        ) from None
-
-
-def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
-    """Draw the parameters of [plant.spread] about their values, each direction apart where the file has both."""
-    table = tables.plant
-    deviations = read_deviations(parameter_path(table.parameters, folder))
-    for name, times in table.spread.items():
-        if name not in deviations:
-            hint = nearest(name, deviations)
-            raise _MistakeError(("plant", "spread", name), f'"{table.parameters}" gives no std for it; {hint}')
-        if not times >= 0.0:
-            raise _MistakeError(("plant", "spread", name), f"got {times}, expected a factor that is not negative")
-        for each in (name, f"{name}_negative"):
-            if each in deviations:
-                values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
-
-
-def _belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
-    belief, declared = tables.belief, case.declared
-    source = belief.parameters or declared.get("parameters", tables.plant.parameters)
-    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
-    values = _values(source, overrides, case.folder, "belief")
-    try:
-        return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
-    except UserError as error:
-        raise _MistakeError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None
 
 
 def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | None:
@@ -208,7 +163,7 @@ def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | Non
     if name is None and len(available) > 1:
         *others, last = available
         message = f'there is "{others[0]}" too: expected an axis {kind} that says which'
-        raise _MistakeError((f"{kind}s", last), message)
+        raise SchemaError((f"{kind}s", last), message)
     return name or next(iter(available), None)
 
 
@@ -218,7 +173,7 @@ def _position_loop(
     """The controller with its gains, its reference (None in open loop), and what is fed to inputs instead."""
     name = _chosen("controller", tables.controller, tables.controllers)
     if name is None:
-        raise _MistakeError(("controllers",), "is missing: expected a table such as [controllers.p]")
+        raise SchemaError(("controllers",), "is missing: expected a table such as [controllers.p]")
     controller, settings = _controller(name, tables, plant.command_unit)
     key = ("controllers", name)
     try:
@@ -226,15 +181,13 @@ def _position_loop(
             controller = controller.choose(settings, belief)
         gains = controller.design(settings, belief, tables.simulation.sample_time)
     except ValueError as error:
-        raise _MistakeError(key, str(error)) from None
+        raise SchemaError(key, str(error)) from None
     unit, target = "m", ""
     if controller is OPEN_LOOP:
         target = settings.input or plant.command
         units = {item.name: item.unit for item in fields(plant.Inputs)}
         if target not in units:
-            raise _MistakeError(
-                (*key, "input"), f'plant {plant.name} has no input "{target}"; {nearest(target, units)}'
-            )
+            raise SchemaError((*key, "input"), f'plant {plant.name} has no input "{target}"; {nearest(target, units)}')
         unit = units[target]
     reference_name = _chosen("reference", tables.reference, tables.references)
     if reference_name is None:
@@ -255,29 +208,27 @@ def _setting_hints(cls: Any) -> dict[str, tuple[Any, tuple[str, ...]]]:
 def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
     key = ("controllers", name)
     table = dict(tables.controllers[name])
-    known = controllers()
-    kind = table.pop("type", None)
-    if not isinstance(kind, str) or kind not in known:
-        message = "is missing; this key is needed here" if kind is None else f'unknown controller "{kind}"'
-        raise _MistakeError((*key, "type"), f"{message}; {nearest(str(kind), known)}")
-    controller = known[kind]
+    if "type" not in table:
+        hint = nearest("", CONTROLLERS.working())
+        raise SchemaError((*key, "type"), f"is missing; this key is needed here; {hint}")
+    controller = _registered(CONTROLLERS, str(table.pop("type")), (*key, "type"))
     settings: Any = controller.Settings
     hints = _setting_hints(settings)
     values: dict[str, Any] = {}
     for item, value in table.items():
         if item not in hints:
-            raise _MistakeError((*key, item), f"unknown key; {nearest(item, [*hints, 'type'])}")
+            raise SchemaError((*key, item), f"unknown key; {nearest(item, [*hints, 'type'])}")
         base, metadata = hints[item]
         try:
             values[item] = si(value, metadata[0], command_unit) if base is float else value
         except QuantityError as error:
-            raise _MistakeError((*key, item), str(error)) from None
+            raise SchemaError((*key, item), str(error)) from None
         if base is str and not (isinstance(value, str) and (metadata == ("any",) or value in metadata)):
             expected = "a name" if metadata == ("any",) else f"one of {', '.join(metadata)}"
-            raise _MistakeError((*key, item), f"got {value!r}, expected {expected}")
+            raise SchemaError((*key, item), f"got {value!r}, expected {expected}")
     for item in hints:
         if item not in values and item not in settings._field_defaults:
-            raise _MistakeError((*key, item), "is missing; this key is needed here")
+            raise SchemaError((*key, item), "is missing; this key is needed here")
     return controller, settings(**values)
 
 
@@ -286,44 +237,10 @@ def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> Ref
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         message = "is missing; this key is needed here" if kind is None else f'unknown kind "{kind}"'
-        raise _MistakeError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
+        raise SchemaError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
     try:
         return files.conform(KINDS[kind], table).build(unit, folder)
-    except files.SchemaError as error:
-        raise _MistakeError((*key, *error.key), error.message) from None
+    except SchemaError as error:
+        raise SchemaError((*key, *error.key), error.message) from None
     except UserError as error:
-        raise _MistakeError(key, str(error)) from None
-
-
-def _sensors(tables: CaseTables) -> Sensors:
-    channels = {}
-    for item in fields(Measurement):
-        table: ChannelTable = getattr(tables.sensors, item.name)
-        resolution = _sensor_value(table, "resolution", item.name, item.unit)
-        if table.bits is not None:
-            resolution = _sensor_value(table, "range", item.name, item.unit) / 2**table.bits
-        travel = _sensor_value(table, "calibration_travel", item.name, item.unit)
-        if table.calibration_error is not None and travel == 0.0:
-            raise _MistakeError(("sensors", item.name, "calibration_travel"), "got 0, expected a value above 0")
-        channels[item.name] = Channel(
-            _sensor_value(table, "noise", item.name, item.unit),
-            resolution,
-            table.anti_alias,
-            _sensor_value(table, "offset", item.name, item.unit, signed=True),
-            table.gain_error,
-            _sensor_value(table, "calibration_error", item.name, item.unit),
-            travel,
-        )
-    return Sensors(channels, tables.sensors.delay)
-
-
-def _sensor_value(table: ChannelTable, name: str, channel: str, unit: str, *, signed: bool = False) -> float:
-    """A setting of a sensor in SI, 0 where nothing is said."""
-    value, key = getattr(table, name), ("sensors", channel, name)
-    try:
-        number = si(value or 0.0, unit)
-    except QuantityError as error:
-        raise _MistakeError(key, str(error)) from None
-    if number < 0.0 and not signed:
-        raise _MistakeError(key, f"got {value!r}, expected a value that is not negative")
-    return number
+        raise SchemaError(key, str(error)) from None

@@ -15,7 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from controllers.registry import CONTROLLERS
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
+from plants.registry import PLANTS
 from workbench.errors import UserError
 from workbench.metrics import COLUMNS, evaluate
 from workbench.simulation.simulate import simulate, solver_error
@@ -24,7 +26,7 @@ from workbench.study.document import Case, Study, unfold
 from workbench.study.names import matches
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
-from workbench.study.store import STUDY_COPY, Store, export, trajectory_path, write_json, write_trajectory
+from workbench.study.store import Store, export, trajectory_path, write_json, write_study, write_trajectory
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
@@ -56,7 +58,7 @@ class Plan:
 
     @property
     def identity(self) -> dict[str, str]:
-        """What results must agree in to be of the same study: the file, the numbers it leads to, the program."""
+        """What results must agree in to be of the same study: the file, the numbers it leads to, all code."""
         numbers = hashlib.sha256()
         for item in self.resolved:
             setup = item.setup
@@ -70,7 +72,17 @@ class Plan:
             "study": self.study.fingerprint,
             "parameters": numbers.hexdigest(),
             "version of the program": source_hash(PROGRAM_FOLDERS),
+            "version of the plug-ins": self._plugins,
         }
+
+    @property
+    def _plugins(self) -> str:
+        """The plug-ins that the cases name, each with a hash of its source; "" where there are none."""
+        used = {item.setup.plant for item in self.resolved}
+        types = {str(table.get("type")) for case in self.cases for table in case.tables["controllers"].values()}
+        sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
+        sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
+        return ", ".join(f"{name} {source}" for name, source in sources if source)
 
     @property
     def simulated_seconds(self) -> float:
@@ -151,7 +163,7 @@ def run_study(
     else:
         store = Store.create(folder, planned.columns, planned.identity, overwrite)
     try:
-        (folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
+        write_study(study, folder)
         kept = {case.index for case in planned.cases} if keep_all else needed_trajectories(planned)
         paths = {index: trajectory_path(folder.resolve(), index) for index in kept}
         done = {index for index in store.done() if index not in paths or paths[index].exists()}

@@ -1,6 +1,7 @@
 """A folder of results: results.sqlite while the study runs, tables for people and programs when it is done.
 
 study.toml        the study as it was run
+scenarios/        the scenario files that it names
 results.sqlite    one row a finished case, committed as it ends
 results.csv, results.parquet, run.json        written when all cases are done
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
@@ -18,14 +19,19 @@ import pandas as pd
 
 from workbench.errors import UserError
 from workbench.simulation.simulate import Run
+from workbench.study.document import Study
+from workbench.study.scenarios import FOLDER as SCENARIOS
 
 DATABASE = "results.sqlite"
 INDEX = "case_index"
 """The column of the database that orders the cases; not exported."""
 
 STUDY_COPY = "study.toml"
-OURS = (STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures", DATABASE)
+REPLACED = (STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures", DATABASE)
 """What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
+
+OURS = (SCENARIOS, *REPLACED)
+"""With the scenarios, of which no file is removed: studies look for theirs in a folder of that name."""
 
 
 class Store:
@@ -52,7 +58,7 @@ class Store:
             raise UserError(f"{folder}: holds {', '.join(foreign)} that no run wrote; choose another folder with --out")
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            for name in OURS:
+            for name in REPLACED:
                 path = folder / name
                 if path.is_dir():
                     shutil.rmtree(path)
@@ -115,6 +121,15 @@ class Store:
     def close(self) -> None:
         """Release the file."""
         self._connection.close()
+
+
+def write_study(study: Study, folder: Path) -> None:
+    """Copy a study and the scenario files that it names, so that it can be run again from there."""
+    (folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
+    for name, (_, text) in study.sources.items():
+        path = folder / SCENARIOS / f"{name}.toml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
 
 
 def _quoted(name: str) -> str:

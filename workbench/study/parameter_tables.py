@@ -1,0 +1,82 @@
+"""[plant] and [belief]: from their sets, files and changes to the plant's parameters, true and believed."""
+
+from pathlib import Path
+from typing import Any
+
+from plants.interface import Plant
+from workbench.errors import UserError, nearest
+from workbench.files import SchemaError
+from workbench.parameters import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
+from workbench.study.document import Case
+from workbench.study.schema import CaseTables
+from workbench.units import QuantityError
+
+
+def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
+    """Values of a set or file with `set` overrides, by canonical name."""
+    try:
+        values = dict(read_parameters(parameter_path(parameters, folder)))
+    except UserError as error:
+        raise SchemaError((table, "parameters"), str(error)) from None
+    for name, value in overrides.items():
+        try:
+            values[name] = parameter_value(name, value)
+        except (UserError, QuantityError) as error:
+            raise SchemaError((table, "set", name), str(error)) from None
+    return values
+
+
+def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
+    """The plant's parameters: a set or file of [plant], with `set`, `spread` and `scale` over it, in that order.
+
+    Raises:
+        SchemaError: unknown parameters, impossible values, or values that do not serve the plant.
+    """
+    table = tables.plant
+    values = _values(table.parameters, table.set, folder, "plant")
+    _spread(values, tables, folder)
+    for name, ratio in table.scale.items():
+        if name not in values:
+            raise SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
+        if not ratio >= 0.0:
+            raise SchemaError(("plant", "scale", name), f"got {ratio}, expected a factor that is not negative")
+        for scaled in (name, f"{name}_negative"):
+            if scaled in values:
+                values[scaled] *= ratio
+    try:
+        return build(plant.Parameters, values, table.flow)
+    except UserError as error:
+        raise SchemaError(
+            ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
+        ) from None
+
+
+def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
+    """Draw the parameters of [plant.spread] about their values, each direction apart where the file has both."""
+    table = tables.plant
+    deviations = read_deviations(parameter_path(table.parameters, folder))
+    for name, times in table.spread.items():
+        if name not in deviations:
+            hint = nearest(name, deviations)
+            raise SchemaError(("plant", "spread", name), f'"{table.parameters}" gives no std for it; {hint}')
+        if not times >= 0.0:
+            raise SchemaError(("plant", "spread", name), f"got {times}, expected a factor that is not negative")
+        for each in (name, f"{name}_negative"):
+            if each in deviations:
+                values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
+
+
+def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
+    """What controllers believe the parameters to be: [belief], else what [plant] declares; never a scenario.
+
+    Raises:
+        SchemaError: as `build_truth`.
+    """
+    belief, declared = tables.belief, case.declared
+    source = belief.parameters or declared.get("parameters", tables.plant.parameters)
+    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
+    values = _values(source, overrides, case.folder, "belief")
+    try:
+        return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
+    except UserError as error:
+        raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None
