@@ -6,9 +6,8 @@ from controllers.interface import Controller, Reference
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
 
-DAMPING = 1.0
-BANDWIDTH_RATIO = 3.0
-"""Closed-loop natural frequency, as a multiple of the motor's own mechanical rate constant."""
+CROSSOVER = 0.5
+"""Crossover of the loop, as a share of the winding's rate constant R_m/L_m: damping 0.71 (magnitude optimum)."""
 
 
 class Settings(NamedTuple):
@@ -49,18 +48,19 @@ def start(measurement: Measurement, gains: Gains) -> State:
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
-    """Gains for two equal poles at `BANDWIDTH_RATIO` times the motor's own rate constant.
+    """PI control by the magnitude optimum: its zero at the slow pole, its gain as the winding admits.
 
     With the winding taken as instantaneous, J domega/dt = K_t (V - K_b omega)/R_m - B omega has the rate constant
-    a = (K_t K_b / R_m + B)/J and the gain b = K_t/(R_m J); PI control gives s^2 + (a + b K_p) s + b K_i.
+    a = (K_t K_b / R_m + B)/J and the gain b = K_t/(R_m J). K_p = omega_c/b and K_i = a K_p leave the loop
+    omega_c/s (1 + s L_m/R_m).
     """
     motor = belief.motor
-    inertia = motor.rotary_mass * motor.piston_radius**2
+    inertia = motor.rotary_inertia
     damping = belief.friction.positive.viscous * motor.piston_radius**2
     rate = (motor.torque_constant * motor.back_emf_constant / motor.motor_resistance + damping) / inertia
     gain = motor.torque_constant / (motor.motor_resistance * inertia)
-    natural = BANDWIDTH_RATIO * rate
-    return Gains((2.0 * DAMPING * natural - rate) / gain, natural**2 / gain, settings.bias)
+    proportional = CROSSOVER * motor.motor_resistance / motor.motor_inductance / gain
+    return Gains(proportional, rate * proportional, settings.bias)
 
 
 SPEED_SERVO = Controller(

@@ -95,6 +95,9 @@ NEGATIVE = "negative"
 """A nested tuple in a field of this name holds the values for motion in the negative direction; its numbers
 are known to users by their plain name with `_negative` behind it."""
 
+ROTARY = "rotary"
+"""The same for what acts around the rod: `_rotary`."""
+
 
 @functools.cache
 def fields(cls: Any) -> tuple[Field, ...]:
@@ -111,18 +114,19 @@ def _walk(cls: Any, suffix: str) -> Iterator[Field]:
             default = cls._field_defaults.get(name)
             yield Field(name + suffix, unit, scale[0] if scale else 1.0, default)
         else:
-            yield from _walk(hint, suffix + (f"_{NEGATIVE}" if name == NEGATIVE else ""))
+            yield from _walk(hint, suffix + (f"_{name}" if name in (NEGATIVE, ROTARY) else ""))
 
 
 def to_array(value: Any) -> np.ndarray:
     """A (nested) NamedTuple of floats as one vector, in the order of `fields`."""
-    return np.array(list(_leaves(value)), dtype=float)
+    return np.array(list(leaves(value)), dtype=float)
 
 
-def _leaves(value: Any) -> Iterator[Any]:
+def leaves(value: Any) -> Iterator[Any]:
+    """The numbers, arrays or symbols of a (nested) NamedTuple, in the order of `fields`."""
     if isinstance(value, tuple):
         for item in value:
-            yield from _leaves(item)
+            yield from leaves(item)
     else:
         yield value
 

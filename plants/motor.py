@@ -13,7 +13,7 @@ class Motor(NamedTuple):
     balance that the printed constants leave open.
     """
 
-    rotary_mass: Annotated[float, "kg"]
+    rotary_inertia: Annotated[float, "kg m^2"]
     piston_radius: Annotated[float, "m"]
     torque_constant: Annotated[float, "N m/A"]
     back_emf_constant: Annotated[float, "V s/rad"]
@@ -23,8 +23,9 @@ class Motor(NamedTuple):
 
 @equation
 def surface_acceleration(current: Scalar, rotary_friction: Scalar, p: Motor) -> Scalar:
-    """dw/dt (m/s^2) = (K_t i / R - F_rotary) / M_r, M_r the inertia as a mass at the surface. Thesis (3.41)."""
-    return (p.torque_constant * current / p.piston_radius - rotary_friction) / p.rotary_mass
+    """dw/dt (m/s^2) = (K_t i - F_rotary R) R / J. Thesis (3.41), which takes M R^2 for J."""
+    torque = p.torque_constant * current - rotary_friction * p.piston_radius
+    return torque * p.piston_radius / p.rotary_inertia
 
 
 @equation

@@ -5,10 +5,20 @@ from plants.equation import fields
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
 from plants.plugins import Registry
-from plants.rotating import HELICAL, ISOTROPIC
-from plants.rotating_ideal import HELICAL_IDEAL, ISOTROPIC_IDEAL
+from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
+from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
 
-_OURS = (NON_ROTATING, HELICAL, HELICAL_IDEAL, ISOTROPIC, ISOTROPIC_IDEAL, DRIVE_FORCE, DRIVE_VOLTAGE)
+_OURS = (
+    NON_ROTATING,
+    HELICAL,
+    HELICAL_IDEAL,
+    ISOTROPIC,
+    ISOTROPIC_IDEAL,
+    ANISOTROPIC,
+    ANISOTROPIC_IDEAL,
+    DRIVE_FORCE,
+    DRIVE_VOLTAGE,
+)
 
 
 def _check(plant: Plant) -> None:

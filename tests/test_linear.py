@@ -8,6 +8,7 @@ import control
 import numpy as np
 import pytest
 
+from plants.bristles import HelicalBristle
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
@@ -24,7 +25,8 @@ SET = read_parameters(named_sets()["owen2001_simulation"])
 AREA_1 = AREA_2 = SET["piston_area_1"]
 BETA, K, P_S = SET["bulk_modulus"], SET["valve_flow_gain"], SET["supply_pressure"]
 VOLUME = 2.0 * SET["hose_volume"] + AREA_1 * SET["stroke"]
-M, M_ROTARY, RADIUS = SET["mass"], SET["rotary_mass"], SET["piston_radius"]
+M, RADIUS = SET["mass"], SET["piston_radius"]
+M_ROTARY = SET["rotary_inertia"] / RADIUS**2
 A0, A1, A2, V_S = SET["coulomb"], SET["stribeck"], SET["viscous"], SET["stribeck_velocity"]
 S0, S1 = SET["bristle_stiffness"], SET["bristle_damping"]
 
@@ -104,8 +106,10 @@ def test_rotating_jacobian_is_appendix_c(v: float, z: float, surface_speed: floa
         [v * bend, w * bend, -S0 * h / g],
     ]
     parameters = build(HELICAL.Parameters, SET)
-    a, b = jacobians(HELICAL, parameters, HelicalState(0.01, v, 1e6, w, z, 5.0, 1e-4), Inputs(1.0, 20.0, 0.0))
-    names = list(HelicalState._fields)
+    a, b = jacobians(
+        HELICAL, parameters, HelicalState(0.01, v, 1e6, w, HelicalBristle(z), 5.0, 1e-4), Inputs(1.0, 20.0, 0.0)
+    )
+    names = [item.name for item in fields(HelicalState)]
     chosen = [names.index(name) for name in ("velocity", "surface_speed", "bristle_deflection")]
     np.testing.assert_allclose(a[np.ix_(chosen, chosen)], expected, rtol=1e-9)
     current, speed = names.index("motor_current"), names.index("surface_speed")

@@ -521,7 +521,7 @@ def test_schedule_follows_from_position_and_speed_sensors_alone(plant: str) -> N
     setup = replace(setup, rotary=scheduled_loop(setup))
     setup = replace(setup, inputs=setup.inputs._replace(**{str(setup.plant.rotary_command): 0.0}))
     truth = setup.parameters._replace(
-        motor=setup.parameters.motor._replace(rotary_mass=40.0, torque_constant=0.7),
+        motor=setup.parameters.motor._replace(rotary_inertia=0.015, torque_constant=0.7),
         body=setup.parameters.body._replace(mass=50.0),
     )
     run = simulate(replace(setup, parameters=truth, sensors=Sensors({"position": Channel(2e-6)})))

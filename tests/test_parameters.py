@@ -67,7 +67,7 @@ def test_every_set_builds_the_plants_that_it_is_meant_for(name: str) -> None:
         else:
             built.add(plant.name)
             assert plant.command_limit(parameters) > 0.0
-    rotating = {f"rotating_{law}{kind}" for law in ("helical", "isotropic") for kind in ("", "_ideal")}
+    rotating = {f"rotating_{law}{kind}" for law in ("helical", "isotropic", "anisotropic") for kind in ("", "_ideal")}
     expected = {"drive_force"} if name == "canudas1995" else {"drive_force", "non_rotating"} | rotating
     assert built == expected
 

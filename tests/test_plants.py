@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 
 from controllers.pid import PID, Settings
 from plants.drive import DRIVE_FORCE
-from plants.equation import fields, from_array, to_array
+from plants.equation import fields, from_array, leaves, to_array
 from plants.friction import LuGre, steady_friction
 from plants.interface import Plant, compile_derivatives
 from plants.non_rotating import NON_ROTATING
 from plants.registry import plants
-from plants.rotating import HELICAL, ISOTROPIC
+from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from workbench.linear import symbolic
 from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
@@ -67,7 +67,7 @@ def test_derivatives_are_the_same_in_numpy_compiled_code_and_casadi(plant: Plant
         return plant.derivatives(0.0, from_array(plant.State, x), from_array(plant.Inputs, u), parameters)
 
     scalars = np.array([to_array(in_numpy(x, u)) for x, u in zip(states, inputs, strict=True)])
-    arrays = np.column_stack(np.broadcast_arrays(*in_numpy(states.T, inputs.T)))
+    arrays = np.column_stack(np.broadcast_arrays(*leaves(in_numpy(states.T, inputs.T))))
     native = np.array([in_compiled_code(x, u) for x, u in zip(states, inputs, strict=True)])
     symbols = casadi_function(states.T, inputs.T, constants)[0].full().T
     size = np.max(np.abs(scalars), axis=0)
@@ -86,11 +86,11 @@ def test_equilibrium_has_no_rates(plant: Plant, parameters: Any, surface_speed: 
 
 
 @pytest.mark.parametrize("surface_speed", SPEEDS[1:])
-@pytest.mark.parametrize("rotating", [HELICAL, ISOTROPIC], ids=lambda plant: plant.name)
+@pytest.mark.parametrize("rotating", [HELICAL, ISOTROPIC, ANISOTROPIC], ids=lambda plant: plant.name)
 def test_constant_voltage_holds_the_speed(rotating: Plant, surface_speed: float) -> None:
     """F_rotary = g(w) + a2 w; current F R/K_t, voltage R_m i + K_bemf w/R by hand; and a run stays at that speed."""
     p = SIMULATION
-    setup = at_rest(rotating, p, surface_speed, duration=1.0)
+    setup = at_rest(rotating, p, surface_speed, duration=1.0, integrator=Integrator(tolerance=1e-9))
     level = p["coulomb"] + p["stribeck"] * np.exp(-((surface_speed / p["stribeck_velocity"]) ** 2))
     current = (level + p["viscous"] * surface_speed) * p["piston_radius"] / p["torque_constant"]
     emf = p["back_emf_constant"] * surface_speed / p["piston_radius"]
@@ -100,9 +100,13 @@ def test_constant_voltage_holds_the_speed(rotating: Plant, surface_speed: float)
     assert run.state("motor_current") == pytest.approx(current, rel=1e-6)
 
 
-@pytest.mark.parametrize("rotating", [ISOTROPIC, plants()["rotating_isotropic_ideal"]], ids=lambda plant: plant.name)
+@pytest.mark.parametrize(
+    "rotating",
+    [ISOTROPIC, plants()["rotating_isotropic_ideal"], ANISOTROPIC, plants()["rotating_anisotropic_ideal"]],
+    ids=lambda plant: plant.name,
+)
 @pytest.mark.parametrize("values", [SIMULATION, EXPERIMENT], ids=["simulation", "experiment"])
-def test_isotropic_without_rotation_is_non_rotating(rotating: Plant, values: Any) -> None:
+def test_a_plane_bristle_without_rotation_is_non_rotating(rotating: Plant, values: Any) -> None:
     """The whole trajectory of a closed loop that reverses and sticks, with either set (the second has directions)."""
     runs = []
     for plant in (NON_ROTATING, rotating):
@@ -116,7 +120,7 @@ def test_isotropic_without_rotation_is_non_rotating(rotating: Plant, values: Any
     bristles = ("bristle_deflection", "bristle_axial")
     for name, same in (("position",) * 2, ("velocity",) * 2, ("load_pressure",) * 2, bristles):
         ours, theirs = still.state(name), turning.state(same)
-        assert np.max(np.abs(ours - theirs)) < 1e-9 * np.max(np.abs(ours)), name
+        assert np.max(np.abs(ours - theirs)) < 1e-7 * np.max(np.abs(ours)), name
     assert np.max(np.abs(turning.state("bristle_rotary"))) == 0.0
 
 

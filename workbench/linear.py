@@ -18,7 +18,7 @@ import casadi
 import control
 import numpy as np
 
-from plants.equation import fields, from_array, to_array
+from plants.equation import fields, from_array, leaves, to_array
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
 
@@ -148,7 +148,7 @@ def symbolic(plant: Plant) -> casadi.Function:
     vectors = {name: casadi.SX.sym(name, len(fields(cls))) for name, cls in classes.items()}
     arguments = [from_array(cls, casadi.vertsplit(vectors[name])) for name, cls in classes.items()]
     with _numpy_functions_of_symbols():
-        rates = casadi.vertcat(*plant.derivatives(EVALUATION_TIME, *arguments))
+        rates = casadi.vertcat(*leaves(plant.derivatives(EVALUATION_TIME, *arguments)))
         signals = casadi.vertcat(*plant.signals(EVALUATION_TIME, *arguments))
     return casadi.Function(plant.name, [*vectors.values()], [rates, signals], [*vectors], ["rates", "signals"])
 

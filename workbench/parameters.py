@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.files as toml
-from plants.equation import NEGATIVE, fields, from_array
+from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.registry import plants
 from workbench.errors import UserError, nearest
@@ -35,6 +35,8 @@ MAY_BE_ZERO = {
     "spring_stiffness",
     "valve_overlap",
     "leakage_coefficient",
+    "guide_coulomb",
+    "guide_stribeck",
 }
 
 LEAST_SHARE = 0.1
@@ -162,9 +164,14 @@ def parameter_value(name: str, value: Any) -> float:
     return number
 
 
+def plain_name(name: str) -> str:
+    """A parameter's name without what says for which direction, or around the rod, it holds."""
+    return name.removesuffix(f"_{NEGATIVE}").removesuffix(f"_{ROTARY}")
+
+
 def check_range(name: str, number: float) -> None:
     """Raise UserError where `number` (SI) is impossible for the parameter."""
-    plain = name.removesuffix(f"_{NEGATIVE}")
+    plain = plain_name(name)
     if plain in SIGNED:
         return
     if number < 0.0:
@@ -176,7 +183,7 @@ def check_range(name: str, number: float) -> None:
 def build(cls: Any, values: Mapping[str, float], flow: str = "derived") -> Any:
     """The parameters of a plant class from values by canonical name; values that it does not know are left out.
 
-    A `_negative` value that is not given is that of the positive direction.
+    A `_negative` value that is not given is that of the positive direction, and so is a `_rotary` one.
 
     Raises:
         UserError: parameters are missing, or the values do not fit together.
@@ -184,14 +191,13 @@ def build(cls: Any, values: Mapping[str, float], flow: str = "derived") -> Any:
     available = {**values, FLOW_SHARE: FLOW_LAWS[flow]}
     numbers, missing = [], []
     for item in fields(cls):
-        plain = item.name.removesuffix(f"_{NEGATIVE}")
-        number = available.get(item.name, available.get(plain, item.default))
+        number = available.get(item.name, available.get(plain_name(item.name), item.default))
         if number is None:
             missing.append(item.name)
         else:
             numbers.append(number)
     if missing:
-        needed = dict.fromkeys(name.removesuffix(f"_{NEGATIVE}") for name in missing)
+        needed = dict.fromkeys(map(plain_name, missing))
         raise UserError(f"the parameter set lacks {', '.join(needed)}")
     _check_together(available, [item.name for item in fields(cls)])
     return from_array(cls, numbers)
@@ -215,9 +221,10 @@ def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:
             f"piston areas {values['piston_area_1']:g} and {values['piston_area_2']:g} m^2 differ: the load-pressure "
             "form holds for equal areas only"
         )
-    for suffix in ("", f"_{NEGATIVE}"):
+    for suffix in ("", f"_{NEGATIVE}", f"_{ROTARY}"):
         level = [values.get(f"{name}{suffix}", values.get(name)) for name in ("coulomb", "stribeck")]
-        if level == [0.0, 0.0] and values.get("bristle_stiffness"):
+        stiffness = values.get(f"bristle_stiffness{suffix}", values.get("bristle_stiffness"))
+        if level == [0.0, 0.0] and stiffness:
             raise UserError(
                 f"coulomb{suffix} and stribeck{suffix} are both 0: a contact without any friction level needs "
                 "bristle_stiffness = 0 too"

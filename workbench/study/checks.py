@@ -168,7 +168,7 @@ def _settings(case: Case, family: Sequence[Plant], parameters: Iterable[str]) ->
     table = case.tables["plant"]
     rotates = any(plant.rotary_command is not None for plant in family)
     valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))
-    features = {"bristle": rotates, "rotation": rotates, "start": rotates, "flow": valve}
+    features = {"bristle": rotates, "inertia": rotates, "rotation": rotates, "start": rotates, "flow": valve}
     features["command"] = table["model"] == "drive"
     found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
     for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):

@@ -26,6 +26,13 @@ def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str
     return values
 
 
+def _with_inertia(plant: Plant, values: dict[str, float], kind: str) -> dict[str, float]:
+    """Values with the rotary inertia that the study asks for: "mass" is the thesis's M R^2 (section 3.3.1.2)."""
+    if kind == "mass" and plant.rotary_command and {"mass", "piston_radius"} <= values.keys():
+        return {**values, "rotary_inertia": values["mass"] * values["piston_radius"] ** 2}
+    return values
+
+
 def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
     """The plant's parameters: a set or file of [plant], with `set`, `spread` and `scale` over it, in that order.
 
@@ -44,7 +51,7 @@ def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
             if scaled in values:
                 values[scaled] *= ratio
     try:
-        return build(plant.Parameters, values, table.flow)
+        return build(plant.Parameters, _with_inertia(plant, values, table.inertia), table.flow)
     except UserError as error:
         raise SchemaError(
             ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
@@ -77,6 +84,7 @@ def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
     overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
     values = _values(source, overrides, case.folder, "belief")
     try:
+        values = _with_inertia(plant, values, declared.get("inertia", "own"))
         return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
     except UserError as error:
         raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None

@@ -41,7 +41,8 @@ class PlantTable(Strict):
 
     model: str
     parameters: str
-    bristle: Literal["helical", "isotropic"] = "helical"
+    bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
+    inertia: Literal["own", "mass"] = "own"
     rotation: Literal["voltage", "servo", "ideal", "scheduled"] = "voltage"
     minimum_helical_speed: Annotated[float, BeforeValidator(partial(si, unit="m/s")), Field(gt=0.0)] | None = None
     start: Literal["turning", "standstill"] = "turning"
