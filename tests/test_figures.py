@@ -142,6 +142,16 @@ def test_curves_differ_in_colour_and_dash(tmp_path: Path) -> None:
     assert len({line.get_color() for line in drawn}) == 5
 
 
+def test_sixteen_curves_and_a_level_all_differ(tmp_path: Path) -> None:
+    store(tmp_path, position=TIME)
+    curves = [{"y": "position", "where": {"rpm": 0}, "label": str(i)} for i in range(16)]
+    spec = figure({"x_label": "x", "y_label": "y (mm)", "y_unit": "mm", "curves": curves, "levels": {"true": 0.769}})
+    level, *drawn = lines(spec, tmp_path)
+    assert set(level.get_ydata()) == {0.769}
+    assert len({(line.get_color(), str(line._dash_pattern)) for line in drawn}) == 16
+    assert draw(spec, FRAME, tmp_path).axes[0].get_ylabel() == "y (mm)"
+
+
 def test_three_formats_and_the_same_bytes_twice(tmp_path: Path) -> None:
     store(tmp_path, velocity=TIME, axial_friction=TIME**3)
     curve = {"y": "axial_friction", "where": {"rpm": 0}, "label": "a", "fit": "cubic"}
@@ -231,10 +241,10 @@ def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch:
             "rpm": [0, 0, 460, 460],
             "controller": ["p", "pd", "p", "pd"],
             "outcome": ["completed"] * 4,
-            "rms_error_m": [4.0, 3.0, 2.0, 1.0],
+            "rms_error_m": [4e-3, 3e-3, 2e-3, 1e-3],
         }
     )
-    drawn: list[FigureSpec] = []
+    drawn: list[FigureSpec] = []  # the last one in mm, since all is below 1 m
 
     def watched(spec: FigureSpec, *rest: Any) -> Any:
         drawn.append(spec)
@@ -242,10 +252,12 @@ def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr("workbench.report.figures.draw", watched)
     quick_plot(tmp_path, frame, "rpm", ["rms_error_m"], {}, tmp_path / "a.png")
-    curves = drawn[0].panels[0].curves
-    assert [curve.label for curve in curves] == ["rms_error_m, controller p", "rms_error_m, controller pd"]
-    values = [line.get_ydata().tolist() for line in draw(drawn[0], frame, tmp_path).axes[0].lines]
-    assert values == [[4.0, 2.0], [3.0, 1.0]]
+    panel = drawn[-1].panels[0]
+    assert (panel.y_label, panel.y_unit, panel.legend) == ("rms error", "mm", "outside")
+    curves = panel.curves
+    assert [curve.label for curve in curves] == ["p", "pd"]
+    values = [line.get_ydata().tolist() for line in draw(drawn[-1], frame, tmp_path).axes[0].lines]
+    np.testing.assert_allclose(values, [[4.0, 2.0], [3.0, 1.0]])
 
 
 def test_text_on_an_axis(tmp_path: Path) -> None:

@@ -74,6 +74,24 @@ def test_two_columns_with_published_values_keep_both() -> None:
     }
 
 
+def test_open_axes_are_columns_and_units_are_told_once() -> None:
+    frame = pd.DataFrame(
+        {"rpm": [0, 0, 460], "controller": ["p", "pd", "p"], "outcome": ["completed"] * 3, "rms_error_m": [1e-3] * 3}
+    )
+    spec = TableSpec(
+        name="t",
+        title="t",
+        index="rpm",
+        compared_with="reference",
+        columns=[{"result": "rms_error_m", "label": "rms (mm)", "unit": "mm", "published": {"0": 2.0}}],
+    )
+    found = make_table(spec, frame)
+    assert list(found.columns) == [
+        "rpm", "controller", "rms (mm), this program", "reference", "difference", "difference (%)"
+    ]  # fmt: skip
+    assert found["controller"].tolist() == ["p", "pd", "p"]
+
+
 def test_rows_of_single_figures() -> None:
     found = table(
         rows=[

@@ -135,9 +135,10 @@ def table(
         print(columns_of(frame, column or [], _conditions(where)).to_markdown(index=False, floatfmt=".6g"))
         return
     study = read_study(folder / STUDY_COPY)
-    if not study.file.tables:
+    if not study.file.tables and not study.file.comparison:
         raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
     _tables(folder, study.file)
+    _comparison(folder, study, frame)
 
 
 @app.command()
@@ -159,10 +160,11 @@ def plot(
         print(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
-    if not study.file.figures:
+    if not study.file.figures and not study.file.comparison:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for spec in study.file.figures:
         print("wrote " + ", ".join(str(path) for path in write_figure(spec, frame, folder)))
+    _comparison(folder, study, frame)
 
 
 def _say_plan(planned: Any) -> None:
@@ -194,7 +196,6 @@ def _conditions(where: list[str] | None) -> dict[str, str]:
 
 def _report(folder: Path, planned: Any) -> None:
     """Tables and figures of finished results, and which cases did not simply complete."""
-    from workbench.report.comparison_page import write_comparison
     from workbench.report.figures import write_figure
     from workbench.study.store import read_results
 
@@ -203,13 +204,27 @@ def _report(folder: Path, planned: Any) -> None:
     cycles = _limit_cycles(folder, planned, frame)
     for spec in file.figures:
         write_figure(spec, frame, folder)
-    for page in write_comparison(file, frame, folder):
-        print(f"wrote {page}")
+    compares = _comparison(folder, planned.study, frame)
     unusual = frame[frame["outcome"] != "completed"]
     for outcome, count in unusual["outcome"].value_counts().items():
         print(f"{count} of {len(frame)} cases: {outcome}")
-    written = ["results.csv"] + ["tables/"] * (bool(file.tables) or cycles) + ["figures/"] * bool(file.figures)
-    print(f"results in {folder}: {', '.join(written)}")
+    made = {
+        "results.csv": True,
+        "tables/": bool(file.tables) or cycles or compares,
+        "figures/": bool(file.figures) or compares,
+        "comparison.html": compares,
+    }
+    print(f"results in {folder}: {', '.join(name for name, there in made.items() if there)}")
+
+
+def _comparison(folder: Path, study: Any, frame: Any) -> bool:
+    """The page of a comparison with its tables and figures; whether the study asks for one."""
+    from workbench.report.comparison_page import write_comparison
+
+    pages = write_comparison(study, frame, folder)
+    for page in pages:
+        print(f"wrote {page}")
+    return bool(pages)
 
 
 def _limit_cycles(folder: Path, planned: Any, frame: Any) -> bool:

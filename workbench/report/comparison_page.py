@@ -5,9 +5,10 @@ from pathlib import Path
 import pandas as pd
 from jinja2 import Environment
 
-from workbench.report.comparison import Pivot, sentences, write_tables
+from workbench.report.comparison import exactness, plain_name, rule, sentences, write_tables
 from workbench.report.comparison_figures import write_figures
-from workbench.study.schema import StudyFile
+from workbench.study.document import Study
+from workbench.study.scenarios import read_scenario
 
 _MARKDOWN = """\
 # {{ title }}
@@ -18,22 +19,32 @@ _MARKDOWN = """\
 {% for line in assumptions %}
 - {{ line }}
 {%- endfor %}
+
+Tables: {% for scenario in words %}[{{ scenario | plain }}](#tables-{{ scenario | replace("_", "-") }})
+{%- if not loop.last %}, {% endif %}{% endfor %}.
 {% for scenario, lines in words.items() %}
-## {{ scenario | replace("_", " ") | capitalize }}
-{% for line in lines %}
+## {{ scenario | plain | capitalize }}
+{% if titles[scenario] %}
+{{ titles[scenario] }}.
+{% endif %}
+{%- for line in lines %}
 - {{ line }}
 {%- endfor %}
 {% endfor %}
 ## Figures
 {% for picture in pictures %}
-![{{ picture.stem | replace("_", " ") }}](figures/{{ picture.name }})
+![{{ picture.path.stem | plain }}](figures/{{ picture.path.name }})
+
+*{{ picture.caption }}*
 {% endfor %}
-## Tables
-{% for pivot in pivots %}
+{%- for scenario in words %}
+## Tables: {{ scenario | plain }}
+{% for pivot in pivots if pivot.scenario == scenario %}
 **{{ pivot.title }}**
 
-{{ pivot.cells.to_markdown(index=False) }}
-{% endfor %}"""
+{{ pivot.cells.to_markdown(index=False, disable_numparse=True) }}
+{% endfor %}
+{%- endfor %}"""
 
 _HTML = """\
 <!doctype html>
@@ -46,6 +57,9 @@ body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 
 table { border-collapse: collapse; margin: 0.5em 0 1.5em; font-size: 0.85em; }
 caption { text-align: left; font-weight: bold; padding: 0.3em 0; }
 th, td { border-bottom: 1px solid #ccc; padding: 0.15em 0.8em; text-align: right; }
+summary { cursor: pointer; font-weight: bold; margin: 0.5em 0; }
+figure { margin: 1.5em 0; }
+figcaption { font-size: 0.9em; }
 img { max-width: 100%; }
 </style>
 </head>
@@ -53,47 +67,57 @@ img { max-width: 100%; }
 <h1>{{ title }}</h1>
 <p>{{ question }}</p>
 <p>{{ scope }}</p>
-<ul>{% for line in assumptions %}<li>{{ line }}</li>{% endfor %}</ul>
+<ul>{% for line in assumptions %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<p><a href="#figures">Figures</a>, <a href="#tables">tables</a></p>
 {% for scenario, lines in words.items() %}
-<h2>{{ scenario | replace("_", " ") | capitalize }}</h2>
+<h2>{{ scenario | plain | capitalize }}</h2>
+{% if titles[scenario] %}<p>{{ titles[scenario] }}.</p>
+{% endif %}
 <ul>{% for line in lines %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% endfor %}
-<h2>Figures</h2>
+<h2 id="figures">Figures</h2>
 {% for picture in pictures %}
-<p><img src="figures/{{ picture.name }}" alt="{{ picture.stem | replace("_", " ") }}"></p>
+<figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
+<figcaption>{{ picture.caption }}</figcaption></figure>
 {% endfor %}
-<h2>Tables</h2>
-{% for pivot in pivots %}
+<h2 id="tables">Tables</h2>
+{% for scenario in words %}
+<details><summary>{{ scenario | plain | capitalize }}</summary>
+{% for pivot in pivots if pivot.scenario == scenario %}
 <table>
 <caption>{{ pivot.title }}</caption>
-<tr>{% for name in pivot.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+<tr>{% for name in pivot.cells.columns %}<th>{{ name | plain }}</th>{% endfor %}</tr>
 {% for row in pivot.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</table>
+{% endfor %}
+</details>
 {% endfor %}
 </body>
 </html>
 """
 
 
-def write_comparison(file: StudyFile, frame: pd.DataFrame, folder: Path) -> list[Path]:
-    """Write tables, figures, comparison.md and comparison.html of a study with a [comparison]; returns the pages."""
-    spec = file.comparison
+def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write tables, figures, comparison.md and comparison.html; returns the pages. None without a [comparison]."""
+    spec = study.file.comparison
     if spec is None:
         return []
-    made: list[Pivot] = write_tables(spec, frame, folder / "tables")
     content = {
-        "title": file.title,
-        "question": file.question,
+        "title": study.file.title,
+        "question": study.file.question,
         "scope": _scope(frame),
-        "assumptions": spec.assumptions,
+        "assumptions": [rule(spec), exactness(spec, frame), *spec.assumptions],
+        "titles": {name: read_scenario(path)[0].title for name, (path, _) in study.sources.items()},
         "words": sentences(spec, frame),
         "pictures": write_figures(spec, frame, folder / "figures"),
-        "pivots": made,
+        "pivots": write_tables(spec, frame, folder / "tables"),
     }
     pages = []
     for name, template, escape in (("comparison.md", _MARKDOWN, False), ("comparison.html", _HTML, True)):
         environment = Environment(autoescape=escape, keep_trailing_newline=True)
+        environment.filters["plain"] = plain_name
         page = folder / name
         page.write_text(environment.from_string(template).render(content), encoding="utf-8")
         pages.append(page)

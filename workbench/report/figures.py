@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 
 from workbench.errors import UserError, nearest
 from workbench.report.select import rows, trajectory
-from workbench.report.style import COLOURS, DASHES, MARKERS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style
-from workbench.report.tables import shown_number
-from workbench.study.names import in_words, shown_factor, signal_units, unit_of_column
+from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
+from workbench.report.tables import shown_number, with_unit
+from workbench.study.names import BASE_UNITS, in_words, shown_factor, signal_units, unit_of_column
 from workbench.study.schema import Curve, FigureSpec, Panel
 
 FORMATS = ("pdf", "svg", "png")
@@ -58,21 +58,22 @@ def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> list[Pa
 
 def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str) -> None:
     number = -1
+    first_dash = int(any(curve.style == "reference" for curve in panel.curves))
+    for name_of_level, level in panel.levels.items():
+        axes.axhline(level, **REFERENCE, label=name_of_level)
     for curve in panel.curves:
         number += curve.style != "reference"
-        style = {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
-        if curve.style == "reference":
-            style = {"color": REFERENCE, "linestyle": "-"}
-        elif curve.style == "points":
-            style |= {"linestyle": "none", "marker": MARKERS[number % len(MARKERS)]}
+        style = dict(REFERENCE) if curve.style == "reference" else line_style(number, first_dash)
+        if curve.style == "points":
+            style |= {"linestyle": "none", "marker": marker(number)}
         if panel.x in frame.columns:
             _draw_column(axes, panel, curve, frame, number, style)
         else:
             _draw_signal(axes, panel, curve, trajectory(folder, frame, curve.where, f"figure {name}"), style)
     if panel.title:
         axes.set_title(panel.title)
-    axes.set_xlabel(panel.x_label + (f" ({panel.x_unit})" if panel.x_unit != "1" else ""))
-    axes.set_ylabel(panel.y_label + (f" ({panel.y_unit})" if panel.y_unit != "1" else ""))
+    axes.set_xlabel(with_unit(panel.x_label, panel.x_unit))
+    axes.set_ylabel(with_unit(panel.y_label, panel.y_unit))
     if panel.x_range:
         axes.set_xlim(*panel.x_range)
     if panel.y_range:
@@ -80,8 +81,9 @@ def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, nam
     if panel.note:
         below: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": "small"}
         axes.annotate(panel.note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
-    if any(curve.label for curve in panel.curves):
-        placed: dict[str, Any] = {"loc": panel.legend}
+    if panel.levels or any(curve.label for curve in panel.curves):
+        beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
+        placed: dict[str, Any] = beside if panel.legend == "outside" else {"loc": panel.legend}
         axes.legend(**placed)
 
 
@@ -130,9 +132,8 @@ def _draw_column(
 ) -> None:
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
     scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
-    marker = {"marker": MARKERS[number % len(MARKERS)]}
     numeric = pd.api.types.is_numeric_dtype(found[panel.x])
-    axes.plot(found[panel.x], found[curve.y] * scale, label=curve.label or None, **{**style, **marker})
+    axes.plot(found[panel.x], found[curve.y] * scale, label=curve.label or None, **{"marker": marker(number), **style})
     if curve.published:
         axes.plot(
             [float(key) if numeric else key for key in curve.published],
@@ -175,18 +176,42 @@ def quick_plot(
     for name in names:
         for case in found[told_apart].drop_duplicates().to_dict("records"):
             told = {str(axis): value for axis, value in case.items() if pd.notna(value)}
-            label = ", ".join([name, *(f"{axis} {value}" for axis, value in told.items() if axis in differing)])
+            apart = [_axis_value(axis, value) for axis, value in told.items() if axis in differing]
+            label = ", ".join([_in_plain_words(name)] * (len(names) > 1) + apart)
             curves.append(Curve(y=name, where={**where, **told}, label=label))
     shared = {units[name] for name in names}
     alike = len(shared) == 1
     panel = Panel(
         x=x,
-        x_label="rotation" if x == "rpm" else x,
+        x_label="rotation" if x == "rpm" else _in_plain_words(x),
         x_unit=units[x],
-        y_label=", ".join(name if alike else f"{name} ({units[name]})" for name in names),
+        y_label=", ".join(with_unit(_in_plain_words(name), "1" if alike else units[name]) for name in names),
         y_unit=shared.pop() if alike else "1",
+        legend="outside",
         curves=curves,
     )
-    title = in_words(where) or "all cases"
+    title = ", ".join(_axis_value(axis, value) for axis, value in where.items()) or "all cases"
     figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
+    if panel.y_unit == "m" and _largest(figure) < 1.0:
+        in_mm = panel.model_copy(update={"y_unit": "mm"})
+        figure = draw(FigureSpec(name="plot", title=title, panels=[in_mm]), frame, folder)
     return save(figure, path.stem, path.parent, (path.suffix[1:],))[0]
+
+
+def _in_plain_words(name: str) -> str:
+    """The name of a signal or a column as a reader sees it: without the unit that it ends in."""
+    unit = unit_of_column(name)
+    ending = next((f"_{text}" for text, means in BASE_UNITS.items() if means == unit), "")
+    return name.removesuffix(ending).replace("_", " ")
+
+
+def _axis_value(axis: str, value: Any) -> str:
+    """The value of an axis in a legend or a title: "460 rpm", "tafazoli", "coulomb 1.3"."""
+    if axis == "rpm":
+        return value if "rpm" in str(value) else f"{value} rpm"
+    return str(value).replace("_", " ") if isinstance(value, str) else f"{axis.split('.')[-1]} {value}"
+
+
+def _largest(figure: Figure) -> float:
+    """The largest magnitude drawn."""
+    return max((float(np.nanmax(np.abs(line.get_ydata()), initial=0.0)) for line in figure.axes[0].lines), default=0.0)

@@ -10,7 +10,8 @@ import matplotlib as mpl
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#882255")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "x", "*")
-REFERENCE = "#666666"
+REFERENCE: dict[str, Any] = {"color": "#bbbbbb", "linestyle": "-", "linewidth": 3.5, "zorder": 1.5}
+"""What others are held against: light and thick, under the curves, so that none that lies on it hides it."""
 
 WIDTH = 6.4
 PANEL_HEIGHT = 3.2
@@ -33,6 +34,20 @@ _SETTINGS: Any = {
     "savefig.dpi": 160,
     "svg.hashsalt": "friction-workbench",
 }
+
+
+def line_style(number: int, first_dash: int = 0) -> dict[str, Any]:
+    """Colour and dash of the curve of this number; a colour comes back only with another dash."""
+    colours = len(COLOURS)
+    return {
+        "color": COLOURS[number % colours],
+        "linestyle": DASHES[(number + number // colours + first_dash) % len(DASHES)],
+    }
+
+
+def marker(number: int) -> str:
+    """Marker of the points of this number, another one when its colour comes back."""
+    return MARKERS[(number + number // len(COLOURS)) % len(MARKERS)]
 
 
 @contextmanager

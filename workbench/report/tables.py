@@ -10,7 +10,7 @@ from workbench.report.select import one_row, rows
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.schema import Column, Row, TableSpec
 
-OURS, PUBLISHED, DIFFERENCE, PERCENT, REMARK = "this program", "published", "difference", "difference (%)", "remark"
+OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 
 
 def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
@@ -40,21 +40,24 @@ def shown_number(number: float, digits: int) -> str:
     return f"{number:.{decimals}f}"
 
 
-def _compared(number: float | None, published: float | None, digits: int) -> dict[str, str]:
+def _compared(number: float | None, published: float | None, digits: int, heading: str) -> dict[str, str]:
+    """The published (or reference) value under its heading, and how far ours is from it."""
     if number is None or published is None:
-        return {PUBLISHED: "" if published is None else f"{published:g}", DIFFERENCE: "", PERCENT: ""}
+        return {heading: "" if published is None else f"{published:g}", DIFFERENCE: "", PERCENT: ""}
     difference = number - published
     percent = f"{100.0 * difference / published:+.2f}" if published else ""
     sign = "+" if difference > 0.0 else ""
     return {
-        PUBLISHED: f"{published:g}",
+        heading: f"{published:g}",
         DIFFERENCE: sign + shown_number(difference, min(digits, 3)),
         PERCENT: "0.00" if percent in ("+0.00", "-0.00") else percent,
     }
 
 
-def _heading(column: Column) -> str:
-    return column.label + (f" ({column.unit})" if column.unit != "1" else "")
+def with_unit(label: str, unit: str) -> str:
+    """A label with its unit, unless it ends in it already."""
+    shown = f" ({unit})"
+    return label if unit == "1" or label.endswith(shown) else label + shown
 
 
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
@@ -68,11 +71,13 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
         line = {spec.index_label or index: _label(row[index]), **{name: _label(row[name]) for name in others}}
         for column in spec.columns:
             text, number = _shown(row[column.result], column.result, column.unit, column.digits)
+            heading = with_unit(column.label, column.unit)
             if not column.published:
-                line[_heading(column)] = text
+                line[heading] = text
                 continue
-            line[f"{_heading(column)}, {OURS}"] = text
-            for name, cell in _compared(number, _published(column, row[index]), column.digits).items():
+            line[f"{heading}, {OURS}"] = text
+            beside = _compared(number, _published(column, row[index]), column.digits, spec.compared_with)
+            for name, cell in beside.items():
                 line[f"{column.label}, {name}" if several else name] = cell
         lines.append(line)
     return pd.DataFrame(lines)
@@ -100,7 +105,7 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
         "quantity": row.label,
         "unit": row.unit if row.unit != "1" else "",
         OURS: text,
-        **_compared(number, row.published, row.digits),
+        **_compared(number, row.published, row.digits, spec.compared_with),
         REMARK: row.remark,
     }
 
@@ -117,7 +122,11 @@ def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path
 
 
 def _notes(spec: TableSpec) -> list[str]:
-    return [text for text in (f"Published: {spec.source}." if spec.source else "", spec.note) if text]
+    return [
+        text
+        for text in (f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else "", spec.note)
+        if text
+    ]
 
 
 def _markdown(spec: TableSpec, table: pd.DataFrame) -> str:

@@ -176,12 +176,17 @@ class Row(Strict):
 
 
 class TableSpec(Strict):
-    """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both."""
+    """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both.
+
+    `compared_with` heads the values under `published`: "reference" where they come from a formula or from another
+    computation and are printed nowhere.
+    """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
     title: str
     source: str = ""
     note: str = ""
+    compared_with: Literal["published", "reference"] = "published"
     index: str | None = None
     index_label: str = ""
     where: dict[str, Any] = {}
@@ -211,7 +216,7 @@ class Curve(Strict):
 
 
 class Panel(Strict):
-    """One pair of axes. Units are those shown; limits are numbers in them."""
+    """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them."""
 
     title: str = ""
     x: str = "time"
@@ -234,7 +239,9 @@ class Panel(Strict):
         "lower left",
         "lower center",
         "lower right",
+        "outside",
     ] = "best"
+    levels: dict[str, float] = {}
     note: str = ""
     curves: list[Curve] = Field(min_length=1)
 
@@ -252,12 +259,13 @@ class ComparisonTable(Strict):
     """[comparison]: make a page that compares compensation with rotation out of the results.
 
     `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `steps` the
-    references that are judged by steady-state error and limit cycles; errors below `negligible` are not told apart.
+    references that are judged by steady-state error and limit cycles; errors that differ by less than `negligible` are
+    level.
     """
 
     plain: list[str] = Field(min_length=1)
     steps: list[str] = []
-    negligible: Metre = Field(1e-6, ge=0.0)
+    negligible: Metre = Field(1e-6, gt=0.0)
     assumptions: list[str] = []
 
 
