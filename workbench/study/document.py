@@ -123,6 +123,11 @@ def scenario_trial(path: Path) -> Study:
     return _with_scenarios(Study(beside, "", StudyFile.model_validate(content)), {path.stem: path})
 
 
+def named(case: Case, kind: str) -> str:
+    """The name of a case's "controller" or "reference": what an axis says, else the only one; "" if there is none."""
+    return case.tables.get(kind) or next(iter(case.tables[f"{kind}s"]), "")
+
+
 def unfold(study: Study) -> list[Case]:
     """All cases, in order: [cases] first, then the axes as they stand, the last one changing fastest.
 
