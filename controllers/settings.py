@@ -33,6 +33,13 @@ class About:
         return (number > self.least if self.above else number >= self.least) and number <= self.most
 
     @property
+    def short(self) -> str:
+        """The range in signs, "" where every number will do."""
+        if self.most < np.inf:
+            return f"{self.least:g} to {self.most:g}"
+        return f"{'>' if self.above else '>='} {self.least:g}" if self.least > -np.inf else ""
+
+    @property
     def expected(self) -> str:
         """The range in words."""
         if self.most < np.inf:

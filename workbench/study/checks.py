@@ -6,12 +6,15 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from controllers.settings import idle
 from plants.equation import fields
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.errors import nearest
 from workbench.files import Key
+from workbench.metrics.window import whole_periods
 from workbench.parameters import FLOW_SHARE
 from workbench.simulation.simulate import memory_names
 from workbench.study.document import Case, Study, located, named
@@ -26,6 +29,10 @@ MEMORY = "controller_"
 
 CLOSE = 0.85
 """Likeness above which such a name is a slip of the pen: they all begin alike."""
+
+
+REACH_INSTANTS = 10_001
+"""At most so many instants tell how far a reference goes."""
 
 
 @dataclass(frozen=True)
@@ -164,6 +171,25 @@ class Checks:
             self._signal((*place, coordinate), name, [case])
             self._unit((*key[:4], f"{coordinate}_unit"), units.get(name, "1"), shown)
 
+    def warnings(self) -> list[str]:
+        """What may be meant, and seldom is: references beyond the stroke, no whole period after the transient."""
+        found: dict[str, None] = {}
+        seen: set[str] = set()
+        for case, item in zip(self.cases, self.resolved, strict=True):
+            name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
+            point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
+            if item.signal is None or repr(point) in seen:
+                continue
+            seen.add(repr(point))
+            if item.setup.reference is not None and (reach := _reach(item)) > 0.5 * travel:
+                message = f"reaches {reach:g} m, the stroke ends at +-{0.5 * travel:g} m"
+                found[str(located(self.study, case, ("references", name), message))] = None
+            period, left = item.signal.period, item.setup.duration - item.transient
+            if period is not None and whole_periods(left, period) == 0:
+                message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
+                found[str(located(self.study, case, ("simulation", "duration"), message))] = None
+        return list(found)
+
     def _without_use(self) -> None:
         """Settings of plant and controller that change nothing in any case: a mistake, or the reader is misled."""
         without: dict[Key, tuple[Case, str]] = {}
@@ -177,6 +203,17 @@ class Checks:
         for key, (case, message) in without.items():
             if key not in used:
                 raise located(self.study, case, key, message)
+
+
+def _reach(item: Resolved) -> float:
+    """Largest magnitude (m) of a case's reference."""
+    setup = item.setup
+    instants = min(round(setup.duration / setup.sample_time) + 1, REACH_INSTANTS)
+    return (
+        float(np.max(np.abs(setup.reference(np.linspace(0.0, setup.duration, instants))[0])))
+        if setup.reference
+        else 0.0
+    )
 
 
 def _family(case: Case, plant: Plant) -> list[Plant]:
