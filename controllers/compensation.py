@@ -4,6 +4,7 @@ import functools
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
+from controllers import compensation_laws as laws
 from controllers.compensation_laws import (
     LawGains,
     LawState,
@@ -16,11 +17,16 @@ from controllers.friction_observer import Belief, Memory, Seen
 from controllers.friedland_park import friedland_park
 from controllers.interface import Controller, Reference
 from controllers.lugre_observer import lugre_adaptive, lugre_observer
+from controllers.settings import About, Needs
 from controllers.static_map import no_estimate, static_map
 from controllers.tafazoli import fit_map, tafazoli
 from controllers.velocity import (
     Estimator,
     EstimatorState,
+    JerkDensity,
+    PositionNoise,
+    TimeConstant,
+    VelocityKind,
     at_rest,
     design_estimator,
     estimate_velocity,
@@ -29,15 +35,32 @@ from plants.equation import Scalar, equation
 from plants.hydraulics import no_load_velocity_gain, oil_volume, piston_area
 from plants.interface import Measurement
 
-ESTIMATORS: dict[str, tuple[Callable[..., Any], str]] = {
-    "uncompensated": (no_estimate, "no friction estimate: the laws alone"),
-    "static_map": (static_map, "believed Stribeck curve of the velocity"),
-    "tafazoli": (tafazoli, "Tafazoli's model-based estimate (modified Tustin map, blended near rest)"),
-    "friedland_park": (friedland_park, "Friedland-Park observer, Tafazoli's modification"),
-    "lugre": (lugre_observer, "LuGre observer"),
-    "lugre_adaptive": (lugre_adaptive, "LuGre observer with adaptive theta"),
+
+class FrictionEstimator(NamedTuple):
+    """An estimator, what it is, and the settings that are its own."""
+
+    estimate: Callable[..., Any]
+    summary: str
+    settings: tuple[str, ...] = ()
+
+
+ESTIMATORS = {
+    "uncompensated": FrictionEstimator(no_estimate, "no friction estimate: the laws alone"),
+    "static_map": FrictionEstimator(static_map, "believed Stribeck curve of the velocity", ("reversal_speed",)),
+    "tafazoli": FrictionEstimator(
+        tafazoli, "Tafazoli's model-based estimate (modified Tustin map, blended near rest)", ("blend_velocity",)
+    ),
+    "friedland_park": FrictionEstimator(
+        friedland_park, "Friedland-Park observer, Tafazoli's modification", ("observer_gain", "exponent")
+    ),
+    "lugre": FrictionEstimator(lugre_observer, "LuGre observer", ("injection", "sliding_rate")),
+    "lugre_adaptive": FrictionEstimator(
+        lugre_adaptive, "LuGre observer with adaptive theta", ("injection", "sliding_rate", "adaptation")
+    ),
 }
 """Friction estimators by the type of the controller that is built on them."""
+
+VELOCITY_SETTINGS = ("velocity", "velocity_time_constant", "position_noise", "jerk_density")
 
 LAWS: dict[str, Callable[..., Any]] = {
     "acceleration_feedback": acceleration_feedback,
@@ -47,32 +70,29 @@ LAWS: dict[str, Callable[..., Any]] = {
 
 
 class Settings(NamedTuple):
-    """What a user sets; each law and estimator uses its own.
+    """What a user sets; each law (`controllers.compensation_laws`) and estimator (`ESTIMATORS`) uses its own."""
 
-    `kp`, `kd`, `ka`, `feedforward` (share of 1/K_q) belong to acceleration feedback; `position_rate` k_p, `force_rate`
-    lam and `lead` (share of the valve's lag that is inverted) to the valve inversion. The rest are settings of the
-    estimators.
-    """
-
-    law: Annotated[str, "acceleration_feedback", "valve_inversion", "force_source"] = "acceleration_feedback"
-    kp: Annotated[float, "command/m"] = 500.0
-    kd: Annotated[float, "command s/m"] = 0.0
-    ka: Annotated[float, "command s^2/m"] = 0.002
-    feedforward: Annotated[float, "1"] = 1.0
-    position_rate: Annotated[float, "1/s"] = 34.0
-    force_rate: Annotated[float, "1/s"] = 0.0
-    lead: Annotated[float, "1"] = 0.0
-    reversal_speed: Annotated[float, "m/s"] = 1e-3
-    blend_velocity: Annotated[float, "m/s"] = 3e-3
-    observer_gain: Annotated[float, "N s/m"] = 1700.0
-    exponent: Annotated[float, "1"] = 1.0
-    injection: Annotated[float, "1"] = 0.1
-    sliding_rate: Annotated[float, "1/s"] = 20.0
-    adaptation: Annotated[float, "1/J"] = 0.05
-    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
-    velocity_time_constant: Annotated[float, "s"] = 2e-3
-    position_noise: Annotated[float, "m"] = 13e-6
-    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+    law: Annotated[
+        str, "acceleration_feedback", "valve_inversion", "force_source", About("how the estimate reaches the actuator")
+    ] = "acceleration_feedback"
+    kp: laws.ProportionalGain = 500.0
+    kd: laws.DerivativeGain = 0.0
+    ka: laws.AccelerationGain = 0.002
+    feedforward: laws.Feedforward = 1.0
+    position_rate: laws.PositionRate = 34.0
+    force_rate: laws.ForceRate = 0.0
+    lead: laws.Lead = 0.0
+    reversal_speed: Annotated[float, "m/s", About("half width of the curve's line through rest", above=True)] = 1e-3
+    blend_velocity: Annotated[float, "m/s", About("velocity below which forces are balanced", above=True)] = 3e-3
+    observer_gain: Annotated[float, "N s/m", About("gain k of the observer of the level")] = 1700.0
+    exponent: Annotated[float, "1", About("power mu of the speed in the observer's rate", above=True)] = 1.0
+    injection: Annotated[float, "1", About("gain k of the tracking error into the bristle")] = 0.1
+    sliding_rate: Annotated[float, "1/s", About("weight of the position's error in it"), Needs("injection")] = 20.0
+    adaptation: Annotated[float, "1/J", About("rate gamma of the adaptive theta")] = 0.05
+    velocity: VelocityKind = "filter"
+    velocity_time_constant: TimeConstant = 2e-3
+    position_noise: PositionNoise = 13e-6
+    jerk_density: JerkDensity = 10.0
 
 
 class Gains(NamedTuple):
@@ -187,20 +207,32 @@ def law_gains(settings: Any, belief: Any) -> LawGains:
 @functools.cache
 def compensator(name: str, law: str = "acceleration_feedback", hydraulic: bool = True) -> Controller:
     """The controller made of the estimator `name` and a law, for a plant with measured pressures or without."""
-    estimate, summary = ESTIMATORS[name]
+    estimator = ESTIMATORS[name]
     applied = pressure_force if hydraulic else commanded_force
     return Controller(
         name=name,
-        summary=f"friction compensation: {summary}",
+        summary=f"friction compensation: {estimator.summary}",
         Settings=Settings,
         Gains=Gains,
         State=State,
         design=design,
-        step=combine(estimate, LAWS[law], applied),
+        step=combine(estimator.estimate, LAWS[law], applied),
         commit=commit,
         start=start,
         choose=functools.partial(choose, name),
+        unused=without_use(name, law, hydraulic),
     )
+
+
+def without_use(name: str, law: str, hydraulic: bool) -> frozenset[str]:
+    """Settings that neither the estimator `name` nor the law uses, on a plant with a valve or without."""
+    others = {setting for estimator in ESTIMATORS.values() for setting in estimator.settings}
+    idle = others.difference(ESTIMATORS[name].settings)
+    if not hydraulic:
+        idle.add("feedforward")  # a drive has no velocity gain
+    if name == "uncompensated" and law == "valve_inversion":
+        idle.update(VELOCITY_SETTINGS)
+    return frozenset(idle)
 
 
 def choose(name: str, settings: Settings, belief: Any) -> Controller:

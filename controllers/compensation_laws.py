@@ -7,7 +7,18 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers.settings import About, Needs
 from plants.equation import Scalar, equation
+
+_FEEDBACK, _INVERSION = Needs("law", "acceleration_feedback"), Needs("law", "valve_inversion")
+
+ProportionalGain = Annotated[float, "command/m", About("gain on the position error"), _FEEDBACK]
+DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity"), _FEEDBACK]
+AccelerationGain = Annotated[float, "command s^2/m", About("gain on the error of the acceleration"), _FEEDBACK]
+Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward"), _FEEDBACK]
+PositionRate = Annotated[float, "1/s", About("rate at which an error of the position is to vanish"), _INVERSION]
+ForceRate = Annotated[float, "1/s", About("rate at which an error of the force is to vanish"), _INVERSION]
+Lead = Annotated[float, "1", About("share of the valve's lag that is inverted"), _INVERSION]
 
 LOWEST_DROP = 0.05
 """Smallest share of the supply pressure that a valve inversion counts on: the root must not vanish."""

@@ -9,9 +9,15 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers.interface import Controller, Reference
+from controllers.pid import Feedforward, ProportionalGain
+from controllers.settings import About
 from controllers.velocity import (
     Estimator,
     EstimatorState,
+    JerkDensity,
+    PositionNoise,
+    TimeConstant,
+    VelocityKind,
     at_rest,
     design_estimator,
     estimate_velocity,
@@ -24,13 +30,13 @@ from plants.interface import Measurement
 class Settings(NamedTuple):
     """What a user sets. `observer_time_constant` is T_q of the filter Q; `feedforward` a share of dr / K_q."""
 
-    kp: Annotated[float, "command/m"] = 500.0
-    feedforward: Annotated[float, "1"] = 1.0
-    observer_time_constant: Annotated[float, "s"] = 20e-3
-    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
-    velocity_time_constant: Annotated[float, "s"] = 2e-3
-    position_noise: Annotated[float, "m"] = 13e-6
-    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+    kp: ProportionalGain = 500.0
+    feedforward: Feedforward = 1.0
+    observer_time_constant: Annotated[float, "s", About("time constant of the observer's filter", above=True)] = 20e-3
+    velocity: VelocityKind = "filter"
+    velocity_time_constant: TimeConstant = 2e-3
+    position_noise: PositionNoise = 13e-6
+    jerk_density: JerkDensity = 10.0
 
 
 class Gains(NamedTuple):

@@ -6,6 +6,9 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
+from controllers.pid import DerivativeGain, Feedforward, IntegralGain, ProportionalGain, TrackingTime
+from controllers.settings import About, Needs
+from controllers.velocity import JerkDensity, PositionNoise, TimeConstant, VelocityKind
 from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
 
@@ -25,18 +28,18 @@ class Settings(NamedTuple):
     more than the 0.10 mm by which the bristles bend before the contact breaks away. Less only bends them to and fro.
     """
 
-    kp: Annotated[float, "command/m"] = 500.0
-    ki: Annotated[float, "command/(m s)"] = 0.0
-    kd: Annotated[float, "command s/m"] = 0.0
-    feedforward: Annotated[float, "1"] = 0.0
-    amplitude: Annotated[float, "command"] = 2.5
-    frequency: Annotated[float, "Hz"] = 50.0
-    shape: Annotated[str, "sine", "square"] = "sine"
-    tracking_time: Annotated[float, "s"] = 0.0
-    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
-    velocity_time_constant: Annotated[float, "s"] = 2e-3
-    position_noise: Annotated[float, "m"] = 13e-6
-    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+    kp: ProportionalGain = 500.0
+    ki: IntegralGain = 0.0
+    kd: DerivativeGain = 0.0
+    feedforward: Feedforward = 0.0
+    amplitude: Annotated[float, "command", About("height of the dither")] = 2.5
+    frequency: Annotated[float, "Hz", About("frequency of the dither", above=True), Needs("amplitude")] = 50.0
+    shape: Annotated[str, "sine", "square", About("its shape"), Needs("amplitude")] = "sine"
+    tracking_time: TrackingTime = 0.0
+    velocity: Annotated[VelocityKind, Needs("kd")] = "filter"
+    velocity_time_constant: TimeConstant = 2e-3
+    position_noise: PositionNoise = 13e-6
+    jerk_density: JerkDensity = 10.0
 
 
 class Gains(NamedTuple):

@@ -4,30 +4,38 @@ import functools
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
+from controllers import compensation_laws as laws
 from controllers.compensation import LAWS, law_gains
 from controllers.compensation_laws import LawGains, LawState, Wanted
 from controllers.extended_kalman import EkfGains, EkfSettings, EkfState, design_ekf, ekf_at_rest, ekf_update
 from controllers.interface import Controller, Reference
+from controllers.settings import About
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
+
+
+def _deviation(what: str) -> About:
+    return About(f"standard deviation of {what}, a sample", above=True)
 
 
 class Settings(NamedTuple):
     """Settings of the laws as in `controllers.compensation`, and the noise that the filter believes in."""
 
-    law: Annotated[str, "acceleration_feedback", "valve_inversion"] = "valve_inversion"
-    kp: Annotated[float, "command/m"] = 500.0
-    kd: Annotated[float, "command s/m"] = 0.0
-    ka: Annotated[float, "command s^2/m"] = 0.002
-    feedforward: Annotated[float, "1"] = 1.0
-    position_rate: Annotated[float, "1/s"] = 34.0
-    force_rate: Annotated[float, "1/s"] = 0.0
-    lead: Annotated[float, "1"] = 0.0
-    position_noise: Annotated[float, "m"] = 13e-6
-    pressure_noise: Annotated[float, "Pa"] = 2e3
-    force_noise: Annotated[float, "N"] = 5.0
-    flow_noise: Annotated[float, "m^3/s"] = 5e-7
-    friction_noise: Annotated[float, "N"] = 150.0
+    law: Annotated[str, "acceleration_feedback", "valve_inversion", About("how the estimate reaches the actuator")] = (
+        "valve_inversion"
+    )
+    kp: laws.ProportionalGain = 500.0
+    kd: laws.DerivativeGain = 0.0
+    ka: laws.AccelerationGain = 0.002
+    feedforward: laws.Feedforward = 1.0
+    position_rate: laws.PositionRate = 34.0
+    force_rate: laws.ForceRate = 0.0
+    lead: laws.Lead = 0.0
+    position_noise: Annotated[float, "m", _deviation("a measured position")] = 13e-6
+    pressure_noise: Annotated[float, "Pa", _deviation("a measured pressure")] = 2e3
+    force_noise: Annotated[float, "N", _deviation("the force that the model lacks")] = 5.0
+    flow_noise: Annotated[float, "m^3/s", _deviation("the flow that the model lacks")] = 5e-7
+    friction_noise: Annotated[float, "N", _deviation("the bristle force that the model lacks")] = 150.0
 
 
 class Gains(NamedTuple):

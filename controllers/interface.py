@@ -33,9 +33,10 @@ class Controller:
                                                                                     cycle
 
     `Settings` is what a user writes: a NamedTuple of `Annotated[float, unit]` (the unit may name the plant's
-    `command`) and `Annotated[str, choice, choice, ...]`, with defaults. `belief` is what the controller believes
-    of the plant: an object of the plant's parameter class, never the truth. `design` raises ValueError where
-    settings or belief do not serve.
+    `command`) and `Annotated[str, choice, choice, ...]`, with defaults; `controllers.settings` says what may stand
+    behind these. `unused` are those of them that this controller has no use for: several may share one class.
+    `belief` is what the controller believes of the plant: an object of the plant's parameter class, never the truth.
+    `design` raises ValueError where settings or belief do not serve.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Controller:
     start: Callable[..., Any]
     choose: Callable[..., "Controller"] | None = None
     forcing: Callable[..., float] | None = None
+    unused: frozenset[str] = frozenset()
 
 
 STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)

@@ -12,7 +12,18 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
-from controllers.velocity import Estimator, EstimatorState, at_rest, design_estimator
+from controllers.pid import Feedforward, IntegralGain, ProportionalGain, TrackingTime
+from controllers.settings import About, Needs
+from controllers.velocity import (
+    Estimator,
+    EstimatorState,
+    JerkDensity,
+    PositionNoise,
+    TimeConstant,
+    VelocityKind,
+    at_rest,
+    design_estimator,
+)
 from controllers.velocity import estimate_velocity as estimate
 from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
@@ -29,18 +40,22 @@ class Settings(NamedTuple):
     `tracking_time` 0 stands for K_p / K_i.
     """
 
-    kp: Annotated[float, "command/m"] = 500.0
-    ki: Annotated[float, "command/(m s)"] = 2000.0
-    feedforward: Annotated[float, "1"] = 0.0
-    sliding_speed: Annotated[float, "m/s"] = 5e-3
-    retained: Annotated[float, "1"] = 0.0
-    error_band: Annotated[float, "m"] = 13e-6
-    reversal_speed: Annotated[float, "m/s"] = 1e-3
-    tracking_time: Annotated[float, "s"] = 0.0
-    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
-    velocity_time_constant: Annotated[float, "s"] = 2e-3
-    position_noise: Annotated[float, "m"] = 13e-6
-    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+    kp: ProportionalGain = 500.0
+    ki: IntegralGain = 2000.0
+    feedforward: Feedforward = 0.0
+    sliding_speed: Annotated[
+        float, "m/s", About("speed at which the integral fills at half its rate", above=True), Needs("ki")
+    ] = 5e-3
+    retained: Annotated[float, "1", About("share of the integral that outlives a reversal", most=1.0), Needs("ki")] = (
+        0.0
+    )
+    error_band: Annotated[float, "m", About("errors within it have no sign"), Needs("ki")] = 13e-6
+    reversal_speed: Annotated[float, "m/s", About("velocities within it have no direction"), Needs("ki")] = 1e-3
+    tracking_time: TrackingTime = 0.0
+    velocity: Annotated[VelocityKind, Needs("ki")] = "filter"
+    velocity_time_constant: TimeConstant = 2e-3
+    position_noise: PositionNoise = 13e-6
+    jerk_density: JerkDensity = 10.0
 
 
 class Gains(NamedTuple):

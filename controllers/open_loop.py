@@ -3,6 +3,7 @@
 from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
+from controllers.settings import ANY, About
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
 
@@ -10,8 +11,8 @@ from plants.interface import Measurement
 class Settings(NamedTuple):
     """Which input of the plant the reference goes to (default: its command), and how it goes on between samples."""
 
-    input: Annotated[str, "any"] = ""
-    hold: Annotated[str, "linear", "zero"] = "linear"
+    input: Annotated[str, ANY, About("which input of the plant the reference goes to; its command if not set")] = ""
+    hold: Annotated[str, "linear", "zero", About("how it goes on between samples")] = "linear"
 
 
 class Gains(NamedTuple):

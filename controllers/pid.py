@@ -3,9 +3,14 @@
 from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
+from controllers.settings import About, Needs
 from controllers.velocity import (
     Estimator,
     EstimatorState,
+    JerkDensity,
+    PositionNoise,
+    TimeConstant,
+    VelocityKind,
     at_rest,
     design_estimator,
     estimate_velocity,
@@ -13,6 +18,12 @@ from controllers.velocity import (
 from plants.equation import Scalar, equation
 from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
+
+ProportionalGain = Annotated[float, "command/m", About("gain on the position error")]
+IntegralGain = Annotated[float, "command/(m s)", About("gain on the integral of the error")]
+DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity")]
+Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward")]
+TrackingTime = Annotated[float, "s", About("time constant of the anti-windup; 0: K_p / K_i"), Needs("ki")]
 
 
 class Settings(NamedTuple):
@@ -23,15 +34,15 @@ class Settings(NamedTuple):
     repeatability of the thesis's potentiometer, and a jerk of 30 m/s^3 that lasts 10 ms.
     """
 
-    kp: Annotated[float, "command/m"]
-    ki: Annotated[float, "command/(m s)"] = 0.0
-    kd: Annotated[float, "command s/m"] = 0.0
-    feedforward: Annotated[float, "1"] = 0.0
-    tracking_time: Annotated[float, "s"] = 0.0
-    velocity: Annotated[str, "filter", "thesis_filter", "kalman"] = "filter"
-    velocity_time_constant: Annotated[float, "s"] = 2e-3
-    position_noise: Annotated[float, "m"] = 13e-6
-    jerk_density: Annotated[float, "m^2/s^5"] = 10.0
+    kp: ProportionalGain
+    ki: IntegralGain = 0.0
+    kd: DerivativeGain = 0.0
+    feedforward: Feedforward = 0.0
+    tracking_time: TrackingTime = 0.0
+    velocity: Annotated[VelocityKind, Needs("kd")] = "filter"
+    velocity_time_constant: TimeConstant = 2e-3
+    position_noise: PositionNoise = 13e-6
+    jerk_density: JerkDensity = 10.0
 
 
 class Gains(NamedTuple):

@@ -1,7 +1,5 @@
 """The position controllers by name: ours, and those that other packages bring by entry point."""
 
-import typing
-
 from controllers.compensation import ESTIMATORS, compensator
 from controllers.disturbance_observer import DISTURBANCE_OBSERVER
 from controllers.dither import DITHER
@@ -10,6 +8,7 @@ from controllers.interface import Controller
 from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.open_loop import OPEN_LOOP
 from controllers.pid import PID
+from controllers.settings import settings_of
 from plants.plugins import Registry
 
 _OURS = (
@@ -24,9 +23,7 @@ _OURS = (
 
 
 def _check(controller: Controller) -> None:
-    for name, hint in typing.get_type_hints(controller.Settings, include_extras=True).items():
-        if typing.get_origin(hint) is not typing.Annotated:
-            raise TypeError(f"Settings.{name}: expected Annotated[float, unit] or Annotated[str, choice, ...]")
+    settings_of(controller.Settings)
 
 
 CONTROLLERS = Registry("friction_workbench.controllers", Controller, {item.name: item for item in _OURS}, _check)

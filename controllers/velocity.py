@@ -13,7 +13,19 @@ import numpy as np
 from filterpy.common import Q_continuous_white_noise
 from filterpy.kalman import KalmanFilter
 
+from controllers.settings import About, Needs
 from plants.equation import Scalar, equation
+
+VelocityKind = Annotated[str, "filter", "thesis_filter", "kalman", About("how the velocity is had from the position")]
+TimeConstant = Annotated[
+    float, "s", About("time constant of the differentiator", above=True), Needs("velocity", "filter", "thesis_filter")
+]
+PositionNoise = Annotated[
+    float, "m", About("standard deviation of a position sample", above=True), Needs("velocity", "kalman")
+]
+JerkDensity = Annotated[
+    float, "m^2/s^5", About("spectral density of the jerk that is believed in", above=True), Needs("velocity", "kalman")
+]
 
 
 class EstimatorState(NamedTuple):

@@ -37,12 +37,55 @@ def test_list_names_all_that_a_study_may_name() -> None:
     assert (everything.code, everything.err) == (0, "")
     words = set(everything.out.replace(",", " ").split())
     assert {*plants(), *controllers(), *named_sets(), *KINDS, *COLUMNS, "by_rpm", "rk4", "kp"} <= words
-    sections = [workbench("list", kind).out for kind in ("plants", "controllers", "parameters", "references")]
+    sections = [
+        workbench("list", kind).out for kind in ("plants", "controllers", "parameters", "scenarios", "references")
+    ]
     assert everything.out.startswith("".join(sections))
     assert workbench("list", "references").out.splitlines()[1].split(maxsplit=1) == [
         "sine",
         "amplitude, frequency, offset, phase",
     ]
+
+
+def listed(controller: str) -> dict[str, list[str]]:
+    """What the list shows of a controller: the settings under each of its headings, and its signals."""
+    lines = workbench("list", "controllers").out.splitlines()[1:]
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"  {controller} "))
+    found: dict[str, list[str]] = {"": []}
+    heading = ""
+    for line in lines[start + 1 :]:
+        if not line.startswith("    "):
+            break
+        if line.startswith("    signals: "):
+            found["signals"] = line.removeprefix("    signals: ").split(", ")
+        elif line.startswith("    with "):
+            heading = line.removeprefix("    with ")
+            found[heading] = []
+        else:
+            found[heading].append(line.split()[0])
+    return found
+
+
+def test_list_shows_of_each_controller_what_it_can_use() -> None:
+    adaptive = listed("lugre_adaptive")
+    assert adaptive[""] == ["law", "injection", "adaptation", "velocity"]
+    assert adaptive["law = valve_inversion"] == ["position_rate", "force_rate", "lead"]
+    assert adaptive["velocity = kalman"] == ["position_noise", "jerk_density"]
+    assert {"controller_theta", "controller_friction"} <= set(adaptive["signals"])
+    assert listed("friedland_park")[""] == ["law", "observer_gain", "exponent", "velocity"]
+    assert listed("pid")["ki not 0"] == ["tracking_time"]
+
+
+def test_list_says_what_each_setting_means() -> None:
+    words = [" ".join(line.split()) for line in workbench("list", "controllers").out.splitlines()]
+    assert "kp command/m needed gain on the position error; >= 0" in words
+    assert "retained 1 default 0.0 share of the integral that outlives a reversal; 0 to 1" in words
+    assert "hold choice default linear how it goes on between samples; linear | zero" in words
+
+
+def test_list_of_scenarios() -> None:
+    """The shipped ones, wherever one stands."""
+    assert "  nominal                The plant as it is believed to be\n" in workbench("list", "scenarios").out
 
 
 def test_list_of_nothing() -> None:

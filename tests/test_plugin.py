@@ -179,6 +179,36 @@ def test_compiled_code_follows_every_file_of_a_plugin(tmp_path: Path) -> None:
     assert errors[1] > errors[0]
 
 
+TYPO = """\
+from dataclasses import replace
+from controllers.pid import PID
+import numpy as np
+from plants.equation import equation
+@equation
+def step(reference, measurement, state, gains, sample_time):
+    return {wrong}, state
+IT = replace(PID, name="mine", step=step)
+"""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        ("np.tnh(reference.position)", "module 'numpy' has no attribute 'tnh'"),
+        ("tanh(reference.position)", "NameError: name 'tanh' is not defined"),
+        ("reference.positon", "Unknown attribute 'positon' of type Reference(float64 x 3)"),
+    ],
+)
+def test_a_step_that_cannot_be_compiled_is_one_line(tmp_path: Path, wrong: str, reason: str) -> None:
+    brings(tmp_path, "friction_workbench.controllers", "mine = typo:IT")
+    write(tmp_path, TYPO.format(wrong=wrong), "typo.py")
+    study = write(tmp_path, changed('"pid"', '"mine"', DRIVE))
+    done = in_a_process(tmp_path, "run", study, "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert done.stderr == f'error: controller "mine" cannot be compiled: {reason} (--debug shows all of it)\n'
+    assert "Traceback" in in_a_process(tmp_path, "--debug", "run", study, "--out", tmp_path / "again").stderr
+
+
 UNDECLARED = """\
 from dataclasses import replace
 from typing import NamedTuple

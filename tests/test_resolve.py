@@ -269,6 +269,30 @@ def test_a_setting_that_one_case_uses_is_no_mistake(tmp_path: Path) -> None:
     assert drive.setup.parameters.force_limit == 1000.0
 
 
+def test_a_setting_of_a_controller_that_one_case_uses_is_no_mistake(tmp_path: Path) -> None:
+    axis = changed("rpm = [0, 460]", '"controllers.p.law" = ["acceleration_feedback", "valve_inversion"]')
+    text = axis.replace('"pid"\nkp = "500 V/m"', '"lugre"\nkp = "500 V/m"\nlead = 1')
+    assert [item.settings.lead for item in resolved(tmp_path, text)] == [1.0, 1.0]
+
+
+def test_a_signal_that_one_case_of_a_probe_has_is_no_mistake(tmp_path: Path) -> None:
+    probe = '[probes.theta]\nsignal = "controller_theta"\ntake = "final"\n'
+    both = TWO_CONTROLLERS.replace('"pid"\nkp = "100 V/m"\nkd = "5 V s/m"', '"lugre"') + probe
+    assert planned(tmp_path, both).columns[-1] == "theta"
+
+
+def test_a_scenario_comes_from_the_study_then_from_beside_it_then_from_the_program(tmp_path: Path) -> None:
+    """`friction_up` and `nominal` are shipped; here the study has one of its own, the folder beside it another."""
+    (tmp_path / "scenarios").mkdir()
+    head = 'title = "t"\nsource = "s"\n[plant.set]\nmass = '
+    write(tmp_path / "scenarios", head + '"41 kg"\n', "nominal.toml")
+    write(tmp_path / "scenarios", head + '"42 kg"\n', "friction_up.toml")
+    text = changed("[0, 460]", '[0]\nscenario = ["friction_up", "nominal", "payload"]')
+    text += '[scenarios.friction_up.plant.set]\nmass = "40 kg"\n'
+    masses = [item.setup.parameters.body.mass for item in resolved(tmp_path, text)]
+    assert masses == [40.0, 41.0, 68.0]
+
+
 def test_identity_follows_the_numbers_and_not_the_words(tmp_path: Path) -> None:
     """Titles and tables change nothing that is computed; a value of a parameter file does."""
     parameters = 'title = "a"\nsource = "b"\n' + "".join(

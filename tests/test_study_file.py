@@ -114,7 +114,7 @@ MISTAKES = {
     ),
     "unknown scenario": (
         changed("[0, 460]", '[0]\nscenario = ["won"]') + "[scenarios.worn.plant.scale]\nviscous = 0.5\n",
-        '@:8: axes.scenario: unknown scenario "won"; did you mean "worn"?',
+        '@:8: axes.scenario: unknown scenario "won"; did you mean "worn"? (looked in this file, ',
     ),
     "unknown name on an axis": (
         changed("[0, 460]", '[0]\ncontroller = ["q"]'),
@@ -275,6 +275,81 @@ MISTAKES = {
         STUDY + FIGURE.replace('"mm"', '"bar"') + 'curves = [{ y = "position", where = { rpm = 0 } }]\n',
         '@:27: figures.0.panels.0.y_unit: "bar" is not a unit of what is in m',
     ),
+    "idle law setting": (
+        changed('"pid"\nkp = "500 V/m"', '"lugre"\nposition_rate = 34'),
+        '@:11: controllers.p.position_rate: has no effect: it belongs to law = "valve_inversion", and law is '
+        '"acceleration_feedback"; leave it out',
+    ),
+    "idle gain of a law": (
+        changed('"pid"\nkp = "500 V/m"', '"lugre"\nlaw = "valve_inversion"\nka = 0.002'),
+        '@:12: controllers.p.ka: has no effect: it belongs to law = "acceleration_feedback", and law is '
+        '"valve_inversion"; leave it out',
+    ),
+    "idle estimator setting": (
+        changed('"pid"\nkp = "500 V/m"', '"lugre_adaptive"\nlaw = "valve_inversion"\nobserver_gain = 1'),
+        "@:12: controllers.p.observer_gain: lugre_adaptive has no use for it here; it uses law, position_rate, "
+        "force_rate, lead, injection, sliding_rate, adaptation, velocity, velocity_time_constant",
+    ),
+    "idle adaptation": (
+        changed('"pid"\nkp = "500 V/m"', '"friedland_park"\nadaptation = 1'),
+        "@:11: controllers.p.adaptation: friedland_park has no use for it here; it uses law, kp, kd, ka, feedforward, "
+        "observer_gain, exponent, velocity, velocity_time_constant",
+    ),
+    "idle density of a filter": (
+        changed('"pid"\nkp = "500 V/m"', '"lugre"\njerk_density = 1\nvelocity = "filter"'),
+        '@:11: controllers.p.jerk_density: has no effect: it belongs to velocity = "kalman", and velocity is "filter"; '
+        "leave it out",
+    ),
+    "idle time constant of a Kalman filter": (
+        changed('"500 V/m"', '"500 V/m"\nkd = 1\nvelocity = "kalman"\nvelocity_time_constant = "2 ms"'),
+        '@:14: controllers.p.velocity_time_constant: has no effect: it belongs to velocity = "filter" or '
+        '"thesis_filter", and velocity is "kalman"; leave it out',
+    ),
+    "idle anti-windup": (
+        changed('"500 V/m"', '"500 V/m"\ntracking_time = "1 s"'),
+        "@:12: controllers.p.tracking_time: has no effect where ki is 0; leave it out, or set ki",
+    ),
+    "idle velocity": (
+        changed('"500 V/m"', '"500 V/m"\nvelocity_time_constant = "1 ms"'),
+        "@:12: controllers.p.velocity_time_constant: has no effect where kd is 0; leave it out, or set kd",
+    ),
+    "feed-forward of a compensator on a drive": (
+        changed('"pid"\nkp = "3 N/m"', '"lugre"\nfeedforward = 1', DRIVE),
+        "@:8: controllers.p.feedforward: lugre has no use for it here; it uses law, kp, kd, ka, injection, "
+        "sliding_rate, velocity, velocity_time_constant",
+    ),
+    "negative gain": (
+        changed("500 V/m", "-500 V/m"),
+        '@:11: controllers.p.kp: got "-500 V/m", expected a value that is not negative',
+    ),
+    "negative gain of an observer": (
+        changed('"pid"\nkp = "500 V/m"', '"friedland_park"\nobserver_gain = -5'),
+        "@:11: controllers.p.observer_gain: got -5, expected a value that is not negative",
+    ),
+    "no blend": (
+        changed('"pid"\nkp = "500 V/m"', '"tafazoli"\nblend_velocity = 0'),
+        "@:11: controllers.p.blend_velocity: got 0, expected a value above 0",
+    ),
+    "share": (
+        changed('"pid"\nkp = "500 V/m"', '"nonlinear_pi"\nretained = 1.5'),
+        "@:11: controllers.p.retained: got 1.5, expected a value between 0 and 1",
+    ),
+    "curve of another controller's signal": (
+        STUDY + FIGURE + 'curves = [{ y = "controller_friction", where = { rpm = 0 } }]\n',
+        '@:28: figures.0.panels.0.curves.0.y: no signal "controller_friction" here; controller "p" (type pid) has '
+        "controller_integral, controller_command, controller_error, controller_first, controller_second, "
+        "controller_third",
+    ),
+    "misspelled signal of a controller": (
+        STUDY + '[probes.top]\nsignal = "controller_integra"\ntake = "maximum"\n',
+        '@:22: probes.top.signal: no signal "controller_integra" here; did you mean "controller_integral"? controller ',
+    ),
+    "probe of a signal that none of its cases has": (
+        STUDY
+        + '[probes.top]\nsignal = "controller_theta"\ntake = "final"\ncases = ["a"]\n'
+        + '[cases.a]\n[cases.b.controllers]\np = { type = "lugre", kp = 500 }\n',
+        '@:22: probes.top.signal: no signal "controller_theta" here; controller "p" (type pid) has ',
+    ),
     "legend": (
         STUDY + FIGURE + 'legend = "top"\ncurves = [{ y = "position", where = { rpm = 0 } }]\n',
         "@:28: figures.0.panels.0.legend: got \"top\", expected 'best', ",
@@ -289,6 +364,61 @@ def test_a_mistake_is_one_line(tmp_path: Path, mistake: str) -> None:
     if expected.endswith((" ", "(")):
         found = found[: len(expected)]
     assert found == expected
+
+
+def test_all_missing_and_unknown_keys_come_at_once(tmp_path: Path) -> None:
+    """A missing key for which an unknown one is taken is not told twice; each line has its place."""
+    text = changed('title = "a study for tests"\n', "").replace("model =", "modl =").replace("duration", "duraton")
+    path = write(tmp_path, text + '[[tables]]\nnam = "t"\n[[figures]]\nname = "f"\n')
+    lines = workbench("check", path).err.removeprefix("error: ").replace(str(path), "@").splitlines()
+    assert lines == [
+        '@:21: tables.0.nam: unknown key; did you mean "name"?',
+        "@: title: is missing; this key is needed here",
+        "@:20: tables.0.title: is missing; this key is needed here",
+        "@:22: figures.0.title: is missing; this key is needed here",
+        "@:22: figures.0.panels: is missing; this key is needed here",
+    ]
+
+
+def test_all_missing_and_unknown_keys_of_a_case_come_at_once(tmp_path: Path) -> None:
+    text = changed("model =", "modl =").replace("duration", "duraton") + "sed = 1\n"
+    path = write(tmp_path, text)
+    assert workbench("check", path).err.removeprefix("error: ").replace(str(path), "@").splitlines() == [
+        '@:3: plant.modl: unknown key; did you mean "model"?',
+        '@:19: simulation.duraton: unknown key; did you mean "duration"?',
+        '@:21: simulation.sed: unknown key; did you mean "seed"?',
+    ]
+    path = write(tmp_path, changed("kp =", "gain =") + "[controllers.p.nothing]\na = 1\n")
+    assert workbench("check", path).err.removeprefix("error: ").replace(str(path), "@").splitlines() == [
+        "@:11: controllers.p.gain: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
+        "velocity_time_constant, position_noise, jerk_density, type",
+        "@:21: controllers.p.nothing: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
+        "velocity_time_constant, position_noise, jerk_density, type",
+        "@:9: controllers.p.kp: is missing; this key is needed here",
+    ]
+
+
+def test_where_scenarios_were_looked_for(tmp_path: Path) -> None:
+    found = said(tmp_path, changed("[0, 460]", '[0]\nscenario = ["won"]'))
+    assert found.startswith('@:8: axes.scenario: unknown scenario "won"; expected one of friction_down, ')
+    assert found.endswith(f" (looked in this file, {tmp_path / 'scenarios'} and the program's own)")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (changed('"5 mm"', "20"), "@:13: references.sine: reaches 20 m, the stroke ends at +-0.03 m"),
+        (
+            changed('"0.4 s"', '"0.6 s"'),
+            '@:19: simulation.duration: "sine" has a period of 0.5 s, and after the transient only 0.4 s are left',
+        ),
+    ],
+)
+def test_a_warning_is_one_line_and_no_mistake(tmp_path: Path, text: str, expected: str) -> None:
+    path = write(tmp_path, text)
+    for answer in (workbench("check", path), workbench("run", path, "--dry-run", "--out", tmp_path / "out")):
+        assert answer.code == 0
+        assert answer.err.replace(str(path), "@") == f"warning: {expected}\n"
 
 
 PLACES = {

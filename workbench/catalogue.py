@@ -1,17 +1,20 @@
 """What there is to put into a study, in words."""
 
 import typing
+from pathlib import Path
 
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
+from controllers.settings import ANY, Setting, usable
 from plants.plugins import Registry
 from plants.registry import PLANTS
 from workbench.files import read_toml
 from workbench.metrics import COLUMNS
 from workbench.parameters import named_sets
-from workbench.simulation.simulate import METHODS
+from workbench.simulation.simulate import METHODS, memory_names
 from workbench.study.reference_tables import KINDS
 from workbench.study.resolve import MODELS
+from workbench.study.scenarios import scenario_files
 
 
 def catalogue() -> dict[str, list[str]]:
@@ -27,6 +30,9 @@ def catalogue() -> dict[str, list[str]]:
             *_broken(CONTROLLERS),
         ],
         "parameters": [f"{name:22} {read_toml(path)[0]['title']}" for name, path in named_sets().items()],
+        "scenarios": [
+            f"{name:22} {read_toml(path)[0].get('title', '')}" for name, path in scenario_files(Path.cwd()).items()
+        ],
         "references": [
             f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}"
             for kind, table in KINDS.items()
@@ -42,12 +48,21 @@ def _broken(registry: Registry[typing.Any]) -> list[str]:
 
 
 def _controller(name: str, controller: Controller) -> list[str]:
-    settings: typing.Any = controller.Settings
-    hints = typing.get_type_hints(settings, include_extras=True)
-    defaults = settings._field_defaults
+    """A controller, its settings under what they need in order to count, and the signals that its state gives."""
+    groups: dict[str, list[Setting]] = {"": []}
+    for setting in usable(controller).values():
+        groups.setdefault(str(setting.needs or ""), []).append(setting)
     lines = [f"{name:22} {controller.summary}"]
-    for setting, hint in hints.items():
-        meaning = hint.__metadata__[0] if hint.__origin__ is float else " | ".join(hint.__metadata__)
-        default = f"default {defaults[setting]}" if setting in defaults else "needed"
-        lines.append(f"  {setting:26} {meaning:22} {default}")
-    return lines
+    for needs, settings in groups.items():
+        lines += [f"  with {needs}"] * bool(needs)
+        lines += [_setting(setting, "    " if needs else "  ") for setting in settings]
+    names = memory_names(controller)
+    return [*lines, f"  signals: {', '.join(names)}"] if names else lines
+
+
+def _setting(setting: Setting, indent: str) -> str:
+    default = "needed" if setting.default is None else f"default {setting.default or repr(setting.default)}"
+    kind = setting.unit or ("name" if setting.choices == (ANY,) else "choice")
+    among = setting.about.short if setting.unit else " | ".join(item for item in setting.choices if item != ANY)
+    said = "; ".join(words for words in (setting.about.meaning, among) if words)
+    return f"{indent + setting.name:28} {kind:16} {default:16} {said}".rstrip()

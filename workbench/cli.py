@@ -102,7 +102,8 @@ def check(
 @app.command("list")
 def list_(
     kind: Annotated[
-        str | None, typer.Argument(help="plants, controllers, parameters, references, integrators or columns.")
+        str | None,
+        typer.Argument(help="plants, controllers, parameters, scenarios, references, integrators or columns."),
     ] = None,
 ) -> None:
     """List what there is to put into a study."""
@@ -174,6 +175,8 @@ def _say_plan(planned: Any) -> None:
         print(f"  {name}: {', '.join(values)}")
     count = len(planned.cases)
     print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time")
+    for line in planned.warnings:
+        print(f"warning: {line}", file=sys.stderr)
 
 
 def _axes_of(planned: Any) -> dict[str, list[str]]:

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -114,28 +115,53 @@ def at(path: Path, text: str, key: Key, message: str) -> UserError:
     return UserError(f"{place}: {name}: {message}" if name else f"{place}: {message}")
 
 
-class SchemaError(Exception):
-    """The first mistake of a table: its key inside the table, and what is wrong."""
+def lines_of(errors: Sequence[UserError]) -> UserError:
+    """Several mistakes as one error, a line each."""
+    return UserError("\n".join(dict.fromkeys(str(error) for error in errors)))
 
-    def __init__(self, key: Key, message: str) -> None:
+
+class SchemaError(Exception):
+    """A mistake of a table: its key inside the table, and what is wrong; `others` are further ones of the table."""
+
+    def __init__(self, key: Key, message: str, others: "Sequence[SchemaError]" = ()) -> None:
         super().__init__(message)
         self.key = key
         self.message = message
+        self.others = tuple(others)
+
+
+def together(mistakes: Sequence[SchemaError]) -> SchemaError:
+    """One or several mistakes as one. A missing key that an unknown one beside it is taken for is not told twice."""
+    first, *others = [
+        item
+        for item in mistakes
+        if not any(f'did you mean "{item.key[-1]}"' in other.message for other in mistakes if _beside(other, item))
+    ]
+    return SchemaError(first.key, first.message, others)
+
+
+def _beside(one: SchemaError, other: SchemaError) -> bool:
+    return one is not other and one.key[:-1] == other.key[:-1]
 
 
 def conform(model: type[ModelT], data: dict[str, Any]) -> ModelT:
     """`data` as an instance of `model`.
 
     Raises:
-        SchemaError: the first mistake, with the nearest valid name.
+        SchemaError: all unknown and missing keys, with the nearest valid names, or else the first mistake.
     """
     try:
         return model.model_validate(data)
     except ValidationError as error:
         mistakes = error.errors()
-        first = next((item for item in mistakes if item["type"] == "extra_forbidden"), mistakes[0])
-        key = tuple(part for part in first["loc"] if not (isinstance(part, str) and part in _UNION_MEMBERS))
-        raise SchemaError(key, _message(model, first, key)) from None
+        unknown = [item for item in mistakes if item["type"] == "extra_forbidden"]
+        missing = [item for item in mistakes if item["type"] == "missing"]
+        raise together([_mistake(model, item) for item in [*unknown, *missing] or mistakes[:1]]) from None
+
+
+def _mistake(model: type[BaseModel], error: Any) -> SchemaError:
+    key = tuple(part for part in error["loc"] if not (isinstance(part, str) and part in _UNION_MEMBERS))
+    return SchemaError(key, _message(model, error, key))
 
 
 _UNION_MEMBERS = ("float", "str", "int", "list", "dict")
@@ -146,12 +172,12 @@ def validate(model: type[ModelT], data: dict[str, Any], path: Path, text: str) -
     """`data`, the content of the file at `path`, as an instance of `model`.
 
     Raises:
-        UserError: the first mistake, with its place and the nearest valid name.
+        UserError: as `conform`, a line a mistake, with its place.
     """
     try:
         return conform(model, data)
     except SchemaError as error:
-        raise at(path, text, error.key, error.message) from None
+        raise lines_of([at(path, text, each.key, each.message) for each in (error, *error.others)]) from None
 
 
 def _message(model: type[BaseModel], error: Any, key: Key) -> str:

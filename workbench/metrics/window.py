@@ -35,11 +35,16 @@ def find_window(time: np.ndarray, reference: ReferenceSignal | None, transient: 
     start, periods = first_sample(time, transient), 0
     period = reference.period if reference is not None else None
     if period is not None:
-        periods = max(0, math.floor((time[-1] - transient) / period + SLACK))
+        periods = whole_periods(float(time[-1]) - transient, period)
     if periods > 0:
         sample_time = time[1] - time[0]
         start = max(0, time.size - round(periods * float(period or 0.0) / sample_time))
     return Window(start, periods) if time.size - start >= 2 else None
+
+
+def whole_periods(duration: float, period: float) -> int:
+    """How many periods (s) fit in a `duration` (s)."""
+    return max(0, math.floor(duration / period + SLACK))
 
 
 def first_sample(time: np.ndarray, instant: float) -> int:

@@ -6,7 +6,9 @@ solver_error(setup, run)         # how far the positions are off (m)
 """
 
 import functools
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,6 +19,7 @@ from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
 from plants.equation import fields, from_array, to_array
 from plants.interface import Measurement, Plant, compile_derivatives, compile_measure
+from workbench.errors import UserError
 from workbench.simulation import engine, steppers
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors, systematic_error
@@ -32,6 +35,9 @@ TIGHTER = 100.0
 
 STUCK_SPEED = 1e-4
 """m/s. Slower than this counts as not moving."""
+
+NUMBA_FAILED = "Failed in nopython mode pipeline"
+"""What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
 
 DELAY_SLACK = 1e-9
 """A delay this close (in samples) to a whole number of samples is one."""
@@ -164,12 +170,30 @@ class Run:
 @functools.cache
 def _compiled_plant(plant: Plant) -> tuple[Any, Any]:
     """The plant's C functions; kept, since only their addresses go to the engine."""
-    return compile_derivatives(plant), compile_measure(plant)
+    with _told("plant", plant.name):
+        return compile_derivatives(plant), compile_measure(plant)
 
 
 @functools.cache
 def _compiled_controller(controller: Controller) -> tuple[Any, Any]:
-    return compile_step(controller), compile_commit(controller)
+    with _told("controller", controller.name):
+        return compile_step(controller), compile_commit(controller)
+
+
+@contextmanager
+def _told(kind: str, name: str) -> Iterator[None]:
+    """What numba cannot compile is its author's mistake: one line for the user, the rest in the traceback.
+
+    Raises:
+        UserError: the innermost reason that numba gives.
+    """
+    try:
+        yield
+    except Exception as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        causes = [later for line, later in itertools.pairwise(lines) if NUMBA_FAILED in line]
+        reason = " ".join((causes or lines or [type(error).__name__])[-1].split())
+        raise UserError(f'{kind} "{name}" cannot be compiled: {reason} (--debug shows all of it)') from error
 
 
 def _addresses(functions: tuple[Any, Any]) -> tuple[int, int]:

@@ -1,22 +1,38 @@
 """What a study asks of its results, checked before it runs: probes, tables and figures, and settings without use."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
+from controllers.settings import idle
 from plants.equation import fields
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.errors import nearest
 from workbench.files import Key
+from workbench.metrics.window import whole_periods
 from workbench.parameters import FLOW_SHARE
-from workbench.study.document import Case, Study, located
+from workbench.simulation.simulate import memory_names
+from workbench.study.document import Case, Study, located, named
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
 from workbench.study.resolve import Resolved
 from workbench.study.schema import Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.store import INDEX
 from workbench.units import QuantityError
+
+MEMORY = "controller_"
+"""What the names of signals of a controller's state begin with."""
+
+CLOSE = 0.85
+"""Likeness above which such a name is a slip of the pen: they all begin alike."""
+
+
+REACH_INSTANTS = 10_001
+"""At most so many instants tell how far a reference goes."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +77,23 @@ class Checks:
         if name not in names:
             raise self.study.error(key, f'unknown {what} "{name}"; {nearest(name, names)}')
 
+    def _signal(self, key: Key, name: str, cases: Sequence[int]) -> None:
+        """`name` has to be a signal of at least one of the cases at these places."""
+        known = dict.fromkeys(signal for i in cases for signal in self.signals[i])
+        if name in known:
+            return
+        if not name.startswith(MEMORY):
+            raise self.study.error(key, f'unknown signal "{name}"; {nearest(name, known)}')
+        said = {}
+        for i in cases:
+            controller = self.resolved[i].setup.loop.controller
+            own = ", ".join(memory_names(controller)) or "none"
+            said[f'"{named(self.cases[i], "controller")}" (type {controller.name})'] = own
+        owners = "; ".join(f"controller {who} has {own}" for who, own in said.items())
+        close = get_close_matches(name, [signal for signal in known if signal.startswith(MEMORY)], n=1, cutoff=CLOSE)
+        hint = f'did you mean "{close[0]}"? ' if close else ""
+        raise self.study.error(key, f'no signal "{name}" here; {hint}{owners}')
+
     def _unit(self, key: Key, unit: str, shown: str) -> None:
         try:
             shown_factor(unit, shown)
@@ -69,16 +102,16 @@ class Checks:
 
     def _probes(self) -> None:
         taken = {name.casefold() for name in (INDEX, *self.axes, *self.figures)}
-        signals = sorted({name for names in self.signals for name in names})
         for name, probe in self.study.file.probes.items():
             if name.casefold() in taken:
                 raise self.study.error(("probes", name), "the results have a column of this name already")
             taken.add(name.casefold())
-            self._name(("probes", name, "signal"), "signal", probe.signal, signals)
-            if probe.event is not None:
-                self._name(("probes", name, "event"), "signal", probe.event, signals)
             for case in probe.cases:
                 self._name(("probes", name, "cases"), "case", case, self.study.file.cases)
+            probed = [i for i, case in enumerate(self.cases) if not probe.cases or case.name in probe.cases]
+            self._signal(("probes", name, "signal"), probe.signal, probed)
+            if probe.event is not None:
+                self._signal(("probes", name, "event"), probe.event, probed)
 
     def _chosen(self, key: Key, where: Mapping[str, Any], *, one: bool) -> list[int]:
         """Places of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
@@ -135,24 +168,52 @@ class Checks:
         units = signal_units()
         for coordinate, name, shown in (("x", curve.x or panel.x, panel.x_unit), ("y", curve.y, panel.y_unit)):
             place = key if coordinate == "y" or curve.x else key[:4]
-            self._name((*place, coordinate), "signal", name, self.signals[case])
+            self._signal((*place, coordinate), name, [case])
             self._unit((*key[:4], f"{coordinate}_unit"), units.get(name, "1"), shown)
 
+    def warnings(self) -> list[str]:
+        """What may be meant, and seldom is: references beyond the stroke, no whole period after the transient."""
+        found: dict[str, None] = {}
+        seen: set[str] = set()
+        for case, item in zip(self.cases, self.resolved, strict=True):
+            name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
+            point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
+            if item.signal is None or repr(point) in seen:
+                continue
+            seen.add(repr(point))
+            if item.setup.reference is not None and (reach := _reach(item)) > 0.5 * travel:
+                message = f"reaches {reach:g} m, the stroke ends at +-{0.5 * travel:g} m"
+                found[str(located(self.study, case, ("references", name), message))] = None
+            period, left = item.signal.period, item.setup.duration - item.transient
+            if period is not None and whole_periods(left, period) == 0:
+                message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
+                found[str(located(self.study, case, ("simulation", "duration"), message))] = None
+        return list(found)
+
     def _without_use(self) -> None:
-        """Settings of the plant that change nothing in any case: a mistake, or the reader is misled."""
-        idle: dict[Key, tuple[Case, str]] = {}
+        """Settings of plant and controller that change nothing in any case: a mistake, or the reader is misled."""
+        without: dict[Key, tuple[Case, str]] = {}
         used: set[Key] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):
-            family = _family(case, item.setup.plant)
-            names = {field.name for plant in family for field in fields(plant.Parameters)} - {FLOW_SHARE}
-            for key, applies in _settings(case, family, names).items():
-                hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
-                idle.setdefault(key, (case, f'plant "{family[0].name}" has no use for it; {hint}'))
-                if applies:
+            for key, message in {**_plant_settings(case, item), **_controller_settings(case, item)}.items():
+                if message:
+                    without.setdefault(key, (case, message))
+                else:
                     used.add(key)
-        for key, (case, message) in idle.items():
+        for key, (case, message) in without.items():
             if key not in used:
                 raise located(self.study, case, key, message)
+
+
+def _reach(item: Resolved) -> float:
+    """Largest magnitude (m) of a case's reference."""
+    setup = item.setup
+    instants = min(round(setup.duration / setup.sample_time) + 1, REACH_INSTANTS)
+    return (
+        float(np.max(np.abs(setup.reference(np.linspace(0.0, setup.duration, instants))[0])))
+        if setup.reference
+        else 0.0
+    )
 
 
 def _family(case: Case, plant: Plant) -> list[Plant]:
@@ -162,9 +223,27 @@ def _family(case: Case, plant: Plant) -> list[Plant]:
     return [plants()["non_rotating"], plants()["rotating_helical"]]
 
 
-def _settings(case: Case, family: Sequence[Plant], parameters: Iterable[str]) -> dict[Key, bool]:
+def _plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
+    family = _family(case, item.setup.plant)
+    names = {field.name for plant in family for field in fields(plant.Parameters)} - {FLOW_SHARE}
+    found = {}
+    for key, applies in _applies(case, family, names).items():
+        hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
+        found[key] = "" if applies else f'plant "{family[0].name}" has no use for it; {hint}'
+    return found
+
+
+def _controller_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting that a case's controller is given: why it changes nothing, "" if it does."""
+    name = named(case, "controller")
+    reasons = idle(item.setup.loop.controller, item.settings)
+    table = case.tables["controllers"][name]
+    return {("controllers", name, key): reasons.get(key, "") for key in table if key != "type"}
+
+
+def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dict[Key, bool]:
     """The settings of a case's plant and belief, and whether they mean something to it."""
-    names = set(parameters)
     table = case.tables["plant"]
     rotates = any(plant.rotary_command is not None for plant in family)
     valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))

@@ -11,7 +11,7 @@ from typing import Any
 
 from workbench import files
 from workbench.errors import UserError, nearest
-from workbench.study.scenarios import read_scenario, scenario_files
+from workbench.study.scenarios import FOLDER, read_scenario, scenario_files
 from workbench.study.schema import OVERRIDES, StudyFile
 
 NAMED_AXES = ("rpm", "controller", "reference", "scenario")
@@ -123,6 +123,11 @@ def scenario_trial(path: Path) -> Study:
     return _with_scenarios(Study(beside, "", StudyFile.model_validate(content)), {path.stem: path})
 
 
+def named(case: Case, kind: str) -> str:
+    """The name of a case's "controller" or "reference": what an axis says, else the only one; "" if there is none."""
+    return case.tables.get(kind) or next(iter(case.tables[f"{kind}s"]), "")
+
+
 def unfold(study: Study) -> list[Case]:
     """All cases, in order: [cases] first, then the axes as they stand, the last one changing fastest.
 
@@ -176,7 +181,9 @@ def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, 
         if axis in known:
             for value in values:
                 if not isinstance(value, str) or value not in known[axis]:
-                    raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}')
+                    looked = f" (looked in this file, {study.path.parent / FOLDER} and the program's own)"
+                    where = looked if axis == "scenario" else ""
+                    raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}{where}')
         elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
             roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
             raise study.error(key, f"unknown axis; {nearest(axis, roots)} (or a dotted key of the file)")

@@ -1,7 +1,6 @@
 """From the tables of a case to everything that a run depends on: plant, belief, controllers, reference, sensors."""
 
-import functools
-import typing
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +10,7 @@ from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.registry import CONTROLLERS
 from controllers.scheduled_rotation import SCHEDULED_ROTATION
+from controllers.settings import ANY, Setting, settings_of, usable
 from plants.equation import fields
 from plants.interface import Plant
 from plants.plugins import Registry
@@ -41,11 +41,12 @@ SIGMAS = 3.0
 
 @dataclass(frozen=True)
 class Resolved:
-    """A case ready to run. `band` (m) is what the sensors cannot tell from rest."""
+    """A case ready to run. `band` (m) is what the sensors cannot tell from rest; `settings` are the controller's."""
 
     setup: Setup
     transient: float
     band: float
+    settings: Any = None
 
     @property
     def signal(self) -> ReferenceSignal | None:
@@ -62,7 +63,8 @@ def resolve(study: Study, case: Case) -> Resolved:
     try:
         return _resolve(files.conform(CaseTables, case.tables), case)
     except SchemaError as mistake:
-        raise located(study, case, mistake.key, mistake.message) from None
+        errors = [located(study, case, each.key, each.message) for each in (mistake, *mistake.others)]
+        raise files.lines_of(errors) from None
 
 
 def _resolve(tables: CaseTables, case: Case) -> Resolved:
@@ -75,7 +77,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         state, _ = plant.equilibrium(parameters, 0.0)
     state = state._replace(position=tables.plant.start_position)
     rotary, inputs = _rotary(plant, belief, inputs, surface_speed, tables)
-    loop, reference, feeds = _position_loop(plant, belief, tables, case.folder)
+    loop, settings, reference, feeds = _position_loop(plant, belief, tables, case.folder)
     sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
     simulation = tables.simulation
@@ -95,7 +97,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         simulation.sample_time,
         simulation.seed,
     )
-    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution))
+    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution), settings)
 
 
 def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float, float]:
@@ -169,8 +171,8 @@ def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | Non
 
 def _position_loop(
     plant: Plant, belief: Any, tables: CaseTables, folder: Path
-) -> tuple[Loop, ReferenceSignal | None, tuple[Feed, ...]]:
-    """The controller with its gains, its reference (None in open loop), and what is fed to inputs instead."""
+) -> tuple[Loop, Any, ReferenceSignal | None, tuple[Feed, ...]]:
+    """The controller with its gains, its settings, its reference (None in open loop), and what is fed to inputs."""
     name = _chosen("controller", tables.controller, tables.controllers)
     if name is None:
         raise SchemaError(("controllers",), "is missing: expected a table such as [controllers.p]")
@@ -191,18 +193,11 @@ def _position_loop(
         unit = units[target]
     reference_name = _chosen("reference", tables.reference, tables.references)
     if reference_name is None:
-        return Loop(controller, gains), None, ()
+        return Loop(controller, gains), settings, None, ()
     signal = _reference(reference_name, tables.references[reference_name], unit, folder)
     if target:
-        return Loop(controller, gains), None, (Feed(target, signal, settings.hold == "linear"),)
-    return Loop(controller, gains), signal, ()
-
-
-@functools.cache
-def _setting_hints(cls: Any) -> dict[str, tuple[Any, tuple[str, ...]]]:
-    """Of each setting: float or str, and its unit or its choices."""
-    hints = typing.get_type_hints(cls, include_extras=True)
-    return {name: (hint.__origin__, hint.__metadata__) for name, hint in hints.items()}
+        return Loop(controller, gains), settings, None, (Feed(target, signal, settings.hold == "linear"),)
+    return Loop(controller, gains), settings, signal, ()
 
 
 def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
@@ -212,24 +207,44 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
         hint = nearest("", CONTROLLERS.working())
         raise SchemaError((*key, "type"), f"is missing; this key is needed here; {hint}")
     controller = _registered(CONTROLLERS, str(table.pop("type")), (*key, "type"))
-    settings: Any = controller.Settings
-    hints = _setting_hints(settings)
+    declared, offered = settings_of(controller.Settings), usable(controller)
+    mistakes = [
+        SchemaError((*key, item), f"unknown key; {nearest(item, [*offered, 'type'])}")
+        for item in table
+        if item not in declared
+    ]
+    mistakes += [
+        SchemaError((*key, item.name), "is missing; this key is needed here")
+        for item in declared.values()
+        if item.name not in table and item.default is None
+    ]
+    if mistakes:
+        raise files.together(mistakes)
     values: dict[str, Any] = {}
     for item, value in table.items():
-        if item not in hints:
-            raise SchemaError((*key, item), f"unknown key; {nearest(item, [*hints, 'type'])}")
-        base, metadata = hints[item]
         try:
-            values[item] = si(value, metadata[0], command_unit) if base is float else value
+            values[item] = _setting_value(declared[item], value, command_unit)
         except QuantityError as error:
             raise SchemaError((*key, item), str(error)) from None
-        if base is str and not (isinstance(value, str) and (metadata == ("any",) or value in metadata)):
-            expected = "a name" if metadata == ("any",) else f"one of {', '.join(metadata)}"
-            raise SchemaError((*key, item), f"got {value!r}, expected {expected}")
-    for item in hints:
-        if item not in values and item not in settings._field_defaults:
-            raise SchemaError((*key, item), "is missing; this key is needed here")
+    settings: Any = controller.Settings
     return controller, settings(**values)
+
+
+def _setting_value(item: Setting, value: Any, command_unit: str) -> float | str:
+    """A setting's value in SI, or its choice.
+
+    Raises:
+        QuantityError: the wrong unit, out of its range, or no such choice.
+    """
+    if item.unit:
+        number = si(value, item.unit, command_unit)
+        if not item.about.admits(number):
+            raise QuantityError(f"got {json.dumps(value)}, expected {item.about.expected}")
+        return number
+    if not isinstance(value, str) or (item.choices != (ANY,) and value not in item.choices):
+        expected = "a name" if item.choices == (ANY,) else f"one of {', '.join(item.choices)}"
+        raise QuantityError(f"got {value!r}, expected {expected}")
+    return value
 
 
 def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
@@ -241,6 +256,8 @@ def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> Ref
     try:
         return files.conform(KINDS[kind], table).build(unit, folder)
     except SchemaError as error:
-        raise SchemaError((*key, *error.key), error.message) from None
+        raise files.together(
+            [SchemaError((*key, *each.key), each.message) for each in (error, *error.others)]
+        ) from None
     except UserError as error:
         raise SchemaError(key, str(error)) from None

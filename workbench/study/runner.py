@@ -5,10 +5,10 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,7 @@ class Plan:
     study: Study
     cases: list[Case]
     resolved: list[Resolved]
+    warnings: Sequence[str] = ()
 
     @property
     def axes(self) -> list[str]:
@@ -98,8 +99,9 @@ def plan(study: Study) -> Plan:
     """
     cases = unfold(study)
     planned = Plan(study, cases, [resolve(study, case) for case in cases])
-    Checks(study, cases, planned.resolved, planned.axes, COLUMNS).all()
-    return planned
+    checks = Checks(study, cases, planned.resolved, planned.axes, COLUMNS)
+    checks.all()
+    return replace(planned, warnings=checks.warnings())
 
 
 def needed_trajectories(planned: Plan) -> set[int]:

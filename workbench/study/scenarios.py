@@ -1,9 +1,10 @@
-"""Scenario files: named changes of the truth that any study beside them can take by name.
+"""Scenario files: named changes of the truth that any study can take by name.
 
-A study in FOLDER names FOLDER/scenarios/NAME.toml on its axis `scenario`, unless a table [scenarios.NAME] of its own
-has that name.
+What a study in FOLDER names on its axis `scenario` is its own table [scenarios.NAME], else FOLDER/scenarios/NAME.toml,
+else the scenario of that name that comes with the program.
 """
 
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ from workbench import files
 from workbench.files import Strict
 
 FOLDER = "scenarios"
+
+SHIPPED = Path(str(resources.files("workbench"))) / FOLDER
+"""The scenarios that come with the program: a link to studies/scenarios, which an installed package holds in full."""
 
 
 class ScenarioFile(Strict):
@@ -32,8 +36,9 @@ class ScenarioFile(Strict):
 
 
 def scenario_files(study_folder: Path) -> dict[str, Path]:
-    """The scenario files beside a study, by name."""
-    return {path.stem: path for path in sorted((study_folder / FOLDER).glob("*.toml"))}
+    """The scenario files that a study can name: those beside it, which come before the shipped ones of their name."""
+    beside, shipped = (sorted(folder.glob("*.toml")) for folder in (study_folder / FOLDER, SHIPPED))
+    return {path.stem: path for path in (*shipped, *beside)}
 
 
 def is_scenario(path: Path) -> bool:
