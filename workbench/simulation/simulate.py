@@ -33,6 +33,9 @@ TIGHTER = 100.0
 STUCK_SPEED = 1e-4
 """m/s. Slower than this counts as not moving."""
 
+MEASURED = "measured_"
+"""What stands before the name of a sensor's channel in the signals of a run."""
+
 DELAY_SLACK = 1e-9
 """A delay this close (in samples) to a whole number of samples is one."""
 
@@ -136,7 +139,8 @@ class Run:
         named = dict(zip(names, values, strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
-        named["measured_position"] = self.measurements[:, 0]
+        for i, item in enumerate(fields(Measurement)):
+            named[f"{MEASURED}{item.name}"] = self.measurements[:, i]
         for i, name in enumerate(memory_names(self.loop.controller)):
             named[name] = self.memory[:, i]
         if self.reference is not None:
