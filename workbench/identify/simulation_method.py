@@ -214,7 +214,9 @@ def identify_by_simulation(experiment: Experiment, records: Sequence[Record]) ->
 
 
 def _problem(experiment: Experiment, observed: Sequence[Observed], free: list[str]) -> _Problem:
-    plain = {name: experiment.values.get(name, experiment.values.get(name.removesuffix(f"_{NEGATIVE}"))) for name in free}
+    plain = {
+        name: experiment.values.get(name, experiment.values.get(name.removesuffix(f"_{NEGATIVE}"))) for name in free
+    }
     missing = [name for name, value in plain.items() if value is None]
     if missing:
         raise UserError(f"{experiment.path}: {missing[0]} is free and has no declared value; set it in [plant.set]")

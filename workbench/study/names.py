@@ -44,9 +44,7 @@ def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
     """Names of the signals of a run; `tracks`: whether a position reference is followed."""
     names = [item.name for item in (*fields(plant.Signals), *fields(plant.Inputs))]
     measured = [f"{MEASURED}{item.name}" for item in fields(Measurement)]
-    return list(
-        dict.fromkeys([*names, "time", *measured, *memory_names(controller), *(TRACKING if tracks else ())])
-    )
+    return list(dict.fromkeys([*names, "time", *measured, *memory_names(controller), *(TRACKING if tracks else ())]))
 
 
 def signal_units() -> dict[str, str]:
