@@ -73,9 +73,7 @@ def run(
 
 @app.command()
 def check(
-    file: Annotated[
-        Path, typer.Argument(help="A study, a scenario, an experiment or a parameter set.", metavar="FILE")
-    ],
+    file: Annotated[Path, typer.Argument(help="A study, scenario, experiment or parameter set.", metavar="FILE")],
 ) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.files import read_toml
@@ -115,14 +113,13 @@ def identify(
     """Find friction and other parameters of a plant in records."""
     from workbench.identify.experiment import METHODS, read_experiment
     from workbench.identify.identification import identify as identified
-    from workbench.report.identification import PLANT, prepare, write_identification
+    from workbench.report.identification import PLANT, check_folder, write_identification
 
     if method is not None and method not in METHODS:
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(experiment)
-    found = identified(content, method)
-    prepare(out, overwrite)
-    table = write_identification(found, out)
+    check_folder(out, overwrite)
+    table = write_identification(identified(content, method), out)
     print(table.read_text(encoding="utf-8"))
     print(f"results in {out}: identified.json, {PLANT}, tables/, figures/")
 

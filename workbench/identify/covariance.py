@@ -24,7 +24,7 @@ def long_run_length(residuals: list[np.ndarray]) -> int:
 
 
 def long_run_deviation(series: np.ndarray, length: int) -> float:
-    """Standard deviation that white noise would need for means over `length` samples to scatter as those of `series`."""
+    """Standard deviation of a white noise whose means over `length` samples scatter as those of `series`."""
     values = np.nan_to_num(series - np.nanmean(series))
     sums = np.diff(np.concatenate([[0.0], np.cumsum(values)])[:: max(length, 1)])
     return float(max(np.std(sums) / np.sqrt(length), np.std(values)))

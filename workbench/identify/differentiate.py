@@ -15,7 +15,7 @@ def averaged(values: np.ndarray, count: int) -> np.ndarray:
 
 
 def velocity_of(position: np.ndarray, sample_time: float, order: int = 16) -> np.ndarray:
-    """Velocity (m/s) of positions (m) by the thesis's non-causal FIR differentiator; NaN where its window is not whole."""
+    """Velocity (m/s) of positions (m) by the thesis's non-causal FIR filter; NaN where its window is not whole."""
     velocity = fir_differentiator(position, sample_time, order)
     half = order // 2
     velocity[:half] = velocity[velocity.size - half :] = np.nan

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field, StrictFloat, model_validator
 
@@ -22,7 +22,8 @@ from workbench.parameters import (
 )
 from workbench.units import QuantityError, factor, si
 
-Raw = Annotated[StrictFloat | str, Field()]
+Raw = StrictFloat | str
+"""A quantity whose unit depends on its place."""
 
 CHANNELS: Mapping[str, str] = {
     "time": "s",
@@ -91,14 +92,14 @@ class FitTable(files.Strict):
 class ChannelTable(files.Strict):
     """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
 
-    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter, `noise` the standard deviation a sample.
+    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
     """
 
     column: str
     unit: str = "1"
     scale: float = 1.0
     offset: float = 0.0
-    anti_alias: Annotated[float | str, Field()] = 0.0
+    anti_alias: Raw = 0.0
 
 
 class RecordTable(files.Strict):

@@ -17,7 +17,7 @@ ROTARY = ("rotation_speed", "motor_current")
 
 @dataclass(frozen=True)
 class ThesisFit:
-    """What the thesis's method finds: estimates by canonical name, the 10 Hz data of each record, what it could not do."""
+    """What the thesis's method finds: estimates by canonical name, the 10 Hz data of each record, what it cannot do."""
 
     estimates: dict[str, Estimate]
     curves: dict[str, Slow]
@@ -101,15 +101,16 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
         curves[str(record.path)] = coarse
         for sign in directions(record, experiment):
             suffix = "" if sign > 0 else f"_{NEGATIVE}"
+            values: dict[str, float] = {}
             try:
-                values = method.static_parameters(coarse.turned(sign))
+                values |= method.static_parameters(coarse.turned(sign))
                 level = values["coulomb"] + values["stribeck"]
                 if _starts(fine) == sign:
                     values |= method.dynamic_parameters(fine.turned(sign), level, mass)
             except UserError as error:
                 notes.append(f"{record.label}: {error}")
-                continue
-            found.append({f"{name}{suffix}": value for name, value in values.items()})
+            if values:
+                found.append({f"{name}{suffix}": value for name, value in values.items()})
     if not found:
         raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
     return ThesisFit(method.over_repeats(list(found)), curves, tuple(notes))

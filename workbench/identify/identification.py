@@ -36,19 +36,14 @@ class Identification:
     @property
     def corrected(self) -> Mapping[str, tuple[float, float | None, str]]:
         """Identified parameters by canonical name: value, standard deviation (SI) and where they are from."""
-        where = (
-            f"identified from {len(self.records)} record{'s' * (len(self.records) > 1)} of {self.experiment.path.name}"
-        )
+        count = len(self.records)
+        where = f"identified from {count} record{'s' * (count > 1)} of {self.experiment.path.name}"
         if self.simulation is not None:
             fitted = self.simulation.estimates
             return {name: (one.value, one.std, f"{where}, by simulation error") for name, one in fitted.items()}
         estimates = self.thesis.estimates if self.thesis is not None else {}
         return {
-            name: (
-                one.value,
-                one.std if one.count > 1 else None,
-                f"{where}, by the thesis's method, {one.count} repeats",
-            )
+            name: (one.value, one.std if one.count > 1 else None, f"{where}, by the thesis's method")
             for name, one in estimates.items()
         }
 

@@ -191,7 +191,7 @@ def _check_alive(path: Path, name: str, values: np.ndarray) -> None:
         longest = max((b - a for a, b in spans(at)), default=0)
         beside = np.unique(known)
         next_to = float(beside[-2] if extreme == high else beside[1])
-        # A converter's step is of the same size everywhere; what is cut off leaves a wall: neighbours far more rarely met.
+        # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
         if longest > SATURATED_SHARE * values.size and crowded:
             raise UserError(

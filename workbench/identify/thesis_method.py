@@ -1,9 +1,9 @@
 """The thesis's identification of friction (Owen 2001, 4.3 to 4.6), step by step, on arrays.
 
 Positions are averaged over 10 samples (100 Hz at 1 kHz) and differentiated by a non-causal FIR filter of order 16; the
-velocity is averaged over 10 again (10 Hz). The 10 Hz data above 0.6 mm/s give the static parameters of each direction, the
-100 Hz data up to that speed the bristle's. The same functions serve pure rotation: torque K_t i over the radius as the
-force, surface speed R omega as the velocity.
+velocity is averaged over 10 again (10 Hz). The 10 Hz data above 0.6 mm/s give the static parameters of each direction,
+the 100 Hz data up to that speed the bristle's. The same functions serve pure rotation: torque K_t i over the radius as
+the force, surface speed R omega as the velocity.
 """
 
 from collections.abc import Mapping
@@ -109,7 +109,7 @@ def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str
 
         dz/dt = v - |v| F / (a0 + a1), integrated by Euler's rule for z;  sigma0 = F / z      (4.11), (4.12)
         sigma1 = 2 * 0.9 sqrt(sigma0 M), a2 being negligible near rest                        (4.14)
-        both refined by a curve fit of F = sigma0 z + sigma1 dz/dt                            (4.3) without its viscous term
+        both refined by a curve fit of F = sigma0 z + sigma1 dz/dt                            (4.3) without a2 v
 
     F / z is taken as the slope of F over z through 0; data with F above the static level are left out. With z and dz/dt
     known the curve fit is linear. Where it leaves a sigma1 that is not positive, the data say nothing of it, and both

@@ -26,8 +26,8 @@ SHOWN = {"m/s": "mm/s", "Pa": "kPa", "m": "mm"}
 DIGITS = 4
 
 
-def prepare(folder: Path, overwrite: bool) -> None:
-    """Make the folder, empty of an earlier identification.
+def check_folder(folder: Path, overwrite: bool) -> None:
+    """Whether an identification may be written there; nothing is changed.
 
     Raises:
         UserError: it holds one, or files of the same names that no identification wrote.
@@ -38,6 +38,10 @@ def prepare(folder: Path, overwrite: bool) -> None:
     foreign = [name for name in WRITTEN if (folder / name).exists()]
     if foreign and not ours:
         raise UserError(f"{folder}: holds {', '.join(foreign)} that no identification wrote; choose another --out")
+
+
+def _clear(folder: Path) -> None:
+    """Make the folder, empty of an earlier identification."""
     for name in WRITTEN:
         path = folder / name
         if path.is_dir():
@@ -49,8 +53,8 @@ def prepare(folder: Path, overwrite: bool) -> None:
 
 def write_identification(found: Identification, folder: Path) -> Path:
     """Write everything; identified.json, which marks it as whole, last. Returns the Markdown table's path."""
-    frame = table_of(found)
-    notes = notes_of(found)
+    frame, notes = table_of(found), notes_of(found)
+    _clear(folder)
     paths = write_frame("identified", found.experiment.title, frame, notes, folder / "tables")
     figures = folder / "figures"
     save(friction_figure(found), "friction_velocity", figures)
@@ -131,7 +135,7 @@ def notes_of(found: Identification) -> list[str]:
 
 
 def plant_file(found: Identification) -> str:
-    """The corrected plant as a parameter file: what was identified with its standard deviation, the rest as declared."""
+    """The corrected plant as a parameter file: what was identified, with its std; the rest as declared."""
     experiment, corrected = found.experiment, found.corrected
     lines = [
         f"title = {_text(f'{experiment.declared}, corrected by {experiment.path.name}')}",

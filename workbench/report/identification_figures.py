@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from workbench.identify.friction_records import friction_of
 from workbench.identify.identification import Identification
 from workbench.identify.simulation_method import SimulationFit
-from workbench.identify.thesis_method import STATIC, slower, steady
+from workbench.identify.thesis_method import STATIC, Slow, slower, steady
 from workbench.report.style import COLOURS, DASHES, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style
 
 SHOWN = {
@@ -35,14 +35,8 @@ def friction_figure(found: Identification) -> Figure:
         curves = found.thesis.curves if found.thesis is not None else _curves(found)
         fastest: dict[int, float] = {1: 0.0, -1: 0.0}
         for i, data in enumerate(curves.values()):
-            axes.plot(
-                1e3 * data.velocity,
-                data.force,
-                ".",
-                color=REFERENCE,
-                markersize=2.0,
-                label=None if i else "measured, 10 Hz",
-            )
+            label = None if i else "measured, 10 Hz"
+            axes.plot(1e3 * data.velocity, data.force, ".", color=REFERENCE, markersize=2.0, label=label)
             for sign in fastest:
                 fastest[sign] = max(fastest[sign], float(np.nanmax(sign * data.velocity)))
         sets = [("thesis's method", {n: e.value for n, e in found.thesis.estimates.items()})] if found.thesis else []
@@ -65,7 +59,7 @@ LEAST = 1e-3
 """m/s. A direction in which nothing moves faster has no curve."""
 
 
-def _curves(found: Identification) -> dict[str, object]:
+def _curves(found: Identification) -> dict[str, Slow]:
     return {str(record.path): slower(friction_of(record, found.experiment)) for record in found.records}
 
 
@@ -109,7 +103,7 @@ def record_figures(found: Identification) -> dict[str, Figure]:
                     scale * simulated,
                     color=COLOURS[0],
                     linestyle="--",
-                    label="simulated, with the sensor's error",
+                    label="simulated",
                 )
                 above.set_ylabel(f"{label} ({unit})")
                 above.legend(loc="best")
