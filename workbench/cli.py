@@ -73,10 +73,11 @@ def run(
 
 @app.command()
 def check(
-    file: Annotated[Path, typer.Argument(help="A study, a scenario or a parameter set.", metavar="FILE")],
+    file: Annotated[Path, typer.Argument(help="A study, scenario, experiment or parameter set.", metavar="FILE")],
 ) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.files import read_toml
+    from workbench.identify.experiment import is_experiment
     from workbench.parameters import read_parameters, serves
     from workbench.study.document import read_study, scenario_trial
     from workbench.study.runner import plan
@@ -89,6 +90,9 @@ def check(
         for line in serves(values):
             print(f"  {line}")
         return
+    if is_experiment(data):
+        _check_experiment(file)
+        return
     if is_scenario(file):
         trial = plan(scenario_trial(file)).study
         tables = ", ".join(f"[{name}]" for name in trial.file.scenarios[file.stem]) or "nothing"
@@ -97,6 +101,27 @@ def check(
     planned = plan(read_study(file))
     print(f"{file}: a study, in order")
     _say_plan(planned)
+
+
+@app.command()
+def identify(
+    experiment: Annotated[Path, typer.Argument(help="An experiment: a TOML file.", metavar="EXPERIMENT.toml")],
+    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
+    method: Annotated[str | None, typer.Option(help="thesis, simulation or both.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+) -> None:
+    """Find friction and other parameters of a plant in records."""
+    from workbench.identify.experiment import METHODS, read_experiment
+    from workbench.identify.identification import identify as identified
+    from workbench.report.identification import PLANT, check_folder, write_identification
+
+    if method is not None and method not in METHODS:
+        raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
+    content = read_experiment(experiment)
+    check_folder(out, overwrite)
+    table = write_identification(identified(content, method), out)
+    print(table.read_text(encoding="utf-8"))
+    print(f"results in {out}: identified.json, {PLANT}, tables/, figures/")
 
 
 @app.command("list")
@@ -166,6 +191,25 @@ def plot(
     for spec in study.file.figures:
         print("wrote " + ", ".join(str(path) for path in write_figure(spec, frame, folder)))
     _comparison(folder, study, frame)
+
+
+def _check_experiment(file: Path) -> None:
+    """Say what an experiment would do; its records are read where they are there."""
+    from workbench.identify.experiment import read_experiment
+    from workbench.identify.records import read_record
+
+    content = read_experiment(file)
+    print(f"{file}: an experiment, in order")
+    print(content.title + (f" ({content.source})" if content.source else ""))
+    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
+    print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
+    for spec in content.records:
+        if not spec.path.exists():
+            print(f"  {spec.path}: is not there yet")
+            continue
+        record = read_record(spec, content)
+        said = "".join(f"; {note}" for note in record.notes)
+        print(f"  {spec.path}: {spec.use}, {record.time[-1]:g} s at {1.0 / record.sample_time:.6g} Hz{said}")
 
 
 def _say_plan(planned: Any) -> None:

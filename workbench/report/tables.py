@@ -12,6 +12,9 @@ from workbench.study.schema import Column, Row, TableSpec
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 
+WORDS = ("quantity", "parameter", "unit", REMARK)
+"""Columns of text, which are aligned to the left."""
+
 
 def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     """The table of a spec, as text ready to be shown. A figure that does not apply is empty.
@@ -112,12 +115,16 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
 
 def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
-    table = make_table(spec, frame)
+    return write_frame(spec.name, spec.title, make_table(spec, frame), _notes(spec), folder)
+
+
+def write_frame(name: str, title: str, table: pd.DataFrame, notes: list[str], folder: Path) -> list[Path]:
+    """Write a table of text, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{spec.name}.{ending}" for ending in ("csv", "md", "tex")]
+    paths = [folder / f"{name}.{ending}" for ending in ("csv", "md", "tex")]
     table.to_csv(paths[0], index=False, lineterminator="\n")
-    paths[1].write_text(_markdown(spec, table), encoding="utf-8")
-    paths[2].write_text(_latex(spec, table), encoding="utf-8")
+    paths[1].write_text(_markdown(title, table, notes), encoding="utf-8")
+    paths[2].write_text(_latex(name, title, table, notes), encoding="utf-8")
     return paths
 
 
@@ -129,29 +136,27 @@ def _notes(spec: TableSpec) -> list[str]:
     ]
 
 
-def _markdown(spec: TableSpec, table: pd.DataFrame) -> str:
-    numeric = [name not in ("quantity", "unit", REMARK) for name in table.columns]
+def _markdown(title: str, table: pd.DataFrame, notes: list[str]) -> str:
+    numeric = [name not in WORDS for name in table.columns]
     align = ["right" if right else "left" for right in numeric]
     shown = table.rename(columns=_piped).map(_piped)
     body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
-    return "\n\n".join([f"**{spec.title}**", body, *_notes(spec)]) + "\n"
+    return "\n\n".join([f"**{title}**", body, *notes]) + "\n"
 
 
 def _piped(text: str) -> str:
     return str(text).replace("|", r"\|")
 
 
-def _latex(spec: TableSpec, table: pd.DataFrame) -> str:
-    columns = "".join(
-        {REMARK: "p{45mm}"}.get(name, "l" if name in ("quantity", "unit") else "r") for name in table.columns
-    )
-    caption = " ".join([f"{spec.title}.", *_notes(spec)])
+def _latex(name: str, title: str, table: pd.DataFrame, notes: list[str]) -> str:
+    columns = "".join({REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.columns)
+    caption = " ".join([f"{title}.", *notes])
     headed = table.rename(columns=_escaped).map(_escaped)
     return str(
         headed.style.hide(axis="index").to_latex(
             hrules=True,
             caption=_escaped(caption),
-            label=f"tab:{spec.name}",
+            label=f"tab:{name}",
             column_format=columns,
             position_float="centering",
         )

@@ -39,6 +39,9 @@ STUCK_SPEED = 1e-4
 NUMBA_FAILED = "Failed in nopython mode pipeline"
 """What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
 
+MEASURED = "measured_"
+"""What stands before the name of a sensor's channel in the signals of a run."""
+
 DELAY_SLACK = 1e-9
 """A delay this close (in samples) to a whole number of samples is one."""
 
@@ -142,7 +145,8 @@ class Run:
         named = dict(zip(names, values, strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
-        named["measured_position"] = self.measurements[:, 0]
+        for i, item in enumerate(fields(Measurement)):
+            named[f"{MEASURED}{item.name}"] = self.measurements[:, i]
         for i, name in enumerate(memory_names(self.loop.controller)):
             named[name] = self.memory[:, i]
         if self.reference is not None:

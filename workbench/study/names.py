@@ -7,9 +7,9 @@ from typing import Any
 from controllers.interface import Controller
 from controllers.registry import controllers
 from plants.equation import fields
-from plants.interface import Plant
+from plants.interface import Measurement, Plant
 from plants.registry import plants
-from workbench.simulation.simulate import memory_names
+from workbench.simulation.simulate import MEASURED, memory_names
 from workbench.units import COMMAND, factor
 
 TRACKING = ("reference_position", "reference_velocity", "error")
@@ -20,7 +20,7 @@ SIGNAL_UNITS = {
     "error": "m",
     "reference_position": "m",
     "reference_velocity": "m/s",
-    "measured_position": "m",
+    **{f"{MEASURED}{item.name}": item.unit for item in fields(Measurement)},
 }
 """Units of signals that no plant declares."""
 
@@ -43,9 +43,8 @@ BASE_UNITS = {
 def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
     """Names of the signals of a run; `tracks`: whether a position reference is followed."""
     names = [item.name for item in (*fields(plant.Signals), *fields(plant.Inputs))]
-    return list(
-        dict.fromkeys([*names, "time", "measured_position", *memory_names(controller), *(TRACKING if tracks else ())])
-    )
+    measured = [f"{MEASURED}{item.name}" for item in fields(Measurement)]
+    return list(dict.fromkeys([*names, "time", *measured, *memory_names(controller), *(TRACKING if tracks else ())]))
 
 
 def signal_units() -> dict[str, str]:

@@ -1,0 +1,140 @@
+"""Experiment files and records: what is read, and what is said of a record that cannot be used."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from command import workbench, write
+from scipy.io import savemat
+
+from workbench.errors import UserError
+from workbench.identify.experiment import read_experiment
+from workbench.identify.records import Record, read_records
+
+EXPERIMENT = """\
+title = "a short record"
+[plant]
+model = "non_rotating"
+parameters = "owen2001_experiment"
+[fit]
+free = ["coulomb"]
+coulomb = { min = "1 N", max = "2 kN" }
+[channels]
+time = { column = "t", unit = "ms" }
+valve_voltage = { column = "u", unit = "V" }
+position = { column = "x", unit = "mm", offset = -10.0 }
+pressure_1 = { column = "pA", unit = "bar", scale = 0.5 }
+[[records]]
+file = "record.csv"
+"""
+
+
+def table(samples: int = 400) -> pd.DataFrame:
+    """Raw numbers: ms, V, mm from one end, counts of half a bar; position and pressure move on, none rests."""
+    time = np.arange(samples, dtype=float)
+    return pd.DataFrame({"t": time, "u": 0.0, "x": 10.0 + 0.1 * time, "pA": 40.0 + 0.01 * time})
+
+
+def record_of(folder: Path, data: pd.DataFrame, experiment: str = EXPERIMENT, **options: object) -> Record:
+    """The record that the program makes of `data`."""
+    data.to_csv(folder / "record.csv", index=False, **options)  # type: ignore[call-overload]
+    return read_records(read_experiment(write(folder, experiment, "experiment.toml")))[0]
+
+
+def test_units_scale_and_offset(tmp_path: Path) -> None:
+    record = record_of(tmp_path, table())
+    assert record.sample_time == pytest.approx(1e-3)
+    assert record.channels["position"][100] == pytest.approx(0.010)  # (10 + 10 - 10) mm
+    assert record.channels["pressure_1"][100] == pytest.approx(0.5 * 41.0 * 1e5)
+    assert np.all(record.valid)
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+def test_any_separator_parquet_and_mat_are_the_same_record(tmp_path: Path, separator: str) -> None:
+    data = table()
+    reference = record_of(tmp_path, data, sep=separator)
+    data.to_parquet(tmp_path / "record.parquet")
+    savemat(tmp_path / "record.mat", {name: data[name].to_numpy() for name in data})
+    for ending in ("parquet", "mat"):
+        text = EXPERIMENT.replace("record.csv", f"record.{ending}")
+        other = read_records(read_experiment(write(tmp_path, text, "experiment.toml")))[0]
+        for name, values in reference.channels.items():
+            np.testing.assert_allclose(other.channels[name], values, rtol=1e-12)
+
+
+def test_a_small_gap_is_marked_and_never_filled(tmp_path: Path) -> None:
+    data = table()
+    data.loc[100:104, "x"] = np.nan
+    record = record_of(tmp_path, data.drop(index=range(200, 203)))
+    assert record.time.size == 400
+    assert np.flatnonzero(~record.valid).tolist() == [100, 101, 102, 103, 104, 200, 201, 202]
+    assert record.notes == ("8 samples in 2 gaps are left out",)
+
+
+def spoiled(**columns: object) -> pd.DataFrame:
+    """The table with some columns replaced."""
+    return table().assign(**columns)
+
+
+def times(*changes: tuple[int, float]) -> np.ndarray:
+    """The times with some of them replaced."""
+    values = table()["t"].to_numpy(copy=True)
+    for place, value in changes:
+        values[place] = value
+    return values
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (table().rename(columns={"pA": "p_A"}), 'no column "pA" for pressure_1; did you mean "p_A"?'),
+        (spoiled(t=times((50, 48.5))), "row 52: the time goes back, from 0.049 s to 0.0485 s"),
+        (spoiled(t=table()["t"] + 500.0 * (table()["t"] > 99.0)), "row 101: the time jumps by 0.501 s"),
+        (spoiled(x=np.where(table()["t"] > 200.0, np.nan, 10.0 + table()["t"])), "position is missing from 0.201 s"),
+        (spoiled(x=12.5), "position is stuck: 0.0025 throughout"),
+        (spoiled(pA=np.minimum(table()["pA"], 41.0)), "pressure_1 is saturated: at its largest value 2.05e+06"),
+        (spoiled(x=table()["t"] * 10.0), "the position spans 3.99 m, and the stroke is 0.172 m"),
+        (spoiled(pA=table()["pA"] * 100.0), "pressure_1 reaches 2.1995e+08 Pa, and the supply is 4.91e+06 Pa"),
+        (spoiled(pA=table()["pA"] * 1e-5), "is the unit of channel pressure_1 right? (it seems 1e-05 times off)"),
+        (table(20), "holds 20 samples, expected at least 50"),
+        (spoiled(pA="none"), 'column "pA" (pressure_1) holds no numbers'),
+    ],
+)
+def test_a_record_that_cannot_be_used(tmp_path: Path, data: pd.DataFrame, said: str) -> None:
+    with pytest.raises(UserError) as raised:
+        record_of(tmp_path, data)
+    assert said in str(raised.value)
+    assert str(raised.value).startswith(str(tmp_path / "record.csv"))
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            'model = "non_rotating"',
+            'model = "non_rotatin"',
+            ':3: plant.model: unknown plant "non_rotatin"',
+        ),
+        (
+            'free = ["coulomb"]',
+            'free = ["coulom"]',
+            'fit.free.0: unknown parameter "coulom"; did you mean "coulomb"?',
+        ),
+        ('min = "1 N"', 'min = "1 m"', ':7: fit.coulomb.min: got "1 m", expected a quantity in N, such as "1 N"'),
+        ('unit = "bar"', 'unit = "mm"', ':12: channels.pressure_1.unit: got "mm", expected a unit such as "Pa"'),
+        ("pressure_1 =", "pressur_1 =", ':12: channels.pressur_1: unknown channel; did you mean "pressure_1"?'),
+        ('file = "record.csv"', 'fil = "record.csv"', ':14: records.0.fil: unknown key; did you mean "file"?'),
+        ('file = "record.csv"', 'file = "other.csv"', "other.csv: no such file"),
+        ('max = "2 kN"', 'max = "0 N"', ":7: fit.coulomb: expected a min below max"),
+    ],
+)
+def test_a_wrong_experiment_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert EXPERIMENT.count(old) == 1
+    path = write(tmp_path, EXPERIMENT.replace(old, new), "experiment.toml")
+    answer = workbench("identify", path, "--out", tmp_path / "out")
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()

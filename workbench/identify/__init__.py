@@ -1,0 +1,1 @@
+"""From records of a rig to a plant's parameters."""

@@ -1,0 +1,344 @@
+"""Experiment files: the plant that is believed, the channels of the records, the records, and what is to be fitted."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, StrictFloat, model_validator
+
+from plants.equation import NEGATIVE, fields
+from plants.interface import Plant
+from plants.registry import PLANTS
+from workbench import files
+from workbench.errors import UserError, nearest
+from workbench.parameters import (
+    FLOW_SHARE,
+    build,
+    known_units,
+    parameter_path,
+    parameter_value,
+    read_parameters,
+)
+from workbench.units import QuantityError, factor, si
+
+Raw = StrictFloat | str
+"""A quantity whose unit depends on its place."""
+
+CHANNELS: Mapping[str, str] = {
+    "time": "s",
+    "valve_voltage": "V",
+    "position": "m",
+    "pressure_1": "Pa",
+    "pressure_2": "Pa",
+    "supply_pressure": "Pa",
+    "spool_position": "m",
+    "motor_voltage": "V",
+    "motor_current": "A",
+    "rotation_speed": "rad/s",
+    "rotation_angle": "rad",
+    "pump_speed": "rad/s",
+    "command": "1",
+    "force": "N",
+}
+"""Every channel that a record may have, with its SI unit."""
+
+METHODS = ("thesis", "simulation", "both")
+
+NUISANCES: Mapping[str, str] = {
+    "pressure_1_offset": "Pa",
+    "pressure_2_offset": "Pa",
+    "pressure_1_gain": "1",
+    "pressure_2_gain": "1",
+    "position_calibration": "m",
+}
+"""Systematic errors of sensors that a fit by simulation may find beside the parameters; each with its unit."""
+
+
+class PlantTable(files.Strict):
+    """[plant]: what is believed. `scale` multiplies parameters, as in a study."""
+
+    model: str
+    parameters: str
+    flow: Literal["derived", "chapter3"] = "derived"
+    set: dict[str, Raw] = {}
+    scale: dict[str, float] = {}
+
+
+class Bound(files.Strict):
+    """Limits of a free parameter."""
+
+    min: Raw | None = None
+    max: Raw | None = None
+
+
+class FitTable(files.Strict):
+    """[fit]: what is free, and how it is found. `bounds` takes what stands under a parameter's own name."""
+
+    free: list[str] | None = None
+    method: Literal[METHODS] = "both"  # type: ignore[valid-type]
+    bounds: dict[str, Bound] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bounds_by_name(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        named = {key: value for key, value in data.items() if isinstance(value, dict) and key in known_units()}
+        rest = {key: value for key, value in data.items() if key not in named}
+        return {**rest, "bounds": {**rest.get("bounds", {}), **named}} if named else rest
+
+
+class ChannelTable(files.Strict):
+    """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
+
+    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
+    """
+
+    column: str
+    unit: str = "1"
+    scale: float = 1.0
+    offset: float = 0.0
+    anti_alias: Raw = 0.0
+
+
+class RecordTable(files.Strict):
+    """One record, or several of the same kind where `file` is a pattern such as "run_*.csv"."""
+
+    file: str
+    use: Literal["fit", "held_out"] = "fit"
+    label: str = ""
+    rpm: float = Field(0.0, ge=0.0)
+
+
+class TruthTable(files.Strict):
+    """[truth]: the parameters behind simulated records, against which an error is told."""
+
+    parameters: str
+
+
+class ExperimentFile(files.Strict):
+    """A whole experiment file."""
+
+    title: str
+    source: str = ""
+    plant: PlantTable
+    fit: FitTable = FitTable()
+    channels: dict[str, ChannelTable]
+    sensors: dict[str, Raw] = {}
+    records: list[RecordTable] = Field(min_length=1)
+    truth: TruthTable | None = None
+
+
+@dataclass(frozen=True)
+class ChannelSpec:
+    """Where a channel stands in a file, and how its numbers become SI: factor * number + offset."""
+
+    column: str
+    factor: float
+    offset: float
+    anti_alias: float
+
+
+@dataclass(frozen=True)
+class RecordSpec:
+    """One file of a record."""
+
+    path: Path
+    use: str
+    label: str
+    rpm: float
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment file, checked and in SI; the records are not read yet.
+
+    `values` are the declared parameters by canonical name: where a parameter's two directions have one value there is
+    no `_negative` name. `free` is None where the file says nothing. `accuracies` are the standard deviations of the
+    sensors' systematic errors (`NUISANCES`) that a fit may find.
+    """
+
+    path: Path
+    title: str
+    source: str
+    plant: Plant
+    flow: str
+    declared: str
+    values: Mapping[str, float]
+    free: tuple[str, ...] | None
+    bounds: Mapping[str, tuple[float, float]]
+    method: str
+    channels: Mapping[str, ChannelSpec]
+    accuracies: Mapping[str, float]
+    records: tuple[RecordSpec, ...]
+    truth: Mapping[str, float] | None
+
+    def parameters(self, changes: Mapping[str, float] | None = None) -> Any:
+        """The plant's parameters, declared or with `changes` by canonical name.
+
+        Raises:
+            UserError: the values do not serve the plant.
+        """
+        return build(self.plant.Parameters, {**self.values, **(changes or {})}, self.flow)
+
+
+def is_experiment(data: Mapping[str, Any]) -> bool:
+    """Whether the content of a TOML file is that of an experiment."""
+    return "records" in data or "channels" in data
+
+
+def read_experiment(path: Path) -> Experiment:
+    """Read and check an experiment file, to the last name and unit.
+
+    Raises:
+        UserError: the first mistake, with file, line and key.
+    """
+    data, text = files.read_toml(path)
+    content = files.validate(ExperimentFile, data, path, text)
+    try:
+        return _resolved(content, path)
+    except files.SchemaError as mistake:
+        raise files.at(path, text, mistake.key, mistake.message) from None
+
+
+def _resolved(content: ExperimentFile, path: Path) -> Experiment:
+    plant = _plant(content.plant.model)
+    values = _declared(content.plant, path.parent)
+    try:
+        build(plant.Parameters, values, content.plant.flow)
+    except UserError as error:
+        raise files.SchemaError(("plant", "parameters"), f"does not serve {plant.name}: {error}") from None
+    truth = None
+    if content.truth is not None:
+        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
+    names = parameter_names(plant)
+    return Experiment(
+        path,
+        content.title,
+        content.source,
+        plant,
+        content.plant.flow,
+        content.plant.parameters,
+        values,
+        None if content.fit.free is None else _free(content.fit.free, names, values),
+        _bounds(content.fit.bounds, names),
+        content.fit.method,
+        _channels(content.channels, plant),
+        _accuracies(content.sensors),
+        _records(content.records, path.parent),
+        truth,
+    )
+
+
+def parameter_names(plant: Plant) -> list[str]:
+    """Canonical names of the plant's parameters, `_negative` ones included."""
+    return [item.name for item in fields(plant.Parameters) if item.name != FLOW_SHARE]
+
+
+def _plant(model: str) -> Plant:
+    known = PLANTS.working()
+    if model not in known:
+        raise files.SchemaError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, known)}')
+    return known[model]
+
+
+def _set_values(name: str, folder: Path, key: files.Key) -> dict[str, float]:
+    try:
+        return dict(read_parameters(parameter_path(name, folder)))
+    except UserError as error:
+        raise files.SchemaError(key, str(error)) from None
+
+
+def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
+    """The declared values; a plain name in [plant.set] sets both directions, unless the other is set too."""
+    values = _set_values(table.parameters, folder, ("plant", "parameters"))
+    for name, value in table.set.items():
+        try:
+            number = parameter_value(name, value)
+        except (UserError, QuantityError) as error:
+            raise files.SchemaError(("plant", "set", name), str(error)) from None
+        values[name] = number
+        if (other := f"{name}_{NEGATIVE}") not in table.set:
+            values.pop(other, None)
+    for name, ratio in table.scale.items():
+        if name not in values:
+            raise files.SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
+        for scaled in (name, f"{name}_{NEGATIVE}"):
+            if scaled in values:
+                values[scaled] *= ratio
+    return values
+
+
+def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tuple[str, ...]:
+    """The free parameters; a plain name frees each direction that has a value of its own."""
+    found: dict[str, None] = {}
+    for i, name in enumerate(free):
+        if name not in names:
+            raise files.SchemaError(("fit", "free", i), f'unknown parameter "{name}"; {nearest(name, names)}')
+        found[name] = None
+        if f"{name}_{NEGATIVE}" in values:
+            found[f"{name}_{NEGATIVE}"] = None
+    return tuple(found)
+
+
+def _bounds(table: Mapping[str, Bound], names: list[str]) -> dict[str, tuple[float, float]]:
+    bounds = {}
+    for name, bound in table.items():
+        if name not in names:
+            raise files.SchemaError(("fit", name), f"unknown parameter; {nearest(name, names)}")
+        limits = []
+        for key, value, default in (("min", bound.min, -float("inf")), ("max", bound.max, float("inf"))):
+            try:
+                limits.append(default if value is None else si(value, known_units()[name]))
+            except QuantityError as error:
+                raise files.SchemaError(("fit", name, key), str(error)) from None
+        if limits[0] >= limits[1]:
+            raise files.SchemaError(("fit", name), "expected a min below max")
+        bounds[name] = (limits[0], limits[1])
+    return bounds
+
+
+def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, ChannelSpec]:
+    units = {**CHANNELS, "command": plant.command_unit}
+    specs = {}
+    for name, table in tables.items():
+        if name not in CHANNELS:
+            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, CHANNELS)}")
+        try:
+            scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
+        except QuantityError:
+            message = f'got "{table.unit}", expected a unit such as "{units[name]}"'
+            raise files.SchemaError(("channels", name, "unit"), message) from None
+        try:
+            cutoff = si(table.anti_alias, "Hz")
+        except QuantityError as error:
+            raise files.SchemaError(("channels", name, "anti_alias"), str(error)) from None
+        specs[name] = ChannelSpec(table.column, table.scale * scale, table.offset * scale, cutoff)
+    if "time" not in specs:
+        raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
+    return specs
+
+
+def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
+    found = {}
+    for name, value in table.items():
+        if name not in NUISANCES:
+            raise files.SchemaError(("sensors", name), f"unknown key; {nearest(name, NUISANCES)}")
+        try:
+            found[name] = si(value, NUISANCES[name])
+        except QuantityError as error:
+            raise files.SchemaError(("sensors", name), str(error)) from None
+        if found[name] < 0.0:
+            raise files.SchemaError(("sensors", name), f"got {value!r}, expected a value that is not negative")
+    return found
+
+
+def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
+    specs: list[RecordSpec] = []
+    for table in tables:
+        pattern = any(mark in table.file for mark in "*?[")
+        paths = sorted(folder.glob(table.file)) if pattern else [folder / table.file]
+        # A pattern without a file stays: whoever reads the records says that there is none.
+        specs += [RecordSpec(p, table.use, table.label or p.stem, table.rpm) for p in paths or [folder / table.file]]
+    return tuple(specs)

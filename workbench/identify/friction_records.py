@@ -1,0 +1,122 @@
+"""The thesis's method on records: which channels give velocity and force, which way each record moves, the repeats."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plants.equation import NEGATIVE, fields, to_array
+from workbench.errors import UserError
+from workbench.identify import thesis_method as method
+from workbench.identify.experiment import Experiment
+from workbench.identify.records import Record
+from workbench.identify.thesis_method import Estimate, Slow
+
+AXIAL = ("position", "pressure_1", "pressure_2")
+ROTARY = ("rotation_speed", "motor_current")
+
+
+@dataclass(frozen=True)
+class ThesisFit:
+    """What the thesis's method finds: estimates by canonical name, the 10 Hz data of each record, what it cannot do."""
+
+    estimates: dict[str, Estimate]
+    curves: dict[str, Slow]
+    notes: tuple[str, ...]
+
+
+def friction_of(record: Record, experiment: Experiment) -> Slow:
+    """Velocity and friction force of a record, averaged over 10 samples (100 Hz at 1 kHz).
+
+    Raises:
+        UserError: the channels give neither axial nor rotary friction.
+    """
+    channels = record.channels
+    values = parameter_values(experiment)
+    if all(name in channels for name in AXIAL):
+        force = method.pressure_force(
+            channels["pressure_1"], channels["pressure_2"], values["piston_area_1"], values["piston_area_2"]
+        )
+        return method.from_position(record.time, channels["position"], force)
+    if "position" in channels and "force" in channels:
+        return method.from_position(record.time, channels["position"], channels["force"])
+    if all(name in channels for name in ROTARY):
+        return _rotary(record, values)
+    raise UserError(
+        f"{record.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, or "
+        "rotation_speed and motor_current; add the channels, or take --method simulation"
+    )
+
+
+def _rotary(record: Record, values: dict[str, float]) -> Slow:
+    for name in ("torque_constant", "piston_radius"):
+        if name not in values:
+            raise UserError(f"{record.path}: rotary friction needs the parameter {name}; set it in [plant.set]")
+    radius = values["piston_radius"]
+    force = method.motor_force(record.channels["motor_current"], values["torque_constant"], radius)
+    return method.from_speed(record.time, radius * record.channels["rotation_speed"], force)
+
+
+def parameter_values(experiment: Experiment) -> dict[str, float]:
+    """Every parameter of the declared plant by canonical name, and those declared that the plant lacks."""
+    parameters = experiment.parameters()
+    names = [item.name for item in fields(experiment.plant.Parameters)]
+    return {**experiment.values, **dict(zip(names, to_array(parameters).tolist(), strict=True))}
+
+
+def directions(record: Record, experiment: Experiment) -> list[int]:
+    """The directions (1, -1) in which a record slides for at least a twentieth of its sliding time."""
+    if "position" not in record.channels and "rotation_speed" not in record.channels:
+        return [1, -1]
+    velocity = _velocity(record, experiment)
+    counts = {sign: int(np.sum(sign * velocity > method.SLIDING)) for sign in (1, -1)}
+    total = sum(counts.values())
+    return [sign for sign, count in counts.items() if count and count >= 0.05 * total]
+
+
+def _velocity(record: Record, experiment: Experiment) -> np.ndarray:
+    if "position" in record.channels:
+        zero = np.zeros(record.time.size)
+        return method.slower(method.from_position(record.time, record.channels["position"], zero)).velocity
+    return method.slower(friction_of(record, experiment)).velocity
+
+
+def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisFit:
+    """The thesis's method on each record, and the mean and standard deviation over those of each direction.
+
+    Raises:
+        UserError: the channels do not serve, or no record gives anything.
+    """
+    found: list[dict[str, float]] = []
+    curves: dict[str, Slow] = {}
+    notes: list[str] = []
+    mass = parameter_values(experiment)["mass"]
+    for record in records:
+        if record.time.size < method.AVERAGED**2 * 18:
+            raise UserError(
+                f"{record.path}: {record.time.size} samples are too few for the thesis's averaging, expected at "
+                f"least {method.AVERAGED**2 * 18}; take --method simulation"
+            )
+        fine = friction_of(record, experiment)
+        coarse = method.slower(fine)
+        curves[str(record.path)] = coarse
+        for sign in directions(record, experiment):
+            suffix = "" if sign > 0 else f"_{NEGATIVE}"
+            values: dict[str, float] = {}
+            try:
+                values |= method.static_parameters(coarse.turned(sign))
+                level = values["coulomb"] + values["stribeck"]
+                if _starts(fine) == sign:
+                    values |= method.dynamic_parameters(fine.turned(sign), level, mass)
+            except UserError as error:
+                notes.append(f"{record.label}: {error}")
+            if values:
+                found.append({f"{name}{suffix}": value for name, value in values.items()})
+    if not found:
+        raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
+    return ThesisFit(method.over_repeats(list(found)), curves, tuple(notes))
+
+
+def _starts(data: Slow) -> int:
+    """The direction in which a record slides first; 0 if it never does."""
+    sliding = np.abs(np.nan_to_num(data.velocity)) > method.SLIDING
+    return int(np.sign(data.velocity[np.argmax(sliding)])) if np.any(sliding) else 0

@@ -1,0 +1,115 @@
+"""What `workbench identify` finds: both methods on the same records, and the corrected plant."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.errors import UserError
+from workbench.identify.experiment import Experiment
+from workbench.identify.friction_records import ThesisFit, identify_by_thesis
+from workbench.identify.records import Record, read_records
+from workbench.identify.simulation_method import FRICTION, SimulationFit, identify_by_simulation
+from workbench.parameters import known_units
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An experiment with what each method found; None for a method that was not asked for."""
+
+    experiment: Experiment
+    records: list[Record]
+    thesis: ThesisFit | None
+    simulation: SimulationFit | None
+
+    @property
+    def names(self) -> list[str]:
+        """Canonical names of all parameters that a method found or could not find, both directions apart."""
+        found: dict[str, None] = {}
+        for fit in (self.simulation, self.thesis):
+            found |= dict.fromkeys(fit.estimates if fit is not None else ())
+        found |= dict.fromkeys(self.simulation.unidentified if self.simulation is not None else ())
+        order = {name: i for i, name in enumerate(FRICTION)}
+        return sorted(
+            found, key=lambda name: (name.endswith("_negative"), order.get(name.removesuffix("_negative"), len(order)))
+        )
+
+    @property
+    def corrected(self) -> Mapping[str, tuple[float, float | None, str]]:
+        """Identified parameters by canonical name: value, standard deviation (SI) and where they are from."""
+        count = len(self.records)
+        where = f"identified from {count} record{'s' * (count > 1)} of {self.experiment.path.name}"
+        if self.simulation is not None:
+            fitted = self.simulation.estimates
+            return {name: (one.value, one.std, f"{where}, by simulation error") for name, one in fitted.items()}
+        estimates = self.thesis.estimates if self.thesis is not None else {}
+        return {
+            name: (one.value, one.std if one.count > 1 else None, f"{where}, by the thesis's method")
+            for name, one in estimates.items()
+        }
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters: the declared ones with what was identified."""
+        return {**self.experiment.values, **{name: entry[0] for name, entry in self.corrected.items()}}
+
+
+def identify(experiment: Experiment, method: str | None = None) -> Identification:
+    """Identify the free parameters of an experiment from its fit records.
+
+    `method` is "thesis", "simulation" or "both"; None: what the experiment says.
+
+    Raises:
+        UserError: a record or the plant does not serve.
+    """
+    chosen = method or experiment.method
+    records = read_records(experiment)
+    if not records:
+        raise UserError(f'{experiment.path}: no record is there for the fit; give one use = "fit"')
+    thesis = identify_by_thesis(experiment, records) if chosen in ("thesis", "both") else None
+    simulation = identify_by_simulation(experiment, records) if chosen in ("simulation", "both") else None
+    return Identification(experiment, records, thesis, simulation)
+
+
+def as_data(found: Identification) -> dict[str, Any]:
+    """The whole finding as plain data (SI), for identified.json."""
+    experiment = found.experiment
+    data: dict[str, Any] = {
+        "title": experiment.title,
+        "plant": experiment.plant.name,
+        "declared": experiment.declared,
+        "records": [
+            {"file": record.path.name, "label": record.label, "rpm": record.rpm, "notes": list(record.notes)}
+            for record in found.records
+        ],
+        "parameters": {name: _parameter(found, name) for name in found.names},
+    }
+    if found.thesis is not None:
+        data["thesis"] = {"notes": list(found.thesis.notes)}
+    if found.simulation is not None:
+        fit = found.simulation
+        data["simulation"] = {
+            "unidentified": dict(fit.unidentified),
+            "correlation": {"names": list(fit.estimates), "matrix": fit.correlation.tolist()},
+            "sensors": {name: vars(one) for name, one in fit.sensors.items()},
+            "rms": {"before": dict(fit.before), "after": dict(fit.rms)},
+            "residual_memory_s": fit.memory,
+            "evaluations": fit.evaluations,
+        }
+    return data
+
+
+def _parameter(found: Identification, name: str) -> dict[str, Any]:
+    experiment = found.experiment
+    plain = name.removesuffix("_negative")
+    entry: dict[str, Any] = {
+        "unit": known_units()[name],
+        "declared": experiment.values.get(name, experiment.values.get(plain)),
+    }
+    if experiment.truth is not None:
+        entry["truth"] = experiment.truth.get(name, experiment.truth.get(plain))
+    if found.thesis is not None and name in found.thesis.estimates:
+        one = found.thesis.estimates[name]
+        entry["thesis"] = {"mean": one.value, "std": one.std if one.count > 1 else None, "repeats": one.count}
+    if found.simulation is not None and name in found.simulation.estimates:
+        entry["simulation"] = vars(found.simulation.estimates[name])
+    return entry
