@@ -151,7 +151,7 @@ def table(
     ] = None,
     where: Where = None,
 ) -> None:
-    """Write the tables of a study again, or show columns of its results."""
+    """Write a study's tables again, or show columns of its results."""
     from workbench.report.select import columns_of
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
