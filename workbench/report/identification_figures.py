@@ -36,7 +36,7 @@ def friction_figure(found: Identification) -> Figure:
         fastest: dict[int, float] = {1: 0.0, -1: 0.0}
         for i, data in enumerate(curves.values()):
             label = None if i else "measured, 10 Hz"
-            axes.plot(1e3 * data.velocity, data.force, ".", color=REFERENCE, markersize=2.0, label=label)
+            axes.plot(1e3 * data.velocity, data.force, ".", color=REFERENCE["color"], markersize=2.0, label=label)
             for sign in fastest:
                 fastest[sign] = max(fastest[sign], float(np.nanmax(sign * data.velocity)))
         sets = [("thesis's method", {n: e.value for n, e in found.thesis.estimates.items()})] if found.thesis else []
@@ -97,7 +97,7 @@ def record_figures(found: Identification) -> dict[str, Figure]:
                 label, unit, scale = SHOWN[output]
                 simulated = fit.simulated[path][output]
                 above, below = panels[2 * i], panels[2 * i + 1]
-                above.plot(time, scale * measured, color=REFERENCE, label="measured")
+                above.plot(time, scale * measured, color=REFERENCE["color"], label="measured")
                 above.plot(
                     time,
                     scale * simulated,

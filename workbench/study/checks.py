@@ -185,7 +185,7 @@ class Checks:
                 message = f"reaches {reach:g} m, the stroke ends at +-{0.5 * travel:g} m"
                 found[str(located(self.study, case, ("references", name), message))] = None
             period, left = item.signal.period, item.setup.duration - item.transient
-            if period is not None and whole_periods(left, period) == 0:
+            if item.setup.reference is not None and period is not None and whole_periods(left, period) == 0:
                 message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
                 found[str(located(self.study, case, ("simulation", "duration"), message))] = None
         return list(found)
