@@ -7,7 +7,10 @@ from plants.equation import Scalar, equation
 from plants.interface import Measurement
 
 CROSSOVER = 0.5
-"""Crossover of the loop, as a share of the winding's rate constant R_m/L_m: damping 0.71 (magnitude optimum)."""
+"""Crossover of the loop, as a share of the faster pole: damping 0.71 (magnitude optimum)."""
+
+SAMPLED = 0.3
+"""Largest rate constant, times the sample time, that the loop may rely on."""
 
 
 class Settings(NamedTuple):
@@ -48,19 +51,24 @@ def start(measurement: Measurement, gains: Gains) -> State:
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
-    """PI control by the magnitude optimum: its zero at the slow pole, its gain as the winding admits.
+    """PI control by the magnitude optimum: its zero at the slow pole, its gain as the fast one admits.
 
-    With the winding taken as instantaneous, J domega/dt = K_t (V - K_b omega)/R_m - B omega has the rate constant
-    a = (K_t K_b / R_m + B)/J and the gain b = K_t/(R_m J). K_p = omega_c/b and K_i = a K_p leave the loop
-    omega_c/s (1 + s L_m/R_m).
+    From voltage to speed, with rotary viscous friction B alone,
+
+        G(s) = b c / ((s + a) (s + c)),   a = (K_t K_b / R_m + B) / J,  b = K_t / (R_m J),  c = R_m / L_m
+
+    K_i = K_p min(a, c) leaves the loop K_p b c / (s (s + max(a, c))), which crosses over at half of max(a, c), or of
+    what sampling admits.
     """
     motor = belief.motor
-    inertia = motor.rotary_inertia
-    damping = belief.friction.positive.viscous * motor.piston_radius**2
+    inertia, winding = motor.rotary_inertia, motor.motor_resistance / motor.motor_inductance
+    around = belief.rotary if hasattr(belief, "rotary") else belief.friction.positive
+    damping = around.viscous * motor.piston_radius**2
     rate = (motor.torque_constant * motor.back_emf_constant / motor.motor_resistance + damping) / inertia
+    slow, fast = min(rate, winding), max(rate, winding)
     gain = motor.torque_constant / (motor.motor_resistance * inertia)
-    proportional = CROSSOVER * motor.motor_resistance / motor.motor_inductance / gain
-    return Gains(proportional, rate * proportional, settings.bias)
+    proportional = CROSSOVER * min(fast, SAMPLED / sample_time) * fast / (gain * winding)
+    return Gains(proportional, slow * proportional, settings.bias)
 
 
 SPEED_SERVO = Controller(

@@ -43,6 +43,7 @@ class Signals(NamedTuple):
     axial_friction: Annotated[float, "N"]
     hydraulic_power: Annotated[float, "W"]
     supply_power: Annotated[float, "W"]
+    total_power: Annotated[float, "W"]
 
 
 @equation
@@ -64,7 +65,9 @@ def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> St
 
 @equation
 def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signals:
-    """What is worth plotting. Power: P_L Q_L (thesis 4.16, without the oil's compression) and P_s |Q_L|."""
+    """What is worth plotting. Power: P_L Q_L (thesis 4.16, without the oil's compression) and P_s |Q_L|;
+    total: hydraulic alone.
+    """
     h = p.hydraulics
     friction, _ = lugre(state.velocity, state.bristle_deflection, p.friction)
     flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
@@ -82,6 +85,7 @@ def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signal
         friction,
         state.load_pressure * flow,
         h.supply_pressure * np.abs(flow),
+        state.load_pressure * flow,
     )
 
 

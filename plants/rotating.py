@@ -73,6 +73,7 @@ class Signals(NamedTuple):
     supply_power: Annotated[float, "W"]
     rotation_power: Annotated[float, "W"]
     motor_electric_power: Annotated[float, "W"]
+    total_power: Annotated[float, "W"]
 
 
 # --- what every variant shares -------------------------------------------------------------------------------
@@ -102,7 +103,7 @@ def all_signals(
     """All signals, given axial and rotary friction (N) and surface speed (m/s), motor current (A), voltage (V).
 
     Power: P_L Q_L (thesis 4.16, without the oil's compression), P_s |Q_L| from the pump, F_rotary w (4.17, 4.18)
-    on the rod and V_m i at the motor's terminals.
+    on the rod, V_m i at the motor's terminals; total: hydraulic and rotary (4.19).
     """
     h = p.hydraulics
     axial, rotary = friction
@@ -111,6 +112,7 @@ def all_signals(
     flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
     pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, h)
     speed = helical_speed(state.velocity, surface_speed)
+    hydraulic_power, rotation_power = state.load_pressure * flow, rotary * surface_speed
     return Signals(
         state.position,
         state.velocity,
@@ -127,10 +129,11 @@ def all_signals(
         (axial * state.velocity + rotary * surface_speed) / speed,
         rotary,
         current,
-        state.load_pressure * flow,
+        hydraulic_power,
         h.supply_pressure * np.abs(flow),
-        rotary * surface_speed,
+        rotation_power,
         voltage * current,
+        hydraulic_power + rotation_power,
     )
 
 

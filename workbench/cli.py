@@ -153,6 +153,7 @@ def table(
 ) -> None:
     """Write a study's tables again, or show columns of its results."""
     from workbench.report.select import columns_of
+    from workbench.report.study_report import write_pages, write_tables
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -161,10 +162,12 @@ def table(
         print(columns_of(frame, column or [], _conditions(where)).to_markdown(index=False, floatfmt=".6g"))
         return
     study = read_study(folder / STUDY_COPY)
-    if not study.file.tables and not study.file.comparison:
+    tables, pages = write_tables(study, frame, folder), write_pages(study, frame, folder)
+    if not tables and not pages:
         raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
-    _tables(folder, study.file)
-    _comparison(folder, study, frame)
+    _print_tables(tables)
+    for page in pages:
+        print(f"wrote {page}")
 
 
 @app.command()
@@ -176,7 +179,8 @@ def plot(
     out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
 ) -> None:
     """Draw a study's figures again, or any stored signal or column."""
-    from workbench.report.figures import quick_plot, write_figure
+    from workbench.report.figures import quick_plot
+    from workbench.report.study_report import write_figures, write_pages
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -186,11 +190,11 @@ def plot(
         print(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
-    if not study.file.figures and not study.file.comparison:
+    figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
+    if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
-    for spec in study.file.figures:
-        print("wrote " + ", ".join(str(path) for path in write_figure(spec, frame, folder)))
-    _comparison(folder, study, frame)
+    for paths in [*figures, *([page] for page in pages)]:
+        print("wrote " + ", ".join(str(path) for path in paths))
 
 
 def _check_experiment(file: Path) -> None:
@@ -242,59 +246,26 @@ def _conditions(where: list[str] | None) -> dict[str, str]:
 
 
 def _report(folder: Path, planned: Any) -> None:
-    """Tables and figures of finished results, and which cases did not simply complete."""
-    from workbench.report.figures import write_figure
+    """Tables, figures and pages of finished results, and which cases did not simply complete."""
+    from workbench.report.study_report import write_cycles, write_figures, write_pages, write_tables
     from workbench.study.store import read_results
 
-    frame, file = read_results(folder), planned.study.file
-    _tables(folder, file)
-    cycles = _limit_cycles(folder, planned, frame)
-    for spec in file.figures:
-        write_figure(spec, frame, folder)
-    compares = _comparison(folder, planned.study, frame)
+    frame, study = read_results(folder), planned.study
+    _print_tables(write_tables(study, frame, folder) + write_cycles(planned, frame, folder))
+    write_figures(study, frame, folder)
+    for page in write_pages(study, frame, folder):
+        print(f"wrote {page}")
     unusual = frame[frame["outcome"] != "completed"]
     for outcome, count in unusual["outcome"].value_counts().items():
         print(f"{count} of {len(frame)} cases: {outcome}")
-    made = {
-        "results.csv": True,
-        "tables/": bool(file.tables) or cycles or compares,
-        "figures/": bool(file.figures) or compares,
-        "comparison.html": compares,
-    }
-    print(f"results in {folder}: {', '.join(name for name, there in made.items() if there)}")
+    made = ("results.csv", "tables", "figures", "comparison.html")
+    print(f"results in {folder}: {', '.join(name for name in made if (folder / name).exists())}")
 
 
-def _comparison(folder: Path, study: Any, frame: Any) -> bool:
-    """The page of a comparison with its tables and figures; whether the study asks for one."""
-    from workbench.report.comparison_page import write_comparison
-
-    pages = write_comparison(study, frame, folder)
-    for page in pages:
-        print(f"wrote {page}")
-    return bool(pages)
-
-
-def _limit_cycles(folder: Path, planned: Any, frame: Any) -> bool:
-    """Each limit cycle beside its describing-function prediction; whether there is any."""
-    if not frame["limit_cycle"].isin(["sustained", "decaying"]).any():
-        return False
-    from workbench.report.limit_cycles import write_limit_cycles
-
-    path = write_limit_cycles(planned, frame, folder)
-    print()
-    print(path.read_text(encoding="utf-8"))
-    return True
-
-
-def _tables(folder: Path, file: Any) -> None:
-    from workbench.report.tables import write_table
-    from workbench.study.store import read_results
-
-    frame = read_results(folder)
-    for spec in file.tables:
-        paths = write_table(spec, frame, folder / "tables")
+def _print_tables(paths: list[Path]) -> None:
+    for path in paths:
         print()
-        print(paths[1].read_text(encoding="utf-8"))
+        print(path.read_text(encoding="utf-8"))
 
 
 class _Progress:

@@ -3,6 +3,7 @@
 Each is written as PDF (for a thesis), SVG (for a page) and PNG.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.errors import UserError, nearest
+from workbench.identify import friction_curves
 from workbench.report.select import rows, trajectory
 from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
 from workbench.report.tables import shown_number, with_unit
@@ -25,8 +27,8 @@ BELOW_LABELS = 30.0
 """Points below a panel at which its note stands."""
 
 
-def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> Figure:
-    """Draw a figure from the results and trajectories in `folder`.
+def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[friction_curves.Curve] = ()) -> Figure:
+    """Draw a figure from the results and trajectories in `folder`, over `measured` friction where it asks for it.
 
     Raises:
         UserError: a curve picks no case or several, or its trajectory was not kept.
@@ -36,7 +38,7 @@ def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> Figure:
         FigureCanvasAgg(figure)
         figure.suptitle(spec.title)
         for axes, panel in zip(figure.subplots(len(spec.panels), squeeze=False)[:, 0], spec.panels, strict=True):
-            _draw_panel(axes, panel, frame, folder, spec.name)
+            _draw_panel(axes, panel, frame, folder, spec.name, measured)
         return figure
 
 
@@ -51,18 +53,26 @@ def save(figure: Figure, name: str, folder: Path, formats: tuple[str, ...] = FOR
     return paths
 
 
-def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
+def write_figure(
+    spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[friction_curves.Curve] = ()
+) -> list[Path]:
     """Draw a figure of the results in `folder` and write it to its folder `figures`."""
-    return save(draw(spec, frame, folder), spec.name, folder / "figures")
+    return save(draw(spec, frame, folder, measured), spec.name, folder / "figures")
 
 
-def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str) -> None:
+def _draw_panel(
+    axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[friction_curves.Curve]
+) -> None:
     number = -1
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
+    if panel.measured_rpm is not None:
+        _draw_measured(axes, panel, measured)
     for name_of_level, level in panel.levels.items():
         axes.axhline(level, **REFERENCE, label=name_of_level)
-    for curve in panel.curves:
-        number += curve.style != "reference"
+    for i, curve in enumerate(panel.curves):
+        labelled = any(earlier.label for earlier in panel.curves[:i])
+        continued = labelled and not curve.label  # it goes on with the line before it
+        number += curve.style != "reference" and not continued
         style = dict(REFERENCE) if curve.style == "reference" else line_style(number, first_dash)
         if curve.style == "points":
             style |= {"linestyle": "none", "marker": marker(number)}
@@ -81,10 +91,18 @@ def _draw_panel(axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, nam
     if panel.note:
         below: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": "small"}
         axes.annotate(panel.note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
-    if panel.levels or any(curve.label for curve in panel.curves):
+    if panel.levels or panel.measured_rpm is not None or any(curve.label for curve in panel.curves):
         beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
         placed: dict[str, Any] = beside if panel.legend == "outside" else {"loc": panel.legend}
         axes.legend(**placed)
+
+
+def _draw_measured(axes: Axes, panel: Panel, measured: Sequence[friction_curves.Curve]) -> None:
+    x_scale, y_scale = shown_factor("m/s", panel.x_unit), shown_factor("N", panel.y_unit)
+    for number, curve in enumerate(curve for curve in measured if curve.rpm == panel.measured_rpm):
+        sign = friction_curves.DIRECTIONS[curve.direction]
+        label = None if number else "measured"
+        axes.plot(sign * curve.speed * x_scale, sign * curve.friction * y_scale, label=label, **REFERENCE)
 
 
 def _draw_signal(axes: Axes, panel: Panel, curve: Curve, table: pd.DataFrame, style: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from workbench.study.schema import Column, Row, TableSpec
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 
-WORDS = ("quantity", "parameter", "unit", REMARK)
+WORDS = ("quantity", "law", "model", "account", "direction", "parameter", "unit", REMARK)
 """Columns of text, which are aligned to the left."""
 
 

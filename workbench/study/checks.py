@@ -20,7 +20,7 @@ from workbench.simulation.simulate import memory_names
 from workbench.study.document import Case, Study, located, named
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
 from workbench.study.resolve import Resolved
-from workbench.study.schema import Column, Curve, FigureSpec, Panel, Row, TableSpec
+from workbench.study.schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.store import INDEX
 from workbench.units import QuantityError
 
@@ -61,7 +61,7 @@ class Checks:
     def all(self) -> None:
         """Raise UserError for the first mistake."""
         self._probes()
-        for kind in ("tables", "figures"):
+        for kind in ("tables", "figures", "break_even"):
             names = [item.name for item in getattr(self.study.file, kind)]
             for i, name in enumerate(names):
                 if name in names[:i]:
@@ -70,6 +70,8 @@ class Checks:
             self._table(("tables", i), table)
         for i, figure in enumerate(self.study.file.figures):
             self._figure(("figures", i), figure)
+        for i, even in enumerate(self.study.file.break_even):
+            self._break_even(("break_even", i), even)
         self._without_use()
 
     def _name(self, key: Key, what: str, name: str, valid: Iterable[str]) -> None:
@@ -146,8 +148,18 @@ class Checks:
         for i, column in enumerate(table.columns):
             self._published((*key, "columns", i), column.published, str(table.index))
 
+    def _break_even(self, key: Key, even: BreakEvenTable) -> None:
+        self._name((*key, "axis"), "axis", even.axis, self.axes)
+        self._chosen(key, even.where, one=False)
+        for i, account in enumerate(even.accounts):
+            for j, name in enumerate(account.columns):
+                self._name((*key, "accounts", i, "columns", j), "figure", name, self.figures)
+
     def _figure(self, key: Key, figure: FigureSpec) -> None:
         for i, panel in enumerate(figure.panels):
+            if panel.measured_rpm is not None and self.study.file.friction_curves is None:
+                message = "there is no [friction_curves] with a file of measured curves"
+                raise self.study.error((*key, "panels", i, "measured_rpm"), message)
             for j, curve in enumerate(panel.curves):
                 place = (*key, "panels", i, "curves", j)
                 if panel.x in self.columns:

@@ -21,6 +21,10 @@ CASE = "case"
 """The column that names which of [cases] a row belongs to."""
 
 
+REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "comparison", "friction_curves"}
+"""What a study says of its report: no result depends on it."""
+
+
 @dataclass(frozen=True)
 class Study:
     """A study file as read. `file.scenarios` holds scenario files too; their path and text are in `sources`."""
@@ -38,8 +42,8 @@ class Study:
 
     @property
     def fingerprint(self) -> str:
-        """A hash of what the study computes: of all but its titles, tables and figures."""
-        content = self.file.model_dump(exclude={"title", "source", "question", "tables", "figures"})
+        """A hash of what the study computes: of all but what it says of its report."""
+        content = self.file.model_dump(exclude=REPORTED)
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
 

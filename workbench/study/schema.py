@@ -204,7 +204,10 @@ class TableSpec(Strict):
 
 
 class Curve(Strict):
-    """One line of a panel: a signal of the run that `where` picks, or a column of the results over an axis."""
+    """One line of a panel: a signal of the run that `where` picks, or a column of the results over an axis.
+
+    One without a label, behind one that has a label, goes on with the line before it: the same of another run.
+    """
 
     y: str
     x: str | None = None
@@ -216,7 +219,11 @@ class Curve(Strict):
 
 
 class Panel(Strict):
-    """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them."""
+    """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them.
+
+    `measured_rpm` draws the measured friction of [friction_curves] at that speed of rotation under signals over
+    velocity; how far each of them is off it goes to the table `validation`.
+    """
 
     title: str = ""
     x: str = "time"
@@ -242,8 +249,15 @@ class Panel(Strict):
         "outside",
     ] = "best"
     levels: dict[str, float] = {}
+    measured_rpm: float | None = None
     note: str = ""
     curves: list[Curve] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _measured_over_velocity(self) -> "Panel":
+        if self.measured_rpm is not None and self.x != "velocity":
+            raise ValueError('measured_rpm draws measured friction over velocity: expected x = "velocity"')
+        return self
 
 
 class FigureSpec(Strict):
@@ -253,6 +267,40 @@ class FigureSpec(Strict):
     title: str
     source: str = ""
     panels: list[Panel] = Field(min_length=1)
+
+
+class Account(Strict):
+    """One way to count: the sum of columns of the results."""
+
+    label: str
+    columns: list[str] = Field(min_length=1)
+
+
+class BreakEvenTable(Strict):
+    """[[break_even]]: where along the axis the sum of some columns is less than at its first value, by each account."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    axis: str = "rpm"
+    where: dict[str, Any] = {}
+    accounts: list[Account] = Field(min_length=1)
+    note: str = ""
+
+
+class FrictionCurvesTable(Strict):
+    """[friction_curves]: hold the bristle laws against measured friction-velocity curves of a rotating rod.
+
+    `measured` is a file of static parameters, `parameters` what the laws know; effects are fitted at `fit_rpm` and
+    checked at `check_rpm`; power is told at `speed`. `reference_slope` has, by rpm, the slope that rotation adds at v
+    = 0 and by regression.
+    """
+
+    measured: str
+    parameters: str
+    fit_rpm: list[float] = Field(min_length=1)
+    check_rpm: list[float] = Field(min_length=1)
+    speed: Annotated[float, BeforeValidator(partial(si, unit="m/s"))]
+    reference_slope: dict[str, tuple[float, float]] = {}
 
 
 class ComparisonTable(Strict):
@@ -305,4 +353,6 @@ class StudyFile(Strict):
     probes: dict[str, Probe] = {}
     tables: list[TableSpec] = []
     figures: list[FigureSpec] = []
+    break_even: list[BreakEvenTable] = []
     comparison: ComparisonTable | None = None
+    friction_curves: FrictionCurvesTable | None = None

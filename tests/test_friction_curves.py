@@ -1,0 +1,217 @@
+"""Measured friction-velocity curves against the bristle laws: what is predicted, what is found to be missing."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from command import STUDIES, STUDY, changed, ran, workbench
+
+from plants.anisotropic import Guide
+from workbench.errors import UserError
+from workbench.identify.friction_curves import (
+    CANDIDATES,
+    FILM,
+    GUIDE,
+    Curve,
+    Prediction,
+    fit,
+    laws,
+    read_curves,
+    rms,
+    supported,
+    without_rotation,
+)
+from workbench.parameters import named_sets, read_parameters
+from workbench.report.break_even import break_even_table
+from workbench.report.friction_curve_comparison import compare
+from workbench.report.friction_curve_tables import effect_table, error_table, power_table, slope_table, static_table
+from workbench.study.document import read_study
+from workbench.study.schema import BreakEvenTable
+
+MEASURED = STUDIES / "measured" / "owen2001_friction.toml"
+VALUES = read_parameters(named_sets()["owen2001_experiment"])
+HELICAL, ISOTROPIC, ANISOTROPIC = laws(VALUES)
+FIT_RPM, CHECK_RPM = (25.0, 75.0, 125.0), (50.0, 100.0)
+
+
+def at(rpm: tuple[float, ...]) -> list[Curve]:
+    return [curve for curve in read_curves(MEASURED) if curve.rpm in rpm]
+
+
+def as_measured(law: Prediction, rpm: tuple[float, ...], noise: float = 0.0) -> list[Curve]:
+    """What a rig that follows the law would have given, each curve with a smooth error of its own (N)."""
+    rng = np.random.default_rng(3)
+    curves = [law.curve(speed, direction) for speed in rpm for direction in ("forward", "backward")]
+    wave = [np.cos(k * np.pi * np.linspace(0.0, 1.0, curves[0].speed.size)) for k in range(4)]
+    return [replace(c, friction=c.friction + noise * (rng.standard_normal(4) @ np.array(wave))) for c in curves]
+
+
+def test_measured_curves_are_those_of_the_tables() -> None:
+    """Table 5.4 at 25 rpm forward: 50 exp(-(v/0.003)^2) + 34800 v; at 0 rpm table 5.2."""
+    (curve,) = (one for one in at((25.0,)) if one.direction == "forward")
+    assert curve.at(3e-3) == pytest.approx(50.0 * np.exp(-1.0) + 34800.0 * 3e-3, rel=1e-3)
+    forward, _ = without_rotation(VALUES)
+    assert forward.static == 480.0
+    assert forward.at(11.4e-3) == pytest.approx(330.0 + 22800.0 * 11.4e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "at_rest", "regression"), [(75.0, 12550.0, 11600.0), (100.0, 9510.0, 9075.0), (125.0, 7470.0, 7256.0)]
+)
+def test_added_slope(rpm: float, at_rest: float, regression: float) -> None:
+    assert ANISOTROPIC.added_slope(rpm) == pytest.approx((at_rest, regression), rel=0.03)
+    surface = rpm * 2.0 * np.pi / 60.0 * 31.75e-3
+    level = 330.0 / surface  # one level: g / v_h, the Stribeck parts long gone
+    assert HELICAL.added_slope(rpm)[0] == pytest.approx(level, rel=1e-3)
+    assert ISOTROPIC.added_slope(rpm) == HELICAL.added_slope(rpm)
+
+
+def test_film_and_guide_are_supported_by_the_measured_curves() -> None:
+    """The error on speeds that the fit never saw is at most half of the best bare law's."""
+    added, _ = supported(ANISOTROPIC, at(FIT_RPM))
+    assert added.effect is not None
+    assert added.effect.name == "film and guide"
+    best = min(rms(law, at(CHECK_RPM)) for law in (HELICAL, ISOTROPIC, ANISOTROPIC))
+    assert rms(added.prediction, at(CHECK_RPM)) < 0.5 * best
+    for name, (value, std) in added.numbers.items():
+        assert std < 0.15 * value, name
+
+
+def test_what_is_there_is_found_and_nothing_else() -> None:
+    p = ANISOTROPIC.parameters
+    true = replace(ANISOTROPIC, parameters=p._replace(film=p.film._replace(film_share=0.7), guide=Guide(25.0)))
+    found, _ = supported(ANISOTROPIC, as_measured(true, FIT_RPM, noise=1.0))
+    assert found.effect is not None
+    assert found.effect.name == "film and guide"
+    for name, value in {"film_share": 0.7, "guide_coulomb": 25.0}.items():
+        assert abs(found.numbers[name][0] - value) < 3.0 * found.numbers[name][1]
+    silent, fitted = supported(ANISOTROPIC, as_measured(ANISOTROPIC, FIT_RPM, noise=1.0))
+    assert silent.effect is None
+    assert len(fitted) == len(CANDIDATES)
+
+
+def test_a_number_that_nothing_depends_on_has_no_finite_deviation() -> None:
+    """A resonance without any dip has a width that no curve tells."""
+    flat = next(one for one in CANDIDATES if one.name == "film and resonance")
+    _, width = fit(ANISOTROPIC, flat, at(FIT_RPM)).numbers["width"]
+    assert np.isinf(width)
+
+
+def test_the_study_simulates_the_numbers_that_it_fits() -> None:
+    study = read_study(STUDIES / "thesis_chapter5.toml")
+    numbers = compare(study, study.file.friction_curves).added.numbers
+    declared = study.file.cases["corrected"]["plant"]["set"]
+    assert declared["film_share"] == pytest.approx(numbers["film_share"][0], abs=5e-4)
+    assert declared["guide_coulomb"] == f"{numbers['guide_coulomb'][0]:.1f} N"
+
+
+def test_tables_say_what_was_found() -> None:
+    study = read_study(STUDIES / "thesis_chapter5.toml")
+    found = compare(study, study.file.friction_curves)
+    made = (table(found) for table in (error_table, effect_table, slope_table, static_table, power_table))
+    tables = {name: cells for name, _, cells, _ in made}
+    errors = tables["friction_curve_error"].set_index("law")["check, of the best bare law"]
+    assert float(errors["anisotropic, film and guide"]) <= 0.5
+    static = tables["static_friction"].set_index("rpm")
+    assert (static["anisotropic, v to 0 (%)"] == "100.0").all()
+    assert all(float(fall) == pytest.approx(90.0, abs=3.0) for fall in static["its fall (%)"].iloc[1:])
+    remark = tables["friction_curve_effects"].set_index(["law", "parameter"])["remark"]
+    assert remark["anisotropic, resonance", "dip"] == "not identified"
+    assert remark["anisotropic, film", "film_share"] == ""
+
+
+def test_the_fit_of_a_bare_law_is_neutral() -> None:
+    found = fit(ANISOTROPIC, FILM + GUIDE, as_measured(ANISOTROPIC, FIT_RPM))
+    assert found.numbers["film_share"][0] == pytest.approx(1.0, abs=1e-4)
+    assert found.numbers["guide_coulomb"][0] == pytest.approx(0.0, abs=0.1)
+
+
+def test_lists_of_different_length_are_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "curves.toml"
+    path.write_text(MEASURED.read_text().replace("coulomb = [50, 0,", "coulomb = [50,"), encoding="utf-8")
+    with pytest.raises(UserError, match=r"forward.coulomb: holds 5 values, expected one for each of the 6 rpm"):
+        read_curves(path)
+
+
+def test_measured_friction_in_a_panel_needs_a_file_of_it(tmp_path: Path) -> None:
+    figure = """
+[[figures]]
+name = "f"
+title = "f"
+[[figures.panels]]
+x = "velocity"
+x_label = "v"
+y_label = "F"
+measured_rpm = 10
+curves = [{ y = "axial_friction", where = { rpm = 0 } }]
+"""
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY + figure, encoding="utf-8")
+    answer = workbench("check", path)
+    assert answer.code == 2
+    assert "measured_rpm: there is no [friction_curves]" in answer.err
+
+
+def test_a_study_writes_its_comparison_with_measured_curves(tmp_path: Path) -> None:
+    """Tables, figures, the validation of a drawn run, and all of it again from the folder of results alone."""
+    text = (
+        changed('"owen2001_simulation"', '"owen2001_experiment"\nbristle = "anisotropic"')
+        + f"""
+[friction_curves]
+measured = "{MEASURED}"
+parameters = "owen2001_experiment"
+fit_rpm = [25, 75, 125]
+check_rpm = [50, 100]
+speed = "8 mm/s"
+
+[[figures]]
+name = "f"
+title = "f"
+[[figures.panels]]
+x = "velocity"
+x_label = "v"
+x_unit = "mm/s"
+y_label = "F"
+y_unit = "N"
+measured_rpm = 0
+curves = [{{ y = "axial_friction", where = {{ rpm = 0 }}, label = "simulated" }}]
+"""
+    )
+    out = ran(tmp_path, text)
+    validation = pd.read_csv(out / "tables" / "validation.csv")
+    assert set(validation["direction"]) == {"forward", "backward"}
+    assert (validation["error (N)"] > 0.0).all()
+    for name in ("curves_forward", "curves_backward", "figure_5_10", "figure_5_21"):
+        assert (out / "figures" / f"{name}.png").stat().st_size > 10_000
+    before = (out / "tables" / "friction_curve_error.md").read_bytes()
+    (out / "tables" / "friction_curve_error.md").unlink()
+    assert workbench("table", out).code == 0
+    assert (out / "tables" / "friction_curve_error.md").read_bytes() == before
+
+
+def test_break_even_counts_each_account() -> None:
+    frame = pd.DataFrame(
+        {
+            "rpm": [0, 5, 10],
+            "outcome": ["completed"] * 3,
+            "hydraulic_power_W": [4.0, 3.0, 2.0],
+            "rotation_power_W": [None, 0.5, 2.5],
+            "supply_power_W": [100.0, 100.05, 99.95],
+        }
+    )
+    spec = BreakEvenTable.model_validate(
+        {
+            "name": "t",
+            "title": "t",
+            "accounts": [
+                {"label": "both", "columns": ["hydraulic_power_W", "rotation_power_W"]},
+                {"label": "pump", "columns": ["supply_power_W"]},
+            ],
+        }
+    )
+    found = break_even_table(spec, frame).set_index("account")
+    assert found.loc["both", "less at rpm"] == "5"
+    assert found.loc["both", "change (%)"] == "-12.5"
+    assert found.loc["pump", "less at rpm"] == "none"

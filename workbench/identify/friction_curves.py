@@ -1,0 +1,297 @@
+"""Measured friction-velocity curves of a rotating rod against what the bristle laws predict of them.
+
+The laws are given the axial set without rotation and the set of pure rotation, and nothing that was measured while the
+rod turned and slid. Effects that a law may lack are fitted on some speeds of rotation and checked on the others.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+from scipy.optimize import least_squares
+
+from plants import bristles
+from plants.anisotropic import Guide
+from plants.bristles import BristleLaw
+from plants.friction import Friction, LuGre, steady_friction
+from workbench import files
+from workbench.identify.thesis_method import SLIDING
+from workbench.parameters import build
+
+FASTEST, POINTS = 11.4e-3, 200
+"""m/s. What the thesis's quasi-static runs reach, from `SLIDING` on; points of a curve."""
+
+INDEPENDENT = 4
+"""Independent numbers of a curve: it was drawn from as many parameters, so its points are no measurements each."""
+
+DIRECTIONS = {"forward": 1.0, "backward": -1.0}
+
+NEAR_REST = np.array([1e-9])
+"""m/s. In the steady state as good as at rest."""
+
+UNFELT = 1e-6
+"""Share of the residual's norm below which a number that doubles is not felt."""
+
+RESONANT = 100.0
+"""rpm at which the thesis reports a resonance."""
+
+
+class DirectionTable(files.Strict):
+    """Means of the static parameters in one direction of motion, in SI, an entry for each speed of rotation."""
+
+    coulomb: list[float]
+    static: list[float]
+    viscous: list[float]
+    viscous_std: list[float]
+    stribeck_velocity: list[float]
+
+
+class CurveFile(files.Strict):
+    """A file of measured static parameters: see studies/measured/owen2001_friction.toml."""
+
+    title: str
+    source: str
+    rpm: list[float] = Field(min_length=2)
+    forward: DirectionTable
+    backward: DirectionTable
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Friction (N, positive) over speed (m/s) along, at a speed of rotation; `static` is its a0 + a1 (N)."""
+
+    rpm: float
+    direction: str
+    speed: np.ndarray
+    friction: np.ndarray
+    static: float
+
+    def at(self, speed: float) -> float:
+        """Friction (N) at a speed (m/s)."""
+        return float(np.interp(speed, self.speed, self.friction))
+
+
+def _speeds() -> np.ndarray:
+    return np.linspace(SLIDING, FASTEST, POINTS)
+
+
+def read_curves(path: Path) -> list[Curve]:
+    """The measured curves of a file, a0 + a1 exp(-(v/v_s)^2) + a2 v (thesis 4.7).
+
+    Raises:
+        UserError: the file is not one of measured static parameters.
+    """
+    data, text = files.read_toml(path)
+    content = files.validate(CurveFile, data, path, text)
+    found = []
+    for direction in DIRECTIONS:
+        table: DirectionTable = getattr(content, direction)
+        for name in DirectionTable.model_fields:
+            if len(values := getattr(table, name)) != len(content.rpm):
+                message = f"holds {len(values)} values, expected one for each of the {len(content.rpm)} rpm"
+                raise files.at(path, text, (direction, name), message)
+        for i, rpm in enumerate(content.rpm):
+            stribeck = table.static[i] - table.coulomb[i]
+            law = LuGre(table.coulomb[i], stribeck, table.viscous[i], table.stribeck_velocity[i], 0.0, 0.0)
+            found.append(_curve(rpm, direction, law))
+    return found
+
+
+def _curve(rpm: float, direction: str, law: LuGre) -> Curve:
+    friction = np.asarray(steady_friction(_speeds(), law))
+    return Curve(rpm, direction, _speeds(), friction, law.coulomb + law.stribeck)
+
+
+def without_rotation(values: Mapping[str, float]) -> list[Curve]:
+    """The curves of the axial set itself, at rpm 0."""
+    friction = build(bristles.ANISOTROPIC.Parameters, values).friction
+    laws = {"forward": friction.positive, "backward": friction.negative}
+    return [_curve(0.0, name, law) for name, law in laws.items()]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A law with its parameters, under the name by which it is told.
+
+    A resonance takes the share `dip` / (1 + ((rpm - RESONANT) / `width`)^2) off the axial friction.
+    """
+
+    name: str
+    law: BristleLaw
+    parameters: Any
+    dip: float = 0.0
+    width: float = 10.0
+
+    def steady(self, rpm: float, direction: str, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Steady axial and rotary friction (N, positive) at a speed of rotation (rpm) over axial speed (m/s)."""
+        sign = DIRECTIONS[direction]
+        along, around = self.law.steady(sign * speed, self.surface_speed(rpm), self.parameters)
+        left = 1.0 - self.dip / (1.0 + ((rpm - RESONANT) / self.width) ** 2)
+        return left * sign * np.asarray(along), np.asarray(around)
+
+    def surface_speed(self, rpm: float) -> float:
+        """Speed (m/s) of the piston's surface at `rpm`."""
+        return float(rpm * 2.0 * np.pi / 60.0 * self.parameters.motor.piston_radius)
+
+    def curve(self, rpm: float, direction: str) -> Curve:
+        """What it predicts in the place of a measured curve; its static friction is that left as v goes to 0."""
+        friction = self.steady(rpm, direction, _speeds())[0]
+        return Curve(rpm, direction, _speeds(), friction, float(self.steady(rpm, direction, NEAR_REST)[0][0]))
+
+    def residual(self, measured: Curve) -> np.ndarray:
+        """Measured less predicted friction (N)."""
+        return measured.friction - self.steady(measured.rpm, measured.direction, measured.speed)[0]
+
+    def added_slope(self, rpm: float) -> tuple[float, float]:
+        """What rotation adds to the slope of friction over velocity (N s/m): at v = 0, and by regression.
+
+        With the forward set for both directions, which `blended` would mix near rest. The regression is a line, with
+        its level, over 0 to `FASTEST`.
+        """
+        along = self.parameters.friction.positive
+        forward = replace(self, parameters=self.parameters._replace(friction=Friction(along, along)))
+        speed = np.linspace(NEAR_REST[0], FASTEST, POINTS)
+        added = forward.steady(rpm, "forward", speed)[0] - along.viscous * speed
+        return float(added[0] / speed[0]), float(np.polyfit(speed, added, 1)[0])
+
+
+def laws(values: Mapping[str, float]) -> list[Prediction]:
+    """Every bristle law with one set of parameters, its effects neutral."""
+    known = (bristles.HELICAL, bristles.ISOTROPIC, bristles.ANISOTROPIC)
+    return [Prediction(law.name, law, build(law.Parameters, values)) for law in known]
+
+
+def rms(prediction: Prediction, curves: Sequence[Curve]) -> float:
+    """Root mean square (N) of the residual over all curves."""
+    return float(np.sqrt(np.mean([np.mean(prediction.residual(curve) ** 2) for curve in curves])))
+
+
+def share(prediction: Prediction, curves: Sequence[Curve]) -> float:
+    """The same as a share of the friction's own root mean square."""
+    return rms(prediction, curves) / float(np.sqrt(np.mean([np.mean(curve.friction**2) for curve in curves])))
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What the law may lack: how its numbers (SI; widths in rpm) enter, where they start, and may lie."""
+
+    name: str
+    numbers: tuple[str, ...]
+    start: tuple[float, ...]
+    least: tuple[float, ...]
+    most: tuple[float, ...]
+    apply: Callable[[Prediction, Sequence[float]], Prediction]
+
+    def __add__(self, other: "Effect") -> "Effect":
+        split = len(self.numbers)
+        return Effect(
+            f"{self.name} and {other.name}",
+            self.numbers + other.numbers,
+            self.start + other.start,
+            self.least + other.least,
+            self.most + other.most,
+            lambda law, x: other.apply(self.apply(law, x[:split]), x[split:]),
+        )
+
+
+FILM = Effect(  # its speed cannot be told from curves at 25 rpm and more: at such speeds the film is there
+    "film",
+    ("film_share",),
+    (0.8,),
+    (0.05,),
+    (1.5,),
+    lambda law, x: replace(law, parameters=law.parameters._replace(film=law.parameters.film._replace(film_share=x[0]))),
+)
+GUIDE = Effect(
+    "guide",
+    ("guide_coulomb",),
+    (10.0,),
+    (0.0,),
+    (200.0,),
+    lambda law, x: replace(law, parameters=law.parameters._replace(guide=Guide(x[0]))),
+)
+STRIBECK_GUIDE = Effect(
+    "guide with Stribeck part",
+    ("guide_coulomb", "guide_stribeck", "guide_stribeck_velocity"),
+    (10.0, 30.0, 0.003),
+    (0.0, 0.0, 0.0005),
+    (200.0, 200.0, 0.02),
+    lambda law, x: replace(law, parameters=law.parameters._replace(guide=Guide(*x))),
+)
+RESONANCE = Effect(
+    "resonance",
+    ("dip", "width"),
+    (0.05, 10.0),
+    (0.0, 1.0),
+    (1.0, 25.0),
+    lambda law, x: replace(law, dip=x[0], width=x[1]),
+)
+CANDIDATES = (
+    FILM,
+    GUIDE,
+    STRIBECK_GUIDE,
+    RESONANCE,
+    FILM + GUIDE,
+    FILM + STRIBECK_GUIDE,
+    FILM + RESONANCE,
+    FILM + GUIDE + RESONANCE,
+)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The law with an effect in it; each number with the standard deviation that the curves give it, and the price.
+
+    `price` is Schwarz's criterion n ln(rms^2) + k ln(n), with `INDEPENDENT` numbers a curve: lower is better, and
+    each of the k fitted numbers has its price.
+    """
+
+    effect: Effect | None
+    prediction: Prediction
+    numbers: dict[str, tuple[float, float]]
+    price: float
+
+
+def _price(prediction: Prediction, curves: Sequence[Curve], count: int) -> float:
+    size = INDEPENDENT * len(curves)
+    return float(size * np.log(rms(prediction, curves) ** 2) + count * np.log(size))
+
+
+def unchanged(base: Prediction, curves: Sequence[Curve]) -> Fitted:
+    """A law as it is, with nothing fitted."""
+    return Fitted(None, base, {}, _price(base, curves, 0))
+
+
+def fit(base: Prediction, effect: Effect, curves: Sequence[Curve]) -> Fitted:
+    """Least squares of an effect's numbers on measured curves.
+
+    In the standard deviations a curve counts as `INDEPENDENT` points.
+    """
+
+    def residuals(numbers: np.ndarray) -> np.ndarray:
+        changed = effect.apply(base, numbers.tolist())
+        return np.concatenate([changed.residual(curve) for curve in curves])
+
+    bounds = (effect.least, effect.most)
+    solution = least_squares(residuals, effect.start, bounds=bounds, x_scale=np.abs(effect.start))
+    size = INDEPENDENT * len(curves)
+    freedom = max(size - len(effect.start), 1)
+    weight = size / solution.fun.size
+    variance = weight * float(solution.fun @ solution.fun) / freedom
+    deviations = np.sqrt(np.diag(np.linalg.pinv(weight * solution.jac.T @ solution.jac) * variance))
+    felt = np.linalg.norm(solution.jac * np.abs(effect.start), axis=0) > UNFELT * np.linalg.norm(solution.fun)
+    deviations[~felt] = np.inf
+    found = zip(effect.numbers, solution.x.tolist(), deviations.tolist(), strict=True)
+    changed = replace(effect.apply(base, solution.x.tolist()), name=f"{base.name}, {effect.name}")
+    return Fitted(
+        effect, changed, {name: (value, std) for name, value, std in found}, _price(changed, curves, len(effect.start))
+    )
+
+
+def supported(base: Prediction, curves: Sequence[Curve]) -> tuple[Fitted, list[Fitted]]:
+    """The candidate with the lowest price on these curves, the bare law among them; and all candidates fitted."""
+    fitted = [fit(base, effect, curves) for effect in CANDIDATES]
+    return min([unchanged(base, curves), *fitted], key=lambda one: one.price), fitted

@@ -1,0 +1,41 @@
+"""Measured friction-velocity curves against what the bristle laws predict: the tables and figures of a study."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+
+from workbench.report.figures import save
+from workbench.report.friction_curve_comparison import compare, measured_curves
+from workbench.report.friction_curve_figures import curves_figure, power_figure, static_figure
+from workbench.report.friction_curve_tables import effect_table, error_table, power_table, slope_table, static_table
+from workbench.report.friction_curve_validation import NAME, NOTE, TITLE, validation_table
+from workbench.report.tables import write_frame
+from workbench.study.document import Study
+
+
+def write_friction_curves(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write tables and figures; returns the Markdown tables. None without a [friction_curves].
+
+    The file of measured curves goes to the results as well, so that they can be drawn again.
+    """
+    spec = study.file.friction_curves
+    if spec is None:
+        return []
+    source, copy = study.path.parent / spec.measured, folder / spec.measured
+    if source.resolve() != copy.resolve() and folder.resolve() in copy.resolve().parents:
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, copy)
+    found = compare(study, spec)
+    for name, figure in {
+        "curves_forward": curves_figure(found, "forward"),
+        "curves_backward": curves_figure(found, "backward"),
+        "figure_5_10": static_figure(found),
+        "figure_5_21": power_figure(found),
+    }.items():
+        save(figure, name, folder / "figures")
+    made = [table(found) for table in (error_table, effect_table, slope_table, static_table, power_table)]
+    validation = validation_table(study, frame, folder, measured_curves(study))
+    if not validation.empty:
+        made.append((NAME, TITLE, validation, [NOTE]))
+    return [write_frame(*table, folder / "tables")[1] for table in made]
