@@ -221,7 +221,7 @@ def simulate(setup: Setup) -> Run:
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
 
-    errors = setup.sensors.errors(setup.seed)
+    errors = setup.sensors.errors()
     shown = Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
 
     references, profile = _sampled_reference(setup.reference, time)
