@@ -185,7 +185,8 @@ class Experiment:
 
 def is_experiment(data: Mapping[str, Any]) -> bool:
     """Whether the content of a TOML file is that of an experiment."""
-    return "records" in data or "channels" in data
+    records = data.get("records")
+    return "channels" in data or (isinstance(records, list) and any(isinstance(item, dict) for item in records))
 
 
 def read_experiment(path: Path) -> Experiment:
