@@ -6,7 +6,7 @@ the 100 Hz data up to that speed the bristle's. The same functions serve pure ro
 the force, surface speed R omega as the velocity.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,7 +149,7 @@ class Estimate:
     count: int
 
 
-def over_repeats(found: list[Mapping[str, float]]) -> dict[str, Estimate]:
+def over_repeats(found: Sequence[Mapping[str, float]]) -> dict[str, Estimate]:
     """Mean and standard deviation of each parameter over the records that give it."""
     names = dict.fromkeys(name for one in found for name in one)
     result = {}
