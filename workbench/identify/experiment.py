@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -245,7 +246,7 @@ def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for table in tables:
         pattern = any(mark in table.file for mark in "*?[")
-        paths = sorted(folder.glob(table.file)) if pattern else [folder / table.file]
+        paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
         # A pattern without a file stays: whoever reads the records says that there is none.
         specs += [RecordSpec(p, table.use, table.label or p.stem, table.rpm) for p in paths or [folder / table.file]]
     return tuple(specs)

@@ -109,7 +109,7 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
     curves: dict[str, Slow] = {}
     failed: Counter[str] = Counter()
     mass = parameter_values(experiment)["mass"]
-    for record in records:
+    for record in sorted(records, key=lambda record: record.rpm):
         if record.time.size < method.AVERAGED**2 * 18:
             raise UserError(
                 f"{record.path}: {record.time.size} samples are too few for the thesis's averaging, expected at "
@@ -124,6 +124,9 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
             try:
                 values |= method.static_parameters(coarse.turned(sign))
                 values[STATIC] = values["coulomb"] + values["stribeck"]
+                if np.isnan(values["stribeck_velocity"]):
+                    said = "friction is a line of velocity: no Stribeck friction is seen"
+                    failed[f"{record.rpm:g} rpm, {direction}: {said}"] += 1
                 if _starts(fine) == sign:
                     values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
             except UserError as error:

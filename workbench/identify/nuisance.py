@@ -26,8 +26,8 @@ def columns(
     `values` are the outputs without noise, stacked: simulated ones. With measured ones in their place a gain could make
     the noise itself smaller, and a fit would take that for the better.
 
-    Every record has an offset of its own start. Beside it, what `accuracies` names, the same in all records, since a rig
-    has one of each sensor: offset and gain of a pressure; a smooth calibration curve of the position (cubic splines).
+    Every record has an offset of its own start. Beside it, what `accuracies` names, the same in all records, since a
+    rig has one of each sensor: offset and gain of a pressure; a calibration curve of the position (cubic splines).
     """
     sizes = [part.size for item in observed for part in item.measured.values()]
     starts = np.concatenate([[0], np.cumsum(sizes)])

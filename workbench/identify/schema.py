@@ -128,8 +128,8 @@ Printed = Annotated[float, Field(allow_inf_nan=True)]
 class PublishedTable(files.Strict):
     """[[published]]: a printed table beside which the thesis's method is to be shown.
 
-    One entry a speed of rotation in `rpm` for every parameter in `values`, and in `std`; SI, nan where nothing is printed.
-    `static` is Coulomb and Stribeck friction together.
+    One entry a speed of rotation in `rpm` for every parameter in `values`, and in `std`; SI, nan where nothing is
+    printed. `static` is Coulomb and Stribeck friction together.
     """
 
     table: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")

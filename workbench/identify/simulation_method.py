@@ -92,8 +92,8 @@ def identify_by_simulation(experiment: Experiment, records: Sequence[Record]) ->
     if turning and not experiment.plant.rotary_command:
         raise UserError(
             f"{experiment.path}: plant {experiment.plant.name} does not rotate, and there are records at "
-            f"{', '.join(f'{rpm:g}' for rpm in turning)} rpm; take a rotating plant such as rotating_anisotropic_ideal, "
-            "or --method thesis"
+            f"{', '.join(f'{rpm:g}' for rpm in turning)} rpm; take a rotating plant such as "
+            "rotating_anisotropic_ideal, or --method thesis"
         )
     observed = [observe(record, experiment) for record in records]
     free = list(experiment.free) if experiment.free is not None else default_free(experiment, records)

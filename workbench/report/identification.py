@@ -59,7 +59,9 @@ def write_identification(found: Identification, folder: Path) -> list[Path]:
         figures["correlation"] = correlation_figure(found.simulation)
     _clear(folder)
     paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
-    for spec in experiment.published if thesis is not None else ():
+    for spec in experiment.published:
+        if thesis is None:
+            break
         beside, notes = published_table(spec, thesis, experiment.truth), published_notes(spec, thesis)
         paths.append(write_frame(spec.table, spec.title, beside, notes, folder / "tables")[1])
     for name, figure in figures.items():
