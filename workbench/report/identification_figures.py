@@ -128,6 +128,8 @@ def _steady_curve(
     """Draw the steady curve (4.7) up to `speed` (m/s), shown times `scale`; whether there is one."""
     fallback = {name: None if direction == "rotary" else values.get(name) for name in STEADY}
     chosen = [values.get(name + SUFFIXES[direction], fallback[name]) for name in STEADY]
+    if chosen[STEADY.index("stribeck")] == 0.0:
+        chosen[STEADY.index("stribeck_velocity")] = 1.0  # of no Stribeck friction any will do
     if speed < LEAST or any(value is None for value in chosen):
         return False
     sign = -1.0 if direction == "backward" else 1.0
