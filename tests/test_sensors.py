@@ -142,3 +142,11 @@ def test_an_imposed_speed_shows_no_motor_and_a_standing_rod_none_that_works() ->
     imposed = simulate(registered("rotating_helical_ideal", rpm=460.0, duration=0.01))
     assert np.all(np.isnan(measured(imposed, "motor_current")))
     assert np.all(measured(simulate(registered("non_rotating", duration=0.01)), "motor_current") == 0.0)
+
+
+def test_a_filter_on_a_sensor_that_is_not_there_harms_nothing() -> None:
+    """An imposed speed is not measured: its readings stay NaN and the run completes."""
+    sensors = Sensors({"rotation_speed": Channel(anti_alias=194.0)})
+    run = simulate(replace(registered("rotating_helical_ideal", rpm=60.0, duration=0.01), sensors=sensors))
+    assert run.outcome == "completed"
+    assert np.all(np.isnan(measured(run, "rotation_speed")))

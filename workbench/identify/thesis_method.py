@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import curve_fit
+from scipy.optimize import curve_fit, nnls
 
 from workbench.errors import UserError
 from workbench.identify.differentiate import averaged, velocity_of
@@ -94,7 +94,7 @@ def static_parameters(data: Slow) -> dict[str, float]:
     """a0, a1, a2 and v_s by nonlinear least squares of (4.7) on the data above `SLIDING`; none below 0. Thesis (4.8).
 
     The start is taken from the data: a line through the upper half of the speeds, and what stands above it. Where the
-    Stribeck friction is not `VISIBLE`, the data are a line: it is 0, and its velocity NaN.
+    Stribeck friction is not `VISIBLE`, the data are a line, fitted as such: it is 0, and its velocity NaN.
 
     Raises:
         UserError: too few samples slide.
@@ -115,7 +115,8 @@ def static_parameters(data: Slow) -> dict[str, float]:
     values = dict(zip(STATIC, found.tolist(), strict=True))
     scatter = float(np.std(f - steady(v, *found)))
     if values["stribeck"] * np.exp(-((SLIDING / values["stribeck_velocity"]) ** 2)) < VISIBLE * scatter:
-        values |= {"stribeck": 0.0, "stribeck_velocity": np.nan}
+        coulomb, viscous = nnls(np.column_stack([np.ones(v.size), v]), f)[0].tolist()
+        return {"coulomb": coulomb, "stribeck": 0.0, "viscous": viscous, "stribeck_velocity": float("nan")}
     return values
 
 
@@ -147,6 +148,8 @@ def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str
     z = np.concatenate([[0.0], np.cumsum(rate[:-1] * data.sample_time)])
     below = f <= static_level
     v, f, z, rate = v[below], f[below], z[below], rate[below]
+    if not np.any(z):
+        raise UserError("no sample before sliding has a friction below the static one: there is no bristle to find")
     stiffness = float(np.sum(f * z) / np.sum(z * z))
     if stiffness <= 0.0:
         raise UserError("friction falls as the bristle bends: its stiffness would be negative")
