@@ -115,7 +115,7 @@ def test_each_speed_of_rotation_has_its_own_friction(two_speeds: Path) -> None:
     assert groups["25"]["static"]["mean"] == pytest.approx(40.0, rel=0.05)
     assert groups["25"]["stribeck"]["mean"] == 0.0
     assert "stribeck_velocity" not in groups["25"]
-    assert "25 rpm, forward: friction is a line of velocity" in answer.out
+    assert "25 rpm, forward: no Stribeck friction is seen, and a line is fitted" in answer.out
     assert not (out / "plant.toml").exists(), "there is no one plant"
     assert sorted(path.name for path in (out / "figures").glob("*.png")) == ["at_25.png", "over_rpm.png"]
 

@@ -125,7 +125,7 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
                 values |= method.static_parameters(coarse.turned(sign))
                 values[STATIC] = values["coulomb"] + values["stribeck"]
                 if np.isnan(values["stribeck_velocity"]):
-                    said = "friction is a line of velocity: no Stribeck friction is seen"
+                    said = "no Stribeck friction is seen, and a line is fitted"
                     failed[f"{record.rpm:g} rpm, {direction}: {said}"] += 1
                 if _starts(fine) == sign:
                     values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
