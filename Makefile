@@ -5,12 +5,25 @@ BIN := $(ENVIRONMENT)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation comparison
 
-.PHONY: study test lint benchmark clean
+THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
+IDENTIFICATIONS := 0_rpm rotary rotating
+
+.PHONY: study study-thesis test lint benchmark clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
 		$(BIN)/workbench run studies/$$name.toml --out results/$$name --overwrite; \
 	done
+
+# The thesis, chapter by chapter; chapter 5 comes last, after what chapter 4 measures.
+study-thesis: $(ENVIRONMENT)/ready
+	@set -e; for name in $(THESIS); do \
+		$(BIN)/workbench run studies/$$name.toml --out results/$$name --overwrite; \
+	done; for name in $(IDENTIFICATIONS); do \
+		$(BIN)/workbench identify studies/identification/owen2001_$$name.toml \
+			--out results/identify_$$name --overwrite; \
+	done; \
+	$(BIN)/workbench run studies/thesis_chapter5.toml --out results/thesis_chapter5 --overwrite
 
 test: lint
 	$(BIN)/python -m pytest -n 2

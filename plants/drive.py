@@ -110,7 +110,7 @@ def voltage_signals(time: Scalar, state: State, inputs: VoltageInputs, p: Voltag
 @equation
 def measure(state: State, p: Any) -> Measurement:
     """Position alone, as such drives have it."""
-    return Measurement(state.position, np.nan, np.nan, np.nan)
+    return Measurement(state.position, np.nan, np.nan, np.nan, np.nan)
 
 
 def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:

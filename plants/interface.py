@@ -17,6 +17,7 @@ class Measurement(NamedTuple):
     pressure_1: Annotated[float, "Pa"]
     pressure_2: Annotated[float, "Pa"]
     rotation_speed: Annotated[float, "rad/s"]
+    motor_current: Annotated[float, "A"] = math.nan
 
 
 def unlimited(parameters: Any) -> float:

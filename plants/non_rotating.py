@@ -93,7 +93,7 @@ def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signal
 def measure(state: State, p: Parameters) -> Measurement:
     """Position and both pressures; the rod does not rotate."""
     pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, p.hydraulics)
-    return Measurement(state.position, pressure_1, pressure_2, 0.0)
+    return Measurement(state.position, pressure_1, pressure_2, 0.0, 0.0)
 
 
 def holding_load_pressure(h: Hydraulics, body: Mass) -> float:

@@ -138,9 +138,9 @@ def all_signals(
 
 
 @equation
-def readings(state: Any, surface_speed: Scalar, p: Any) -> Measurement:
+def readings(state: Any, surface_speed: Scalar, current: Scalar, p: Any) -> Measurement:
     pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, p.hydraulics)
-    return Measurement(state.position, pressure_1, pressure_2, surface_speed / p.motor.piston_radius)
+    return Measurement(state.position, pressure_1, pressure_2, surface_speed / p.motor.piston_radius, current)
 
 
 # --- turned by a motor ---------------------------------------------------------------------------------------
@@ -148,8 +148,8 @@ def readings(state: Any, surface_speed: Scalar, p: Any) -> Measurement:
 
 @equation
 def measure(state: Any, p: Any) -> Measurement:
-    """Position, both pressures and the speed of rotation."""
-    return readings(state, state.surface_speed, p)
+    """Position, both pressures, the speed of rotation and the motor's current."""
+    return readings(state, state.surface_speed, state.motor_current, p)
 
 
 def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:

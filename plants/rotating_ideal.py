@@ -45,8 +45,8 @@ class Inputs(NamedTuple):
 
 @equation
 def measure(state: Any, p: Any) -> Measurement:
-    """Position and both pressures; an imposed speed needs no sensor (NaN)."""
-    return readings(state, np.nan, p)
+    """Position and both pressures; an imposed speed needs no sensor and no motor (NaN)."""
+    return readings(state, np.nan, np.nan, p)
 
 
 def turned_ideally(law: BristleLaw, state_class: Any) -> Plant:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from controllers.pid import PID, Gains
 from controllers.velocity import filtered_differentiator
 from plants.hydraulics import Mass
+from plants.interface import Measurement
 from workbench.metrics import COLUMNS, evaluate
 from workbench.metrics.friction import hysteresis, line
 from workbench.metrics.power import control_effort, jerk_rms, mean_powers, stuck_fraction
@@ -32,7 +33,7 @@ def made_up(position: np.ndarray, reference: ReferenceSignal | None, outcome: st
     states = np.column_stack([position, velocity])
     inputs = np.zeros((time.size, 2))
     profile = None if reference is None else reference(time)
-    measured, memory = np.zeros((time.size, 4)), np.zeros((time.size, 1))
+    measured, memory = np.zeros((time.size, len(Measurement._fields))), np.zeros((time.size, 1))
     return Run(
         support.OSCILLATOR,
         NO_LOOP,

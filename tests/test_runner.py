@@ -129,6 +129,37 @@ def test_only_what_figures_draw_is_kept(tmp_path: Path) -> None:
     assert not (out / "trajectories").exists()
 
 
+RECORDED = 'records = ["measured_position", "measured_motor_current", "motor_voltage"]\n' + STUDY
+
+
+def test_a_record_holds_what_was_asked_for_and_nothing_else(tmp_path: Path) -> None:
+    """File names say case and rpm, so that an experiment can pick them; a signal that a plant lacks is left out."""
+    out = ran(tmp_path, RECORDED)
+    assert sorted(path.name for path in (out / "records").iterdir()) == [
+        "case_0_rpm_0000.parquet",
+        "case_460_rpm_0001.parquet",
+    ]
+    standing = pd.read_parquet(out / "records" / "case_0_rpm_0000.parquet")
+    turning = pd.read_parquet(out / "records" / "case_460_rpm_0001.parquet")
+    assert list(standing.columns) == ["time", "measured_position", "measured_motor_current", "rpm"]
+    assert list(turning.columns) == ["time", "measured_position", "measured_motor_current", "motor_voltage", "rpm"]
+    assert len(turning) == 1001
+    assert np.all(turning["rpm"] == 460.0)
+    assert np.all(turning["measured_motor_current"] > 0.0)
+    (out / "records" / "case_460_rpm_0001.parquet").unlink()
+    ran(tmp_path, RECORDED, "--resume")
+    assert len(list((out / "records").iterdir())) == 2
+    ran(tmp_path, STUDY, "--overwrite")
+    assert not (out / "records").exists()
+
+
+def test_a_record_of_an_unknown_signal_is_one_line(tmp_path: Path) -> None:
+    path = write(tmp_path, RECORDED.replace("measured_position", "measured_positio"))
+    answer = workbench("check", path)
+    assert (answer.code, answer.out) == (2, "")
+    assert 'records.0: unknown signal "measured_positio"; did you mean "measured_position"?' in answer.err
+
+
 def test_resuming_makes_a_trajectory_that_is_missing(tmp_path: Path) -> None:
     out = ran(tmp_path, STUDY)
     before = (out / "results.csv").read_bytes()

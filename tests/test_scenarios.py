@@ -177,8 +177,8 @@ def test_offset_and_gain_of_a_sensor() -> None:
 
 
 def curve(peak: float, travel: float, seed: int, at: np.ndarray) -> np.ndarray:
-    channel = Channel(calibration_error=peak, calibration_travel=travel)
-    return systematic_error(at, Sensors({"position": channel}).errors(seed)[0])
+    channel = Channel(calibration_error=peak, calibration_travel=travel, calibration_seed=seed)
+    return systematic_error(at, Sensors({"position": channel}).errors()[0])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -198,11 +198,13 @@ def test_calibration_curve_is_smooth_has_its_peak_and_repeats(seed: int) -> None
 def test_calibration_error_is_what_the_engine_adds_before_noise_and_converter() -> None:
     """What a noisy, quantised channel shows: rint((y + e(y) + noise) / q) q, noise as without calibration error."""
     seed, step = 11, 2.0**-18
-    channel = Channel(noise=1e-5, resolution=step, calibration_error=0.07e-3, calibration_travel=0.2)
+    channel = Channel(
+        noise=1e-5, resolution=step, calibration_error=0.07e-3, calibration_travel=0.2, calibration_seed=3
+    )
     run = moving({"position": channel}, seed=seed)
     position = run.state("position")
     noise = Sensors({"position": Channel(noise=1e-5)}).noise(position.size, seed)[:, 0]
-    analogue = position + curve(0.07e-3, 0.2, seed, position) + noise
+    analogue = position + curve(0.07e-3, 0.2, 3, position) + noise
     assert np.max(np.abs(measured(run) - analogue)) <= 0.5 * step + 1e-12
     assert np.max(np.abs(measured(run) - position - noise)) > 1e-5
 

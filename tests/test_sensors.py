@@ -130,8 +130,23 @@ def test_filter_and_delay_together() -> None:
     assert np.all(measured(late)[:5] == AMPLITUDE)
 
 
-def test_sensors_of_a_rig_read_pressures_and_speed() -> None:
-    """At rest the chambers share the supply pressure (2.94 MPa) and the rod turns at 460 rpm."""
+def test_sensors_of_a_rig_read_pressures_speed_and_current() -> None:
+    """At rest the chambers share the supply pressure (2.94 MPa), the rod turns at 460 rpm and the motor holds it."""
     run = simulate(registered("rotating_helical", rpm=460.0, duration=0.01))
-    expected = [0.0, 1.47e6, 1.47e6, 460.0 * 2.0 * np.pi / 60.0]
+    current = float(run.signals["rotary_friction"][0]) * 0.019 / 0.77
+    expected = [0.0, 1.47e6, 1.47e6, 460.0 * 2.0 * np.pi / 60.0, current]
     assert run.measurements[-1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def test_an_imposed_speed_shows_no_motor_and_a_standing_rod_none_that_works() -> None:
+    imposed = simulate(registered("rotating_helical_ideal", rpm=460.0, duration=0.01))
+    assert np.all(np.isnan(measured(imposed, "motor_current")))
+    assert np.all(measured(simulate(registered("non_rotating", duration=0.01)), "motor_current") == 0.0)
+
+
+def test_a_filter_on_a_sensor_that_is_not_there_harms_nothing() -> None:
+    """An imposed speed is not measured: its readings stay NaN and the run completes."""
+    sensors = Sensors({"rotation_speed": Channel(anti_alias=194.0)})
+    run = simulate(replace(registered("rotating_helical_ideal", rpm=60.0, duration=0.01), sensors=sensors))
+    assert run.outcome == "completed"
+    assert np.all(np.isnan(measured(run, "rotation_speed")))

@@ -2,16 +2,26 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from glob import glob
 from pathlib import Path
-from typing import Any, Literal
-
-from pydantic import Field, StrictFloat, model_validator
+from typing import Any
 
 from plants.equation import NEGATIVE, fields
 from plants.interface import Plant
 from plants.registry import PLANTS
 from workbench import files
 from workbench.errors import UserError, nearest
+from workbench.identify.schema import (
+    CHANNELS,
+    NUISANCES,
+    Bound,
+    ChannelTable,
+    ExperimentFile,
+    FigureTable,
+    PlantTable,
+    PublishedTable,
+    RecordTable,
+)
 from workbench.parameters import (
     FLOW_SHARE,
     build,
@@ -21,113 +31,6 @@ from workbench.parameters import (
     read_parameters,
 )
 from workbench.units import QuantityError, factor, si
-
-Raw = StrictFloat | str
-"""A quantity whose unit depends on its place."""
-
-CHANNELS: Mapping[str, str] = {
-    "time": "s",
-    "valve_voltage": "V",
-    "position": "m",
-    "pressure_1": "Pa",
-    "pressure_2": "Pa",
-    "supply_pressure": "Pa",
-    "spool_position": "m",
-    "motor_voltage": "V",
-    "motor_current": "A",
-    "rotation_speed": "rad/s",
-    "rotation_angle": "rad",
-    "pump_speed": "rad/s",
-    "command": "1",
-    "force": "N",
-}
-"""Every channel that a record may have, with its SI unit."""
-
-METHODS = ("thesis", "simulation", "both")
-
-NUISANCES: Mapping[str, str] = {
-    "pressure_1_offset": "Pa",
-    "pressure_2_offset": "Pa",
-    "pressure_1_gain": "1",
-    "pressure_2_gain": "1",
-    "position_calibration": "m",
-}
-"""Systematic errors of sensors that a fit by simulation may find beside the parameters; each with its unit."""
-
-
-class PlantTable(files.Strict):
-    """[plant]: what is believed. `scale` multiplies parameters, as in a study."""
-
-    model: str
-    parameters: str
-    flow: Literal["derived", "chapter3"] = "derived"
-    set: dict[str, Raw] = {}
-    scale: dict[str, float] = {}
-
-
-class Bound(files.Strict):
-    """Limits of a free parameter."""
-
-    min: Raw | None = None
-    max: Raw | None = None
-
-
-class FitTable(files.Strict):
-    """[fit]: what is free, and how it is found. `bounds` takes what stands under a parameter's own name."""
-
-    free: list[str] | None = None
-    method: Literal[METHODS] = "both"  # type: ignore[valid-type]
-    bounds: dict[str, Bound] = {}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _bounds_by_name(cls, data: Any) -> Any:
-        if not isinstance(data, dict):
-            return data
-        named = {key: value for key, value in data.items() if isinstance(value, dict) and key in known_units()}
-        rest = {key: value for key, value in data.items() if key not in named}
-        return {**rest, "bounds": {**rest.get("bounds", {}), **named}} if named else rest
-
-
-class ChannelTable(files.Strict):
-    """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
-
-    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
-    """
-
-    column: str
-    unit: str = "1"
-    scale: float = 1.0
-    offset: float = 0.0
-    anti_alias: Raw = 0.0
-
-
-class RecordTable(files.Strict):
-    """One record, or several of the same kind where `file` is a pattern such as "run_*.csv"."""
-
-    file: str
-    use: Literal["fit", "held_out"] = "fit"
-    label: str = ""
-    rpm: float = Field(0.0, ge=0.0)
-
-
-class TruthTable(files.Strict):
-    """[truth]: the parameters behind simulated records, against which an error is told."""
-
-    parameters: str
-
-
-class ExperimentFile(files.Strict):
-    """A whole experiment file."""
-
-    title: str
-    source: str = ""
-    plant: PlantTable
-    fit: FitTable = FitTable()
-    channels: dict[str, ChannelTable]
-    sensors: dict[str, Raw] = {}
-    records: list[RecordTable] = Field(min_length=1)
-    truth: TruthTable | None = None
 
 
 @dataclass(frozen=True)
@@ -142,12 +45,12 @@ class ChannelSpec:
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One file of a record."""
+    """One file of a record; `rpm` is a number, or the column that holds it."""
 
     path: Path
     use: str
     label: str
-    rpm: float
+    rpm: float | str
 
 
 @dataclass(frozen=True)
@@ -173,6 +76,8 @@ class Experiment:
     accuracies: Mapping[str, float]
     records: tuple[RecordSpec, ...]
     truth: Mapping[str, float] | None
+    published: tuple[PublishedTable, ...] = ()
+    figures: tuple[FigureTable, ...] = ()
 
     def parameters(self, changes: Mapping[str, float] | None = None) -> Any:
         """The plant's parameters, declared or with `changes` by canonical name.
@@ -185,7 +90,8 @@ class Experiment:
 
 def is_experiment(data: Mapping[str, Any]) -> bool:
     """Whether the content of a TOML file is that of an experiment."""
-    return "records" in data or "channels" in data
+    records = data.get("records")
+    return "channels" in data or (isinstance(records, list) and any(isinstance(item, dict) for item in records))
 
 
 def read_experiment(path: Path) -> Experiment:
@@ -228,6 +134,8 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         _accuracies(content.sensors),
         _records(content.records, path.parent),
         truth,
+        tuple(content.published),
+        tuple(content.figures),
     )
 
 
@@ -338,7 +246,7 @@ def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for table in tables:
         pattern = any(mark in table.file for mark in "*?[")
-        paths = sorted(folder.glob(table.file)) if pattern else [folder / table.file]
+        paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
         # A pattern without a file stays: whoever reads the records says that there is none.
         specs += [RecordSpec(p, table.use, table.label or p.stem, table.rpm) for p in paths or [folder / table.file]]
     return tuple(specs)

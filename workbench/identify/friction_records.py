@@ -1,14 +1,17 @@
 """The thesis's method on records: which channels give velocity and force, which way each record moves, the repeats."""
 
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from plants.equation import NEGATIVE, fields, to_array
+from plants.equation import fields, to_array
 from workbench.errors import UserError
 from workbench.identify import thesis_method as method
 from workbench.identify.experiment import Experiment
 from workbench.identify.records import Record
+from workbench.identify.schema import STATIC, SUFFIXES
 from workbench.identify.thesis_method import Estimate, Slow
 
 AXIAL = ("position", "pressure_1", "pressure_2")
@@ -17,11 +20,22 @@ ROTARY = ("rotation_speed", "motor_current")
 
 @dataclass(frozen=True)
 class ThesisFit:
-    """What the thesis's method finds: estimates by canonical name, the 10 Hz data of each record, what it cannot do."""
+    """What the thesis's method finds, by speed of rotation (rpm) and canonical name; what it cannot do.
 
-    estimates: dict[str, Estimate]
+    `curves` are the 10 Hz data of each record by its path. `static` is among the names, for tables.
+    """
+
+    groups: Mapping[float, Mapping[str, Estimate]]
     curves: dict[str, Slow]
     notes: tuple[str, ...]
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """Parameters by canonical name, where all records have one speed of rotation; else none: each has its own."""
+        if len(self.groups) > 1:
+            return {}
+        (group,) = self.groups.values()
+        return {name: one for name, one in group.items() if not name.startswith(STATIC)}
 
 
 def friction_of(record: Record, experiment: Experiment) -> Slow:
@@ -56,6 +70,11 @@ def _rotary(record: Record, values: dict[str, float]) -> Slow:
     return method.from_speed(record.time, radius * record.channels["rotation_speed"], force)
 
 
+def is_rotary(record: Record) -> bool:
+    """Whether a record shows friction around the rod, there being no axial one."""
+    return "position" not in record.channels and all(name in record.channels for name in ROTARY)
+
+
 def parameter_values(experiment: Experiment) -> dict[str, float]:
     """Every parameter of the declared plant by canonical name, and those declared that the plant lacks."""
     parameters = experiment.parameters()
@@ -81,16 +100,16 @@ def _velocity(record: Record, experiment: Experiment) -> np.ndarray:
 
 
 def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisFit:
-    """The thesis's method on each record, and the mean and standard deviation over those of each direction.
+    """The thesis's method on each record, and mean and standard deviation over those of a direction and speed.
 
     Raises:
         UserError: the channels do not serve, or no record gives anything.
     """
-    found: list[dict[str, float]] = []
+    found: dict[float, list[dict[str, float]]] = {}
     curves: dict[str, Slow] = {}
-    notes: list[str] = []
+    failed: Counter[str] = Counter()
     mass = parameter_values(experiment)["mass"]
-    for record in records:
+    for record in sorted(records, key=lambda record: record.rpm):
         if record.time.size < method.AVERAGED**2 * 18:
             raise UserError(
                 f"{record.path}: {record.time.size} samples are too few for the thesis's averaging, expected at "
@@ -100,20 +119,25 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
         coarse = method.slower(fine)
         curves[str(record.path)] = coarse
         for sign in directions(record, experiment):
-            suffix = "" if sign > 0 else f"_{NEGATIVE}"
+            direction = "rotary" if is_rotary(record) else "forward" if sign > 0 else "backward"
             values: dict[str, float] = {}
             try:
                 values |= method.static_parameters(coarse.turned(sign))
-                level = values["coulomb"] + values["stribeck"]
+                values[STATIC] = values["coulomb"] + values["stribeck"]
+                if np.isnan(values["stribeck_velocity"]):
+                    said = "no Stribeck friction is seen, and a line is fitted"
+                    failed[f"{record.rpm:g} rpm, {direction}: {said}"] += 1
                 if _starts(fine) == sign:
-                    values |= method.dynamic_parameters(fine.turned(sign), level, mass)
+                    values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
             except UserError as error:
-                notes.append(f"{record.label}: {error}")
+                failed[f"{record.rpm:g} rpm, {direction}: {error}"] += 1
             if values:
-                found.append({f"{name}{suffix}": value for name, value in values.items()})
+                named = {f"{name}{SUFFIXES[direction]}": value for name, value in values.items()}
+                found.setdefault(record.rpm, []).append(named)
+    notes = tuple(f"{said} ({count} record{'s' * (count > 1)})" for said, count in failed.items())
     if not found:
         raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
-    return ThesisFit(method.over_repeats(list(found)), curves, tuple(notes))
+    return ThesisFit({rpm: method.over_repeats(found[rpm]) for rpm in sorted(found)}, curves, notes)
 
 
 def _starts(data: Slow) -> int:

@@ -8,7 +8,9 @@ from workbench.errors import UserError
 from workbench.identify.experiment import Experiment
 from workbench.identify.friction_records import ThesisFit, identify_by_thesis
 from workbench.identify.records import Record, read_records
-from workbench.identify.simulation_method import FRICTION, SimulationFit, identify_by_simulation
+from workbench.identify.schema import FRICTION
+from workbench.identify.simulation_method import SimulationFit, identify_by_simulation
+from workbench.identify.thesis_method import Estimate
 from workbench.parameters import known_units
 
 
@@ -84,7 +86,13 @@ def as_data(found: Identification) -> dict[str, Any]:
         "parameters": {name: _parameter(found, name) for name in found.names},
     }
     if found.thesis is not None:
-        data["thesis"] = {"notes": list(found.thesis.notes)}
+        data["thesis"] = {
+            "notes": list(found.thesis.notes),
+            "by_rpm": {
+                f"{rpm:g}": {name: _estimate(one) for name, one in group.items()}
+                for rpm, group in found.thesis.groups.items()
+            },
+        }
     if found.simulation is not None:
         fit = found.simulation
         data["simulation"] = {
@@ -98,6 +106,10 @@ def as_data(found: Identification) -> dict[str, Any]:
     return data
 
 
+def _estimate(one: Estimate) -> dict[str, Any]:
+    return {"mean": one.value, "std": one.std if one.count > 1 else None, "repeats": one.count}
+
+
 def _parameter(found: Identification, name: str) -> dict[str, Any]:
     experiment = found.experiment
     plain = name.removesuffix("_negative")
@@ -109,7 +121,7 @@ def _parameter(found: Identification, name: str) -> dict[str, Any]:
         entry["truth"] = experiment.truth.get(name, experiment.truth.get(plain))
     if found.thesis is not None and name in found.thesis.estimates:
         one = found.thesis.estimates[name]
-        entry["thesis"] = {"mean": one.value, "std": one.std if one.count > 1 else None, "repeats": one.count}
+        entry["thesis"] = _estimate(one)
     if found.simulation is not None and name in found.simulation.estimates:
         entry["simulation"] = vars(found.simulation.estimates[name])
     return entry

@@ -26,8 +26,8 @@ def columns(
     `values` are the outputs without noise, stacked: simulated ones. With measured ones in their place a gain could make
     the noise itself smaller, and a fit would take that for the better.
 
-    Every record has an offset of its own start. Beside it, what `accuracies` names: offset and gain of a pressure,
-    the same in all records; a smooth calibration curve of the position (cubic splines), one a record.
+    Every record has an offset of its own start. Beside it, what `accuracies` names, the same in all records, since a
+    rig has one of each sensor: offset and gain of a pressure; a calibration curve of the position (cubic splines).
     """
     sizes = [part.size for item in observed for part in item.measured.values()]
     starts = np.concatenate([[0], np.cumsum(sizes)])
@@ -48,9 +48,11 @@ def columns(
         if name != "position":
             continue
         add(f"start_{i}", {block: np.full(part.size, WIDE)})
-        if "position_calibration" in accuracies:
-            for k, curve in enumerate(_splines(part)):
-                add(f"calibration_{i}_{k}", {block: accuracies["position_calibration"] * curve})
+    positions = {block: part for block, (_, name, part) in enumerate(blocks) if name == "position"}
+    if positions and "position_calibration" in accuracies:
+        std, ends = accuracies["position_calibration"], np.cumsum([part.size for part in positions.values()])[:-1]
+        for k, curve in enumerate(_splines(np.concatenate(list(positions.values())))):
+            add(f"calibration_{k}", dict(zip(positions, np.split(std * curve, ends), strict=True)))
     for channel in ("pressure_1", "pressure_2"):
         members = {block: part for block, (_, name, part) in enumerate(blocks) if name == channel}
         if members and f"{channel}_offset" in accuracies:

@@ -78,6 +78,7 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
     table = _table(spec.path)
     columns = {name: _column(spec.path, table, name, channel) for name, channel in experiment.channels.items()}
     time, places, step = _grid(spec.path, columns.pop("time"))
+    rpm = _rpm(spec, table)
     channels = {}
     for name, values in columns.items():
         channels[name] = np.full(time.size, np.nan)
@@ -87,7 +88,19 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
     for name, values in channels.items():
         _check_alive(spec.path, name, values)
     _check_ranges(spec.path, channels, experiment)
-    return Record(spec.label, spec.path, spec.use, spec.rpm, time, channels, valid, notes)
+    return Record(spec.label, spec.path, spec.use, rpm, time, channels, valid, notes)
+
+
+def _rpm(spec: RecordSpec, table: pd.DataFrame) -> float:
+    """The speed of rotation (rpm) of a record: as the experiment says, or the one value of the column it names."""
+    if not isinstance(spec.rpm, str):
+        return spec.rpm
+    if spec.rpm not in table:
+        raise UserError(f'{spec.path}: no column "{spec.rpm}" for rpm; {nearest(spec.rpm, map(str, table.columns))}')
+    values = pd.to_numeric(table[spec.rpm], errors="coerce").unique()
+    if values.size != 1 or not values[0] >= 0.0:
+        raise UserError(f'{spec.path}: column "{spec.rpm}" holds no one speed of rotation; give rpm as a number')
+    return float(values[0])
 
 
 def _table(path: Path) -> pd.DataFrame:

@@ -15,9 +15,7 @@ from workbench.identify.friction_records import directions
 from workbench.identify.model import observe
 from workbench.identify.problem import Problem, make_problem, projected
 from workbench.identify.records import Record
-
-FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
-"""What is free where an experiment does not say."""
+from workbench.identify.schema import FRICTION
 
 FLAT, NEAR, MOST_STEPS = 1e-8, 1e-5, 60
 """A search ends when a step gains less of the sum of squares, or moves the unknowns less, than this."""
@@ -90,6 +88,13 @@ def identify_by_simulation(experiment: Experiment, records: Sequence[Record]) ->
     Raises:
         UserError: nothing to fit, or the declared plant cannot be simulated on these records.
     """
+    turning = sorted({record.rpm for record in records if record.rpm})
+    if turning and not experiment.plant.rotary_command:
+        raise UserError(
+            f"{experiment.path}: plant {experiment.plant.name} does not rotate, and there are records at "
+            f"{', '.join(f'{rpm:g}' for rpm in turning)} rpm; take a rotating plant such as "
+            "rotating_anisotropic_ideal, or --method thesis"
+        )
     observed = [observe(record, experiment) for record in records]
     free = list(experiment.free) if experiment.free is not None else default_free(experiment, records)
     if not free:

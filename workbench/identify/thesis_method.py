@@ -6,11 +6,11 @@ the 100 Hz data up to that speed the bristle's. The same functions serve pure ro
 the force, surface speed R omega as the velocity.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import curve_fit
+from scipy.optimize import curve_fit, nnls
 
 from workbench.errors import UserError
 from workbench.identify.differentiate import averaged, velocity_of
@@ -24,8 +24,17 @@ SLIDING = 0.6e-3
 DAMPING_RATIO = 0.9
 """zeta in the first value of sigma1, thesis (4.14)."""
 
+LEAST_STATIC = 0.1
+"""N. Less static friction is none."""
+
 FEWEST_AT_REST = 10
 """Samples before the first sliding from which the bristle is judged."""
+
+VISIBLE = 3.0
+"""A Stribeck friction that at `SLIDING` is less than so many times the data's scatter is not seen in them."""
+
+SMALLEST = 1e-6
+"""A value at its bound of 0 is told from 0 by no more (SI)."""
 
 STATIC = ("coulomb", "stribeck", "viscous", "stribeck_velocity")
 
@@ -84,7 +93,8 @@ def steady(
 def static_parameters(data: Slow) -> dict[str, float]:
     """a0, a1, a2 and v_s by nonlinear least squares of (4.7) on the data above `SLIDING`; none below 0. Thesis (4.8).
 
-    The start is taken from the data: a line through the upper half of the speeds, and what stands above it.
+    The start is taken from the data: a line through the upper half of the speeds, and what stands above it. Where the
+    Stribeck friction is not `VISIBLE`, the data are a line, fitted as such: it is 0, and its velocity NaN.
 
     Raises:
         UserError: too few samples slide.
@@ -101,7 +111,13 @@ def static_parameters(data: Slow) -> dict[str, float]:
     start = np.array([max(level, 1.0), max(float(np.max(f)) - level, 1.0), max(slope, 1.0), 0.25 * np.max(v)])
     bounds = ([0.0, 0.0, 0.0, 0.1 * SLIDING], [np.inf, np.inf, np.inf, 2.0 * np.max(v)])
     found, _ = curve_fit(steady, v, f, np.clip(start, bounds[0], bounds[1]), bounds=bounds, x_scale=start)
-    return dict(zip(STATIC, found.tolist(), strict=True))
+    found = np.where(found < SMALLEST, 0.0, found)
+    values = dict(zip(STATIC, found.tolist(), strict=True))
+    scatter = float(np.std(f - steady(v, *found)))
+    if values["stribeck"] * np.exp(-((SLIDING / values["stribeck_velocity"]) ** 2)) < VISIBLE * scatter:
+        coulomb, viscous = nnls(np.column_stack([np.ones(v.size), v]), f)[0].tolist()
+        return {"coulomb": coulomb, "stribeck": 0.0, "viscous": viscous, "stribeck_velocity": float("nan")}
+    return values
 
 
 def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str, float]:
@@ -112,12 +128,14 @@ def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str
         both refined by a curve fit of F = sigma0 z + sigma1 dz/dt                            (4.3) without a2 v
 
     F / z is taken as the slope of F over z through 0; data with F above the static level are left out. With z and dz/dt
-    known the curve fit is linear. Where it leaves a sigma1 that is not positive, the data say nothing of it, and both
+    known the curve fit is linear. Where it leaves a value that is not positive, the data say nothing of it, and both
     first values stay. `static_level` is a0 + a1 (N), `mass` M (kg).
 
     Raises:
-        UserError: the record does not begin at rest.
+        UserError: the record does not begin at rest, or there is no static friction.
     """
+    if static_level < LEAST_STATIC:
+        raise UserError("there is no static friction at the bound of 0 N, and so no bristle to find")
     known = np.isfinite(data.velocity) & np.isfinite(data.force)
     first = int(np.argmax(known))
     sliding = known & (data.velocity > SLIDING)
@@ -130,12 +148,14 @@ def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str
     z = np.concatenate([[0.0], np.cumsum(rate[:-1] * data.sample_time)])
     below = f <= static_level
     v, f, z, rate = v[below], f[below], z[below], rate[below]
+    if not np.any(z):
+        raise UserError("no sample before sliding has a friction below the static one: there is no bristle to find")
     stiffness = float(np.sum(f * z) / np.sum(z * z))
     if stiffness <= 0.0:
-        return {}
+        raise UserError("friction falls as the bristle bends: its stiffness would be negative")
     damping = 2.0 * DAMPING_RATIO * float(np.sqrt(stiffness * mass))
     refined = np.linalg.lstsq(np.column_stack([z, rate]), f, rcond=None)[0]
-    if refined[1] > 0.0:
+    if np.all(refined > 0.0):
         stiffness, damping = refined.tolist()
     return {"bristle_stiffness": stiffness, "bristle_damping": damping}
 
@@ -149,7 +169,7 @@ class Estimate:
     count: int
 
 
-def over_repeats(found: list[Mapping[str, float]]) -> dict[str, Estimate]:
+def over_repeats(found: Sequence[Mapping[str, float]]) -> dict[str, Estimate]:
     """Mean and standard deviation of each parameter over the records that give it."""
     names = dict.fromkeys(name for one in found for name in one)
     result = {}

@@ -10,19 +10,18 @@ from typing import Any
 import pandas as pd
 
 from workbench.errors import UserError
+from workbench.identify.friction_records import ThesisFit
 from workbench.identify.identification import Identification, as_data
 from workbench.parameters import UNBOUNDED, known_units
 from workbench.report.figures import save
-from workbench.report.identification_figures import correlation_figure, friction_figure, record_figures
+from workbench.report.identification_figures import correlation_figure, record_figures, requested_figures
+from workbench.report.identification_published import SHOWN, published_notes, published_table, scale_shown, unit_shown
 from workbench.report.tables import shown_number, write_frame
 from workbench.units import factor
 
 RESULT = "identified.json"
 PLANT = "plant.toml"
 WRITTEN = (RESULT, PLANT, "tables", "figures")
-SHOWN = {"m/s": "mm/s", "Pa": "kPa", "m": "mm"}
-"""Units that tables show in the place of SI ones."""
-
 DIGITS = 4
 
 
@@ -51,30 +50,52 @@ def _clear(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
 
 
-def write_identification(found: Identification, folder: Path) -> Path:
-    """Write everything; identified.json, which marks it as whole, last. Returns the Markdown table's path."""
+def write_identification(found: Identification, folder: Path) -> list[Path]:
+    """Write everything; identified.json, which marks it as whole, last. Returns the Markdown tables' paths."""
+    experiment, thesis = found.experiment, found.thesis
     frame, notes = table_of(found), notes_of(found)
-    _clear(folder)
-    paths = write_frame("identified", found.experiment.title, frame, notes, folder / "tables")
-    figures = folder / "figures"
-    save(friction_figure(found), "friction_velocity", figures)
-    for name, figure in record_figures(found).items():
-        save(figure, name, figures)
+    figures = {**requested_figures(found), **record_figures(found)}
     if found.simulation is not None and len(found.simulation.estimates) > 1:
-        save(correlation_figure(found.simulation), "correlation", figures)
-    (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
+        figures["correlation"] = correlation_figure(found.simulation)
+    _clear(folder)
+    paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
+    for spec in experiment.published:
+        if thesis is None:
+            break
+        beside, notes = published_table(spec, thesis, experiment.truth), published_notes(spec, thesis)
+        paths.append(write_frame(spec.table, spec.title, beside, notes, folder / "tables")[1])
+    for name, figure in figures.items():
+        save(figure, name, folder / "figures")
+    if found.corrected:
+        (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
     temporary = folder / f".{RESULT}.part"
     temporary.write_text(json.dumps(as_data(found), indent=2) + "\n", encoding="utf-8")
     os.replace(temporary, folder / RESULT)
-    return paths[1]
+    return paths
 
 
 def table_of(found: Identification) -> pd.DataFrame:
-    """parameter | thesis mean, std | simulation value, std, interval | truth | biases, as text ready to be shown."""
+    """parameter | thesis mean, std | simulation value, std, interval | truth | biases, as text ready to be shown.
+
+    Where records differ in their speed of rotation: rpm | parameter | thesis mean, std, without a truth to hold it to.
+    """
+    if found.thesis is not None and len(found.thesis.groups) > 1:
+        return _by_speed(found.thesis)
     data = as_data(found)["parameters"]
     lines = [_line(found, name, entry) for name, entry in data.items()]
     frame = pd.DataFrame(lines).fillna("")
     return frame.drop(columns=[name for name in frame.columns if not frame[name].any()])
+
+
+def _by_speed(fit: ThesisFit) -> pd.DataFrame:
+    lines = []
+    for rpm, group in fit.groups.items():
+        for name, one in group.items():
+            value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (one.value, one.std))
+            lines.append(
+                {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
+            )
+    return pd.DataFrame(lines).replace("nan", "")
 
 
 def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[str, str]:
@@ -112,7 +133,7 @@ def notes_of(found: Identification) -> list[str]:
     for record in found.records:
         notes += [f"{record.label}, {record.path.name}: {note}." for note in record.notes]
     if found.thesis is not None:
-        count = max(one.count for one in found.thesis.estimates.values())
+        count = max(one.count for group in found.thesis.groups.values() for one in group.values())
         notes.append(f"Thesis's method: mean and standard deviation over {count} repeats.")
         notes += [f"{note}." for note in found.thesis.notes]
     fit = found.simulation

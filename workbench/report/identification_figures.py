@@ -5,17 +5,23 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.identify.friction_records import friction_of
+from workbench.errors import UserError
+from workbench.identify.friction_records import friction_of, is_rotary
 from workbench.identify.identification import Identification
+from workbench.identify.records import Record
+from workbench.identify.schema import STATIC, SUFFIXES, FigureTable
 from workbench.identify.simulation_method import SimulationFit
-from workbench.identify.thesis_method import STATIC, Slow, slower, steady
-from workbench.report.style import COLOURS, DASHES, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style
+from workbench.identify.thesis_method import STATIC as STEADY
+from workbench.identify.thesis_method import Slow, slower, steady
+from workbench.report.identification_published import scale_shown, unit_shown
+from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
 
 SHOWN = {
     "position": ("position", "mm", 1e3),
     "pressure_1": ("pressure 1", "kPa", 1e-3),
     "pressure_2": ("pressure 2", "kPa", 1e-3),
     "rotation_speed": ("rotation", "rad/s", 1.0),
+    "motor_current": ("motor current", "A", 1.0),
 }
 """Label, unit and factor of each output."""
 
@@ -27,29 +33,50 @@ def _figure(title: str, panels: int) -> tuple[Figure, list[Axes]]:
     return figure, list(figure.subplots(panels, squeeze=False)[:, 0])
 
 
-def friction_figure(found: Identification) -> Figure:
-    """Measured friction over velocity (10 Hz) against the steady curves of both methods, and the truth where known."""
-    experiment = found.experiment
+def requested_figures(found: Identification) -> dict[str, Figure]:
+    """The figures that the experiment names; without any, friction over velocity of all records.
+
+    Raises:
+        UserError: a figure at a speed of rotation that no record has.
+    """
+    specs = found.experiment.figures
+    if not specs:
+        return {"friction_velocity": friction_figure(found, "Friction over velocity", None)}
+    figures = {}
+    for spec in specs:
+        if spec.parameter:
+            figures[spec.name] = over_rpm_figure(found, spec)
+            continue
+        speeds = sorted({record.rpm for record in found.records})
+        if spec.rpm not in speeds:
+            shown = ", ".join(f"{rpm:g}" for rpm in speeds)
+            raise UserError(
+                f"{found.experiment.path}: figures: {spec.name}: no record at {spec.rpm:g} rpm, expected one of {shown}"
+            )
+        figures[spec.name] = friction_figure(found, spec.title, spec.rpm)
+    return figures
+
+
+def friction_figure(found: Identification, title: str, rpm: float | None) -> Figure:
+    """Measured friction over velocity (10 Hz) against steady curves: both methods', the published, the true one."""
+    records = [record for record in found.records if rpm is None or record.rpm == rpm]
+    rotary = all(is_rotary(record) for record in records)
+    scale = 1.0 if rotary else 1e3
     with figure_style():
-        figure, (axes,) = _figure("Friction over velocity", 1)
-        curves = found.thesis.curves if found.thesis is not None else _curves(found)
+        figure, (axes,) = _figure(title, 1)
         fastest: dict[int, float] = {1: 0.0, -1: 0.0}
-        for i, data in enumerate(curves.values()):
+        for i, record in enumerate(records):
+            data = _curve(found, record)
             label = None if i else "measured, 10 Hz"
-            axes.plot(1e3 * data.velocity, data.force, ".", color=REFERENCE["color"], markersize=2.0, label=label)
+            axes.plot(scale * data.velocity, data.force, ".", color="#999999", markersize=2.0, label=label)
             for sign in fastest:
                 fastest[sign] = max(fastest[sign], float(np.nanmax(sign * data.velocity)))
-        sets = [("thesis's method", {n: e.value for n, e in found.thesis.estimates.items()})] if found.thesis else []
-        if found.simulation is not None:
-            sets.append(
-                ("simulation", {**experiment.values, **{n: e.value for n, e in found.simulation.estimates.items()}})
-            )
-        if experiment.truth is not None:
-            sets.append(("truth", dict(experiment.truth)))
-        for number, (label, values) in enumerate(sets):
+        for number, (label, values) in enumerate(_sets(found, rpm).items()):
             for sign, speed in fastest.items():
-                _steady_curve(axes, values, sign, speed, number, label if sign > 0 or fastest[1] < LEAST else "")
-        axes.set_xlabel("velocity (mm/s)")
+                direction = "rotary" if rotary else "forward" if sign > 0 else "backward"
+                drawn = _steady_curve(axes, values, direction, speed, number, label, scale)
+                label = "" if drawn else label
+        axes.set_xlabel("surface speed (m/s)" if rotary else "velocity (mm/s)")
         axes.set_ylabel("friction (N)")
         axes.legend(loc="best")
     return figure
@@ -59,24 +86,105 @@ LEAST = 1e-3
 """m/s. A direction in which nothing moves faster has no curve."""
 
 
-def _curves(found: Identification) -> dict[str, Slow]:
-    return {str(record.path): slower(friction_of(record, found.experiment)) for record in found.records}
+def _curve(found: Identification, record: Record) -> Slow:
+    known = found.thesis.curves.get(str(record.path)) if found.thesis is not None else None
+    return known or slower(friction_of(record, found.experiment))
 
 
-def _steady_curve(axes: Axes, values: dict[str, float], sign: int, speed: float, number: int, label: str) -> None:
-    chosen = [values.get(name if sign > 0 else f"{name}_negative", values.get(name)) for name in STATIC]
+def _sets(found: Identification, rpm: float | None) -> dict[str, dict[str, float]]:
+    """Friction by canonical name of each curve to be drawn, by its label."""
+    experiment = found.experiment
+    sets: dict[str, dict[str, float]] = {}
+    if found.thesis is not None:
+        group = found.thesis.groups.get(rpm, {}) if rpm is not None else found.thesis.estimates
+        sets["thesis's method"] = {name: one.value for name, one in group.items()}
+    if found.simulation is not None:
+        estimates = {name: one.value for name, one in found.simulation.estimates.items()}
+        sets["simulation"] = {**experiment.values, **estimates}
+    if experiment.truth is not None and not rpm:
+        sets["truth"] = dict(experiment.truth)
+    published = _published(found, rpm)
+    if published:
+        sets["published"] = published
+    return sets
+
+
+def _published(found: Identification, rpm: float | None) -> dict[str, float]:
+    """Printed friction at one speed by canonical name, Stribeck friction as static less Coulomb friction."""
+    values: dict[str, float] = {}
+    for spec in found.experiment.published:
+        if rpm not in spec.rpm:
+            continue
+        printed = {name: numbers[spec.rpm.index(rpm)] for name, numbers in spec.values.items()}
+        if STATIC in printed and "coulomb" in printed:
+            printed["stribeck"] = printed[STATIC] - printed["coulomb"]
+        values |= {name + SUFFIXES[spec.direction]: value for name, value in printed.items()}
+    return values
+
+
+def _steady_curve(
+    axes: Axes, values: dict[str, float], direction: str, speed: float, number: int, label: str, scale: float
+) -> bool:
+    """Draw the steady curve (4.7) up to `speed` (m/s), shown times `scale`; whether there is one."""
+    fallback = {name: None if direction == "rotary" else values.get(name) for name in STEADY}
+    chosen = [values.get(name + SUFFIXES[direction], fallback[name]) for name in STEADY]
+    if chosen[STEADY.index("stribeck")] == 0.0:
+        chosen[STEADY.index("stribeck_velocity")] = 1.0  # of no Stribeck friction any will do
     if speed < LEAST or any(value is None for value in chosen):
-        return
+        return False
+    sign = -1.0 if direction == "backward" else 1.0
     v = np.linspace(0.0, speed, 300)
     force = steady(v, *(float(value) for value in chosen if value is not None))
-    axes.plot(
-        1e3 * sign * v,
-        sign * force,
-        color=COLOURS[number],
-        linestyle=DASHES[number],
-        label=label or None,
-        linewidth=1.2,
-    )
+    style = line_style(number)
+    axes.plot(scale * sign * v, sign * force, label=label or None, linewidth=1.2, **style)
+    return True
+
+
+def over_rpm_figure(found: Identification, spec: FigureTable) -> Figure:
+    """One parameter over the speed of rotation: found with error bars of one standard deviation, published as crosses.
+
+    The thesis's method only: without it there is nothing but the axes.
+    """
+    name = spec.parameter
+    scale, groups = scale_shown(name), found.thesis.groups if found.thesis is not None else {}
+    with figure_style():
+        figure, (axes,) = _figure(spec.title, 1)
+        for number, direction in enumerate(("forward", "backward")):
+            own = {
+                rpm: group[name + SUFFIXES[direction]]
+                for rpm, group in groups.items()
+                if name + SUFFIXES[direction] in group
+            }
+            shift = SHIFT * (2 * number - 1)
+            axes.errorbar(
+                [rpm + shift for rpm in own],
+                [scale * one.value for one in own.values()],
+                [0.0 if one.count < 2 else scale * one.std for one in own.values()],
+                fmt=marker(number),
+                color=COLOURS[number],
+                capsize=2.0,
+                label=f"{direction}, found",
+            )
+            for table in found.experiment.published:
+                if table.direction == direction and name in table.values:
+                    printed = [scale * value for value in table.values[name]]
+                    axes.plot(
+                        [rpm + shift for rpm in table.rpm],
+                        printed,
+                        "x+"[number],
+                        color=COLOURS[number],
+                        markersize=8.0,
+                        label=f"{direction}, published",
+                    )
+        axes.set_xlabel("rotation (rpm)")
+        axes.set_ylabel(f"{name.replace('_', ' ')} ({unit_shown(name)})")
+        axes.set_ylim(bottom=0.0)
+        axes.legend(loc="best")
+    return figure
+
+
+SHIFT = 0.8
+"""rpm by which the points of the two directions stand apart."""
 
 
 def record_figures(found: Identification) -> dict[str, Figure]:

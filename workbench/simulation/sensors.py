@@ -53,13 +53,15 @@ class Channel:
     """Peak of a smooth error over the measured value itself: what a calibration leaves."""
     calibration_travel: float = 0.0
     """Range of the value, centred at 0, over which the curve is made and has its peak; it repeats beyond."""
+    calibration_seed: int = 1
+    """Which curve: apart from the run's seed, since repeats on one rig have one sensor."""
 
-    def error_numbers(self, stream: tuple[int, ...]) -> np.ndarray:
+    def error_numbers(self, place: int) -> np.ndarray:
         """Numbers for `systematic_error`, shape (ERROR_NUMBERS,).
 
         The calibration curve is a sum of waves with 1 to `HARMONICS` periods over the travel, amplitudes falling as
         1 / period count, random phases, scaled to the peak. A sensor's residual after calibration is known by its peak
-        and as slowly varying, no more: the form is this program's. `stream` seeds the phases.
+        and as slowly varying, no more: the form is this program's. `place` is the channel's among those of the rig.
         """
         numbers = np.zeros(ERROR_NUMBERS)
         numbers[:2] = self.offset, self.gain_error
@@ -67,7 +69,9 @@ class Channel:
             periods = np.arange(1, HARMONICS + 1)
             numbers[2::3] = 1.0 / periods
             numbers[3::3] = 2.0 * np.pi * periods / self.calibration_travel
-            numbers[4::3] = np.random.default_rng(stream).uniform(0.0, 2.0 * np.pi, HARMONICS)
+            numbers[4::3] = np.random.default_rng((self.calibration_seed, place, CALIBRATION_STREAM)).uniform(
+                0.0, 2.0 * np.pi, HARMONICS
+            )
             travel = np.linspace(-0.5, 0.5, PEAK_POINTS) * self.calibration_travel
             waves = systematic_error(travel, np.concatenate([[0.0, 0.0], numbers[2:]]))
             numbers[2::3] *= self.calibration_error / np.max(np.abs(waves))
@@ -91,12 +95,12 @@ class Sensors:
                 noise[:, i] = channel.noise * np.random.default_rng([seed, i]).standard_normal(samples)
         return noise
 
-    def errors(self, seed: int) -> np.ndarray:
+    def errors(self) -> np.ndarray:
         """Numbers for `systematic_error` of each channel, shape (channels, ERROR_NUMBERS)."""
         errors = np.zeros((len(Measurement._fields), ERROR_NUMBERS))
         for name, channel in self.channels.items():
             i = Measurement._fields.index(name)
-            errors[i] = channel.error_numbers((seed, i, CALIBRATION_STREAM))
+            errors[i] = channel.error_numbers(i)
         return errors
 
     def resolution(self) -> np.ndarray:

@@ -213,15 +213,15 @@ def simulate(setup: Setup) -> Run:
     parameters = to_array(setup.parameters)
     inputs = to_array(setup.inputs)
     scales = np.array([item.scale for item in fields(plant.State)])
-    cutoffs = setup.sensors.cutoffs()
     reading = plant.measure(setup.state, setup.parameters)
+    cutoffs = np.where(np.isnan(to_array(reading)), 0.0, setup.sensors.cutoffs())  # no sensor, no filter
     if np.any(cutoffs > 0.0):
-        analogue = np.where(cutoffs > 0.0, np.nan_to_num(to_array(reading)), 0.0)
+        analogue = np.where(cutoffs > 0.0, to_array(reading), 0.0)
         state = np.concatenate([state, analogue])
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
 
-    errors = setup.sensors.errors(setup.seed)
+    errors = setup.sensors.errors()
     shown = Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
 
     references, profile = _sampled_reference(setup.reference, time)

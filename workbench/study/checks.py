@@ -61,6 +61,8 @@ class Checks:
     def all(self) -> None:
         """Raise UserError for the first mistake."""
         self._probes()
+        for i, name in enumerate(self.study.file.records):
+            self._signal(("records", i), name, range(len(self.cases)))
         for kind in ("tables", "figures", "break_even"):
             names = [item.name for item in getattr(self.study.file, kind)]
             for i, name in enumerate(names):

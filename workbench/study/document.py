@@ -4,6 +4,7 @@ import copy
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 from workbench import files
 from workbench.errors import UserError, nearest
 from workbench.study.scenarios import FOLDER, read_scenario, scenario_files
-from workbench.study.schema import OVERRIDES, StudyFile
+from workbench.study.schema import OVERRIDES, StudyFile, rpm_si
 
 NAMED_AXES = ("rpm", "controller", "reference", "scenario")
 """Axes that are not dotted keys of the file."""
@@ -66,6 +67,11 @@ class Case:
     def columns(self) -> dict[str, Any]:
         """The columns that tell this case from the others."""
         return {**({CASE: self.name} if self.name is not None else {}), **self.axes}
+
+    @property
+    def rpm(self) -> float:
+        """The speed of rotation that the case asks for (rpm), in whole millionths."""
+        return round(rpm_si(self.tables.get("rpm", 0.0)) * 30.0 / math.pi, 6)
 
     @property
     def label(self) -> str:

@@ -26,7 +26,16 @@ from workbench.study.document import Case, Study, unfold
 from workbench.study.names import matches
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
-from workbench.study.store import Store, export, trajectory_path, write_json, write_study, write_trajectory
+from workbench.study.store import (
+    Store,
+    export,
+    record_path,
+    trajectory_path,
+    write_json,
+    write_record,
+    write_study,
+    write_trajectory,
+)
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
@@ -117,8 +126,8 @@ def needed_trajectories(planned: Plan) -> set[int]:
     return {case.index for case in planned.cases if any(matches(case.columns, where) for where in wanted)}
 
 
-def run_case(study: Study, case: Case, keep: Path | None) -> dict[str, Any]:
-    """Run one case and return its row; the trajectory goes to `keep`.
+def run_case(study: Study, case: Case, keep: Path | None, record: Path | None = None) -> dict[str, Any]:
+    """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`.
 
     A mistake in the file has been found before, by `plan`.
     """
@@ -130,6 +139,8 @@ def run_case(study: Study, case: Case, keep: Path | None) -> dict[str, Any]:
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)
+    if record is not None:
+        write_record(run, study.file.records, case.rpm, record)
     return values
 
 
@@ -168,11 +179,14 @@ def run_study(
         write_study(study, folder)
         kept = {case.index for case in planned.cases} if keep_all else needed_trajectories(planned)
         paths = {index: trajectory_path(folder.resolve(), index) for index in kept}
-        done = {index for index in store.done() if index not in paths or paths[index].exists()}
+        records = {case.index: record_path(folder.resolve(), case) for case in planned.cases if study.file.records}
+        missing = {index for files in (paths, records) for index, path in files.items() if not path.exists()}
+        done = store.done() - missing
         waiting = [case for case in planned.cases if case.index not in done]
         with _executor(jobs, cluster) as executor:
             futures: dict[Future[dict[str, Any]], Case] = {
-                executor.submit(run_case, study, case, paths.get(case.index)): case for case in waiting
+                executor.submit(run_case, study, case, paths.get(case.index), records.get(case.index)): case
+                for case in waiting
             }
             try:
                 for count, future in enumerate(as_completed(futures), start=len(done) + 1):

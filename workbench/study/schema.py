@@ -71,7 +71,8 @@ class BeliefTable(Strict):
 class ChannelTable(Strict):
     """One sensor. The converter's step is `resolution`, or `range` over 2 to the power of `bits`.
 
-    `calibration_error` is the peak of a smooth error over a `calibration_travel` of the measured value.
+    `calibration_error` is the peak of a smooth error over a `calibration_travel` of the measured value, and
+    `calibration_seed` draws its curve.
     """
 
     noise: Raw = 0.0
@@ -83,6 +84,7 @@ class ChannelTable(Strict):
     gain_error: float = Field(0.0, gt=-1.0)
     calibration_error: Raw | None = None
     calibration_travel: Raw | None = None
+    calibration_seed: int = Field(1, ge=0)
 
     @model_validator(mode="after")
     def _one_way(self) -> "ChannelTable":
@@ -101,6 +103,7 @@ class SensorsTable(Strict):
     pressure_1: ChannelTable = ChannelTable()
     pressure_2: ChannelTable = ChannelTable()
     rotation_speed: ChannelTable = ChannelTable()
+    motor_current: ChannelTable = ChannelTable()
 
 
 class SimulationTable(Strict):
@@ -336,7 +339,10 @@ OVERRIDES = ("plant", "belief", "sensors", "simulation", "controllers", "referen
 
 
 class StudyFile(Strict):
-    """A whole study file. What cases fill in is checked in each case, not here."""
+    """A whole study file. What cases fill in is checked in each case, not here.
+
+    `records` names signals that every case writes into a file of its own, as a rig would.
+    """
 
     title: str
     source: str = ""
@@ -351,6 +357,7 @@ class StudyFile(Strict):
     scenarios: dict[str, dict[str, Any]] = {}
     cases: dict[str, dict[str, Any]] = {}
     probes: dict[str, Probe] = {}
+    records: list[str] = []
     tables: list[TableSpec] = []
     figures: list[FigureSpec] = []
     break_even: list[BreakEvenTable] = []

@@ -31,6 +31,7 @@ def build_sensors(table: SensorsTable) -> Sensors:
             channel.gain_error,
             _value(channel, "calibration_error", item.name, item.unit),
             travel,
+            channel.calibration_seed,
         )
     return Sensors(channels, table.delay)
 

@@ -5,6 +5,7 @@ scenarios/        the scenario files that it names
 results.sqlite    one row a finished case, committed as it ends
 results.csv, results.parquet, run.json        written when all cases are done
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
+records/          one Parquet file a case with the signals that the study names under `records`
 """
 
 import json
@@ -15,11 +16,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError
 from workbench.simulation.simulate import Run
-from workbench.study.document import Study
+from workbench.study.document import Case, Study
 from workbench.study.scenarios import FOLDER as SCENARIOS
 
 DATABASE = "results.sqlite"
@@ -27,7 +29,17 @@ INDEX = "case_index"
 """The column of the database that orders the cases; not exported."""
 
 STUDY_COPY = "study.toml"
-REPLACED = (STUDY_COPY, "results.csv", "results.parquet", "run.json", "trajectories", "tables", "figures", DATABASE)
+REPLACED = (
+    STUDY_COPY,
+    "results.csv",
+    "results.parquet",
+    "run.json",
+    "trajectories",
+    "records",
+    "tables",
+    "figures",
+    DATABASE,
+)
 """What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
 
 OURS = (SCENARIOS, *REPLACED)
@@ -162,9 +174,25 @@ def trajectory_path(folder: Path, index: int) -> Path:
 
 def write_trajectory(run: Run, path: Path) -> None:
     """All signals of a run (SI) over time, as Parquet."""
+    _write_signals({"time": run.time, **run.signals}, path)
+
+
+def _write_signals(signals: Mapping[str, np.ndarray], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    frame = pd.DataFrame({"time": run.time, **run.signals})
+    frame = pd.DataFrame(signals)
     _atomic(path, lambda temporary: frame.to_parquet(temporary, index=False))
+
+
+def record_path(folder: Path, case: Case) -> Path:
+    """Where the record of a case lies: its name, its rpm where that is an axis, and its place among all cases."""
+    parts = [case.name or "case", *([f"{case.rpm:g}_rpm"] if "rpm" in case.axes else []), f"{case.index:04d}"]
+    return folder / "records" / f"{'_'.join(parts)}.parquet"
+
+
+def write_record(run: Run, names: Sequence[str], rpm: float, path: Path) -> None:
+    """Time and those of the named signals that the run has (SI), and the rpm that was set, as Parquet."""
+    signals = {name: run.signals[name] for name in names if name in run.signals}
+    _write_signals({"time": run.time, **signals, "rpm": np.full(run.time.size, rpm)}, path)
 
 
 def read_results(folder: Path) -> pd.DataFrame:
