@@ -7,6 +7,7 @@ from plants.non_rotating import NON_ROTATING
 from plants.plugins import Registry
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
+from plants.two_chamber import TWO_CHAMBER
 
 _OURS = (
     NON_ROTATING,
@@ -16,6 +17,7 @@ _OURS = (
     ISOTROPIC_IDEAL,
     ANISOTROPIC,
     ANISOTROPIC_IDEAL,
+    TWO_CHAMBER,
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
 )

@@ -1,0 +1,76 @@
+"""The balances that a record's channels allow, each with its floor and with what may be fitted on it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from plants.effects import EFFECTS
+from plants.equation import NEGATIVE
+from workbench.diagnose import flow, force
+from workbench.diagnose.fitting import Balance
+from workbench.diagnose.motion import Motion
+
+FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
+FLOW = ("valve_flow_gain", "bulk_modulus")
+PUMP = ("pump_displacement",)
+"""What the baseline may move on each balance where an experiment does not say."""
+
+
+def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Sequence[str] | None) -> list[Balance]:
+    """Flow before force: what is wrong with the flow disturbs the motion, not the other way round."""
+    first = motions[0]
+    found = []
+    if first.has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
+        found.append(_balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s"))
+    elif first.has("pump_speed", "position") and "pump_displacement" in values:
+        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s"))
+    if first.has("position") and force.driving_force(first, values) is not None:
+        found.append(_balance("force", motions, _force, force.force_noise, values, FRICTION, free, "N", sharp=True))
+    return found
+
+
+def _force(motion: Motion, values: Mapping[str, float]) -> tuple[np.ndarray]:
+    return (force.force_residual(motion, values),)
+
+
+def _pump(motion: Motion, values: Mapping[str, float]) -> tuple[np.ndarray]:
+    return (flow.pump_residual(motion, values),)
+
+
+def _pump_noise(motion: Motion, values: Mapping[str, float]) -> float:
+    flat, slope, _ = motion.smooth
+    parts = [values["piston_area_1"] * slope * motion.noise["position"]]
+    parts.append(values["pump_displacement"] * flat * motion.noise["pump_speed"])
+    return float(np.linalg.norm(parts))
+
+
+def _balance(
+    name: str,
+    motions: Sequence[Motion],
+    residual: Callable[..., Any],
+    noise: Callable[..., float],
+    values: Mapping[str, float],
+    own: Sequence[str],
+    free: Sequence[str] | None,
+    unit: str,
+    *,
+    sharp: bool = False,
+) -> Balance:
+    floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
+    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in own]
+    known = [one for one in chosen if values.get(one, 0.0) > 0.0]
+    kinds = ("force",) if name == "force" else ("flow", "valve")
+    effects = tuple(
+        effect.name
+        for effect in EFFECTS.values()
+        if effect.balance in kinds and motions[0].has(*effect.needs) and _possible(effect.numbers, values)
+    )
+    return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
+
+
+def _possible(numbers: Mapping[str, Any], values: Mapping[str, float]) -> bool:
+    """Whether the plant is declared without the effect, and with what it would change."""
+    return all(
+        values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
+    ) and not any(name.endswith(NEGATIVE) and name in values for name in numbers)

@@ -1,0 +1,226 @@
+"""Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from plants.effects import EFFECTS, FREE
+from plants.equation import NEGATIVE, fields
+from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.motion import Motion
+from workbench.identify.covariance import long_run_length, sandwich
+from workbench.parameters import SIGNED
+
+THINNED = 0.01
+"""s between the samples that a fit sees: smoothed channels hold no more."""
+
+BLOCKS = 10
+"""Parts, each of one piece, into which the records are cut for cross-validation."""
+
+STEP = 1e-4
+"""Relative step of difference quotients; the residuals are exact functions of the parameters."""
+
+WIDEST = 30.0
+"""A positive parameter stays within this factor of its start."""
+
+NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
+"""Values of the effects' parameters at which they do nothing."""
+
+Values = Mapping[str, float]
+Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
+"""The residuals of a balance along a motion, one array or more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
+
+    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. A `sharp`
+    balance cannot be told where smoothing blurs what happened.
+    """
+
+    name: str
+    motions: Sequence[Motion]
+    residual: Residual
+    floor: float
+    unit: str
+    free: tuple[str, ...]
+    effects: tuple[str, ...] = ()
+    sharp: bool = False
+
+    def stacked(self, values: Values) -> np.ndarray:
+        """Residuals of all records over the floor, thinned, 0 where a record is not valid."""
+        return np.concatenate([part for motion in self.motions for part in self._parts(motion, values)])
+
+    def _parts(self, motion: Motion, values: Values) -> list[np.ndarray]:
+        every = thinning(motion)
+        known = motion.valid & ~(self.sharp & motion.blurred)
+        return [np.where(known, part, 0.0)[::every] / self.floor for part in self.residual(motion, values)]
+
+    def series(self, values: Values) -> list[slice]:
+        """Where each residual of each record stands in the stack."""
+        slices, first = [], 0
+        for motion in self.motions:
+            for part in self._parts(motion, values):
+                slices.append(slice(first, first + part.size))
+                first += part.size
+        return slices
+
+
+def thinning(motion: Motion) -> int:
+    """Every how many samples a fit looks at."""
+    return max(round(THINNED / motion.sample_time), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A balance at its best over some free parameters.
+
+    `residual` is over the floor; `validated` the same as predicted for each block by a fit without it; `covariance` of
+    the unknowns in `names`, in the units of their scales.
+    """
+
+    balance: Balance
+    names: tuple[str, ...]
+    values: dict[str, float]
+    deviations: dict[str, float]
+    residual: np.ndarray
+    validated: np.ndarray
+    blocks: Sequence[np.ndarray]
+
+    @property
+    def rms(self) -> float:
+        """Of the residual, in floors."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+    @property
+    def validated_rms(self) -> float:
+        """Of the residual on blocks that were left out, in floors."""
+        return float(np.sqrt(np.mean(self.validated**2)))
+
+    @property
+    def block_squares(self) -> np.ndarray:
+        """Mean square of the left-out residual of each block."""
+        return np.array([np.mean(self.validated[block] ** 2) for block in self.blocks])
+
+
+@dataclass(frozen=True)
+class _Unknown:
+    """A parameter as a search sees it: log(value / start), or value / size."""
+
+    name: str
+    start: float
+    size: float
+    logarithmic: bool
+    low: float
+    high: float
+
+    def value(self, x: float) -> float:
+        return self.start * float(np.exp(x)) if self.logarithmic else self.size * x
+
+    def slope(self, x: float) -> float:
+        return self.value(x) if self.logarithmic else self.size
+
+    @property
+    def first(self) -> float:
+        return 0.0 if self.logarithmic else self.start / self.size
+
+
+def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> _Unknown:
+    known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
+    plain = name.removesuffix(f"_{NEGATIVE}")
+    start = values.get(name, values.get(plain, 0.0))
+    low, high = bounds.get(name, (-np.inf, np.inf))
+    if name in known and known[name][2]:
+        least, most, size = known[name]
+        if start == NEUTRAL.get(name, 0.0) or name not in values:
+            start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
+        return _Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
+    if start > 0.0 and plain not in SIGNED:
+        widest = float(np.log(WIDEST))
+        least = float(np.log(low / start)) if low > 0.0 else -widest
+        most = float(np.log(high / start)) if np.isfinite(high) else widest
+        return _Unknown(name, start, start, True, least, most)
+    return _Unknown(name, start, max(abs(start), 1.0), False, low, high)
+
+
+def fit(
+    balance: Balance, values: Values, names: Sequence[str], bounds: Mapping[str, tuple[float, float]] | None = None
+) -> Fit:
+    """The best values of the parameters `names`, all others as in `values`."""
+    unknowns = [_unknown(name, values, bounds or {}) for name in names]
+
+    def at(x: np.ndarray) -> dict[str, float]:
+        return {**values, **{u.name: u.value(float(one)) for u, one in zip(unknowns, x, strict=True)}}
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        return np.nan_to_num(balance.stacked(at(x)), nan=1e6)
+
+    def jacobian(x: np.ndarray) -> np.ndarray:
+        base = residual(x)
+        columns = []
+        for i in range(x.size):
+            step = STEP * max(1.0, abs(x[i]))
+            step = step if x[i] + step < unknowns[i].high else -step
+            moved = x.copy()
+            moved[i] += step
+            columns.append((residual(moved) - base) / step)
+        return np.column_stack(columns)
+
+    low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
+    start = np.clip([u.first for u in unknowns], low + 1e-9, high - 1e-9)
+    if unknowns:
+        found = least_squares(residual, start, jac=jacobian, bounds=(low, high), xtol=1e-6, ftol=1e-7, max_nfev=30)
+        x, r, j = found.x, found.fun, found.jac
+        j = j * (found.active_mask == 0)
+    else:
+        x, r, j = start, residual(start), np.zeros((residual(start).size, 0))
+    blocks = _blocks(balance, values)
+    deviations = _deviations(j, r, balance.series(values))
+    return Fit(
+        balance,
+        tuple(names),
+        at(x),
+        {u.name: abs(u.slope(one)) * d for u, one, d in zip(unknowns, x, deviations, strict=True)},
+        r,
+        _validated(j, r, blocks),
+        blocks,
+    )
+
+
+def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice]) -> np.ndarray:
+    """Standard deviations of the unknowns, autocorrelation taken into account."""
+    if not jacobian.shape[1]:
+        return np.zeros(0)
+    length = long_run_length([residual[place] for place in series])
+    cov = sandwich(jacobian, residual, series, length, np.zeros(jacobian.shape[1]))
+    return np.asarray(np.sqrt(np.maximum(np.diag(cov), 0.0)))
+
+
+def _blocks(balance: Balance, values: Values) -> list[np.ndarray]:
+    """Rows of each block: pieces of time, with all residuals of a record in them."""
+    per_record = max(BLOCKS // len(balance.motions), 2)
+    blocks: list[np.ndarray] = []
+    slices, place = balance.series(values), 0
+    for motion in balance.motions:
+        count = len(balance.residual(motion, values))
+        parts = [np.array_split(np.arange(one.start, one.stop), per_record) for one in slices[place : place + count]]
+        blocks += [np.concatenate(pieces) for pieces in zip(*parts, strict=True)]
+        place += count
+    return blocks
+
+
+def _validated(jacobian: np.ndarray, residual: np.ndarray, blocks: Sequence[np.ndarray]) -> np.ndarray:
+    """Residual of each block at the parameters that the others give, by one Gauss-Newton step from the whole fit."""
+    if not jacobian.shape[1]:
+        return residual
+    whole = jacobian.T @ jacobian
+    out = np.empty_like(residual)
+    for block in blocks:
+        own = jacobian[block]
+        rest = whole - own.T @ own
+        moved = np.linalg.lstsq(rest, own.T @ residual[block], rcond=1e-10)[0]
+        out[block] = residual[block] + own @ moved
+    return out

@@ -1,0 +1,84 @@
+"""The flow balances: what the valve, or a pump, delivers less what piston and oil take up. And the pressures' sum."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.signal import lfilter
+
+from plants import effects as fx
+from plants.equation import select
+from plants.hydraulics import internal_leakage
+from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
+from workbench.diagnose.motion import Motion, smoothed, window_points
+from workbench.parameters import build
+
+
+def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """The spool's position (m) from the voltage: within its travel, delayed, behind the valve's lag, smoothed as all
+    else.
+
+    The voltage holds from sample to sample, so the lag is solved exactly.
+    """
+    step = motion.sample_time
+    voltage = motion.channels["raw_voltage"]
+    delay = values.get("command_delay", 0.0)
+    if delay:
+        voltage = np.interp(motion.time - delay, motion.time, voltage)
+    limit = values["spool_limit"]
+    target = np.clip(values["valve_position_gain"] * voltage, -limit, limit)
+    share = -np.expm1(-step / values["valve_time_constant"])
+    spool, _ = lfilter([0.0, share], [1.0, share - 1.0], target, zi=[target[0] * (1.0 - share)])
+    return smoothed(spool, window_points(step))
+
+
+def flow_residuals(motion: Motion, values: Mapping[str, float], flow: str = "derived") -> tuple[np.ndarray, np.ndarray]:
+    """Net flow (m^3/s) into each chamber less what its pressure takes up.
+
+        Q_1 - A_1 v - C P_L - V_1 dP_1/dt / beta_1,   A_2 v + C P_L - Q_2 - V_2 dP_2/dt / beta_2
+
+    With `pump_speed` in the place of a valve see `pump_residual`.
+    """
+    p = build(TWO_CHAMBER.Parameters, values, flow)
+    h = p.hydraulics
+    pressure_1 = motion.channels["pressure_1"] - p.pressure_1_offset
+    pressure_2 = motion.channels["pressure_2"]
+    into, out = valve_flows(spool_of(motion, values), pressure_1, pressure_2, h, p.flow_effects)
+    volume_1, volume_2 = chamber_volumes(h, p.area_ratio)
+    leakage = internal_leakage(pressure_1 - pressure_2, h)
+    stored_1 = volume_1 * motion.rates["pressure_1"] * fx.compliance(pressure_1, h.bulk_modulus, p.flow_effects)
+    stored_2 = volume_2 * motion.rates["pressure_2"] * fx.compliance(pressure_2, h.bulk_modulus, p.flow_effects)
+    return (
+        np.asarray(into - h.piston_area_1 * motion.velocity - leakage - stored_1),
+        np.asarray(p.area_ratio * h.piston_area_2 * motion.velocity + leakage - out - stored_2),
+    )
+
+
+def flow_noise(motion: Motion, values: Mapping[str, float]) -> float:
+    """Standard deviation (m^3/s) that the sensors' noise alone leaves in a chamber's residual."""
+    volume = values["hose_volume"] + 0.5 * values["piston_area_1"] * values["stroke"]
+    _, slope, _ = motion.smooth
+    parts = [
+        values["piston_area_1"] * slope * motion.noise["position"],
+        volume / values["bulk_modulus"] * slope * motion.noise["pressure_1"],
+    ]
+    return float(np.linalg.norm(parts))
+
+
+def pressure_sum(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """P_1 + P_2 - P_s - P_T (Pa): 0 for a valve of matched edges and equal areas."""
+    total = motion.channels["pressure_1"] + motion.channels["pressure_2"] - values.get("pressure_1_offset", 0.0)
+    return np.asarray(total - values["supply_pressure"] - values["tank_pressure"])
+
+
+def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """Pump's flow less what the piston takes (m^3/s): D n - A v - C P_L, A that of the chamber which fills.
+
+    D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s).
+    """
+    area = select(
+        motion.velocity >= 0.0, values["piston_area_1"], values["piston_area_2"] * values.get("area_ratio", 1.0)
+    )
+    leakage = values.get("leakage_coefficient", 0.0) * (
+        motion.channels.get("pressure_1", 0.0) - motion.channels.get("pressure_2", 0.0)
+    )
+    return np.asarray(values["pump_displacement"] * motion.channels["pump_speed"] - area * motion.velocity - leakage)

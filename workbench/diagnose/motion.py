@@ -1,0 +1,125 @@
+"""A record as the balances see it: every channel smoothed alike, the position differentiated twice, the spool
+simulated.
+
+All channels pass the same local cubic (Savitzky and Golay 1964), so that none is late or sharper than another.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+from scipy.signal import lfilter, savgol_coeffs, savgol_filter
+
+from workbench.identify.records import Record
+
+WINDOW = 0.06
+"""s over which channels are smoothed: 61 points at 1 kHz."""
+
+ORDER = 3
+"""Of the local polynomial."""
+
+CREEP = 3.0
+"""Standard deviations of the velocity's noise below which nothing is known to move."""
+
+SHARP = 6.0
+"""Standard deviations of noise by which half the window has to differ from the whole for a channel to be blurred."""
+
+FEWEST = 7
+"""Points of the shortest window."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A record's smoothed channels (SI) over time; `valid` is False near its ends and gaps.
+
+    `resting` is True where the noise of the velocity hides any motion, `blurred` where something happened too fast
+    for the smoothing: a contact that breaks away in a few milliseconds.
+
+    `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
+    the position's derivatives: factors in 1, 1/s, 1/s^2.
+    """
+
+    record: Record
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    channels: Mapping[str, np.ndarray]
+    rates: Mapping[str, np.ndarray]
+    valid: np.ndarray
+    resting: np.ndarray
+    blurred: np.ndarray
+    noise: Mapping[str, float]
+    smooth: tuple[float, float, float]
+
+    @property
+    def sample_time(self) -> float:
+        """Time between samples (s)."""
+        return self.record.sample_time
+
+    def has(self, *names: str) -> bool:
+        """Whether these channels were measured; position is one of them."""
+        return all(name in self.channels for name in names)
+
+
+def window_points(sample_time: float) -> int:
+    """Points of the smoothing window, odd."""
+    return max(2 * round(0.5 * WINDOW / sample_time) + 1, FEWEST)
+
+
+def smoothed(values: np.ndarray, points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
+    """Values, or a derivative of them, by local cubics."""
+    return np.asarray(savgol_filter(values, points, ORDER, deriv=order, delta=sample_time))
+
+
+def white_noise(values: np.ndarray) -> float:
+    """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks."""
+    third = np.diff(values[np.isfinite(values)], 3)
+    return float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)) if third.size else 0.0
+
+
+def motion_of(record: Record) -> Motion:
+    """Smooth and differentiate a record. A gap is bridged for the filter alone, and what it touches is not valid."""
+    step, points = record.sample_time, window_points(record.sample_time)
+    places = np.arange(record.time.size)
+    bridged = {}
+    for name, values in record.channels.items():
+        known = np.isfinite(values)
+        bridged[name] = np.interp(places, places[known], values[known])
+    valid = lfilter(np.ones(points), 1.0, (~record.valid).astype(float))
+    whole = np.concatenate([valid[points // 2 :], np.ones(points // 2)]) == 0.0
+    whole[: points // 2] = False
+    zeros = np.zeros(record.time.size)
+    position = bridged.get("position", zeros)
+    channels = {name: smoothed(values, points) for name, values in bridged.items()}
+    rates = {name: smoothed(bridged[name], points, 1, step) for name in ("pressure_1", "pressure_2") if name in bridged}
+    smooth = tuple(float(np.linalg.norm(savgol_coeffs(points, ORDER, deriv=order, delta=step))) for order in range(3))
+    noise = {name: white_noise(values) for name, values in record.channels.items()}
+    velocity = smoothed(position, points, 1, step)
+    creep = CREEP * smooth[1] * noise.get("position", 0.0)
+    return Motion(
+        record,
+        record.time,
+        smoothed(position, points),
+        velocity,
+        smoothed(position, points, 2, step),
+        {**channels, "raw_voltage": bridged["valve_voltage"]} if "valve_voltage" in bridged else channels,
+        rates,
+        whole,
+        maximum_filter1d(np.abs(velocity), 2 * points) <= creep,
+        _blurred(bridged, noise, points),
+        noise,
+        (smooth[0], smooth[1], smooth[2]),
+    )
+
+
+def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int) -> np.ndarray:
+    """Where a pressure or a force differs between the window and half of it by more than noise, and a window around."""
+    half = max(2 * (points // 4) + 1, FEWEST - 2)
+    found = np.zeros(next(iter(channels.values())).size)
+    for name in ("pressure_1", "pressure_2", "force"):
+        if name in channels:
+            limit = SHARP * noise[name] * float(np.linalg.norm(savgol_coeffs(half, ORDER)))
+            found += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
+    return np.asarray(maximum_filter1d((found > 0).astype(float), points) > 0)

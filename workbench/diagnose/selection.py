@@ -1,0 +1,113 @@
+"""Which effects a balance's residual supports: candidates compete on blocks that their fits did not see."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from plants.effects import EFFECTS
+from workbench.diagnose.fitting import Balance, Fit, Values, fit
+
+LEAST_GAIN = 0.04
+"""Share of the left-out rms that an effect must take away."""
+
+SURE = 2.5
+"""Standard errors, over blocks, by which the left-out squares must fall."""
+
+LEVEL = 2.0
+"""Standard errors, over blocks, within which two candidates cannot be told apart."""
+
+NEAR = 1.1
+"""Ratio of the left-out rms to the best beyond which a candidate is no alternative, however blocks scatter."""
+
+PRICE = 0.01
+"""Share of the left-out rms that every further parameter has to take away."""
+
+MOST = 4
+"""Effects that are added to one balance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect, with the parameters of it that are free, fitted jointly with the baseline."""
+
+    effect: str
+    variant: tuple[str, ...]
+    fit: Fit
+
+    @property
+    def score(self) -> float:
+        """Left-out rms in floors, with the price of its parameters: lower is better."""
+        return self.fit.validated_rms * (1.0 + PRICE * len(self.variant))
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One round: where it began, all candidates from the best, the one that was added (None: none passed), and those
+    that the data cannot tell apart from it."""
+
+    before: Fit
+    candidates: Sequence[Candidate]
+    added: Candidate | None
+    alternatives: Sequence[str]
+
+
+def _sure(before: Fit, after: Fit) -> float:
+    """Standard errors, over blocks, by which the logarithm of the left-out squares falls: a block counts as one, loud
+    or quiet."""
+    ratio = np.log(before.block_squares / after.block_squares)
+    return float(np.mean(ratio)) / max(float(np.std(ratio, ddof=1)) / np.sqrt(ratio.size), 1e-12)
+
+
+def gain(before: Fit, after: Fit) -> tuple[float, float]:
+    """Share by which the left-out rms falls, and how sure that is, in standard errors over blocks."""
+    return 1.0 - after.validated_rms / before.validated_rms, _sure(before, after)
+
+
+def candidates_for(
+    balance: Balance,
+    names: Sequence[str],
+    values: Values,
+    taken: Sequence[str],
+    bounds: Mapping[str, tuple[float, float]],
+) -> list[Candidate]:
+    """Every effect of the balance that is not there yet, the best variant of each, from the best."""
+    found = []
+    for name in balance.effects:
+        if name in taken:
+            continue
+        tried = []
+        for variant in EFFECTS[name].variants:
+            free = [*names, *(one for one in variant if one not in names)]
+            tried.append(Candidate(name, variant, fit(balance, values, free, bounds)))
+        found.append(min(tried, key=lambda one: one.score))
+    return sorted(found, key=lambda one: one.score)
+
+
+def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, float]]) -> tuple[Fit, list[Step]]:
+    """Add effects to a balance one by one, each fitted jointly with all before it, until none passes."""
+    names, taken = list(balance.free), list[str]()
+    current = fit(balance, values, names, bounds)
+    steps: list[Step] = []
+    while len(taken) < MOST:
+        found = candidates_for(balance, names, current.values, taken, bounds)
+        passing = [one for one in found if _passes(current, one)]
+        added = passing[0] if passing else None
+        rivals = [one.effect for one in passing[1:] if added is not None and _level(added, one)]
+        steps.append(Step(current, found, added, rivals))
+        if added is None:
+            break
+        taken.append(added.effect)
+        names += [one for one in added.variant if one not in names]
+        current = added.fit
+    return current, steps
+
+
+def _passes(before: Fit, one: Candidate) -> bool:
+    share, sure = gain(before, one.fit)
+    return share > LEAST_GAIN + PRICE * len(one.variant) and sure > SURE
+
+
+def _level(best: Candidate, other: Candidate) -> bool:
+    """Whether the left-out squares of two candidates differ by less than their scatter over blocks."""
+    return _sure(other.fit, best.fit) < LEVEL and other.fit.validated_rms < NEAR * best.fit.validated_rms

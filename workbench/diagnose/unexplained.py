@@ -1,0 +1,82 @@
+"""What a residual depends on when no effect explains it: conditional means over one signal at a time, on
+blocks left out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.diagnose.fitting import BLOCKS, Balance, Values, thinning
+
+BINS = 24
+"""Of equal count, over each signal."""
+
+LEAST = 0.15
+"""Share of the residual's variance on left-out blocks that a signal has to explain."""
+
+ABOVE = 1.6
+"""Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """A balance that is not explained: the signals on which its residual depends, with the share that each explains."""
+
+    balance: str
+    shares: Mapping[str, float]
+
+    @property
+    def signals(self) -> list[str]:
+        """From the strongest."""
+        return sorted(self.shares, key=lambda name: -self.shares[name])
+
+
+def dependence(balance: Balance, values: Values) -> Dependence | None:
+    """The signals on which a balance's residual depends; None where it is at its floor or depends on none."""
+    parts: dict[str, list[np.ndarray]] = {}
+    residuals, weights = [], []
+    for motion in balance.motions:
+        every = thinning(motion)
+        known = (motion.valid & ~motion.resting & ~(balance.sharp & motion.blurred))[::every]
+        residual = balance.residual(motion, values)[0][::every] / balance.floor
+        residuals.append(residual[known])
+        signals = {"position": motion.position, "velocity": motion.velocity, "time": motion.time}
+        signals |= {"acceleration": motion.acceleration}
+        for name in ("pressure_1", "pressure_2", "valve_voltage", "rotation_angle"):
+            if name in motion.channels:
+                signals[name] = motion.channels[name]
+        if motion.has("pressure_1", "pressure_2"):
+            signals["load_pressure"] = motion.channels["pressure_1"] - motion.channels["pressure_2"]
+        for name, values_of in signals.items():
+            parts.setdefault(name, []).append(values_of[::every][known])
+        weights.append(known)
+    residual = np.concatenate(residuals)
+    if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
+        return None
+    shares = {name: explained(np.concatenate(one), residual) for name, one in parts.items()}
+    found = {name: share for name, share in shares.items() if share > LEAST}
+    return Dependence(balance.name, found) if found else None
+
+
+def explained(signal: np.ndarray, residual: np.ndarray) -> float:
+    """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
+    means.
+    """
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, signal)
+    blocks = np.array_split(np.arange(residual.size), BLOCKS)
+    left = np.empty_like(residual)
+    for block in blocks:
+        rest = np.ones(residual.size, dtype=bool)
+        rest[block] = False
+        counts = np.bincount(place[rest], minlength=edges.size + 1)
+        sums = np.bincount(place[rest], weights=residual[rest], minlength=edges.size + 1)
+        left[block] = residual[block] - (sums / np.maximum(counts, 1))[place[block]]
+    return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
+
+
+def strongest(found: Sequence[Dependence | None]) -> Dependence | None:
+    """The dependence that explains most."""
+    known = [one for one in found if one is not None]
+    return max(known, key=lambda one: max(one.shares.values()), default=None)
