@@ -1,0 +1,53 @@
+"""References that take a piston through all of its friction: slow sines, holds and small steps."""
+
+import numpy as np
+
+FREQUENCIES = (0.05, 1.0)
+"""Hz. Slowest and fastest sine."""
+
+SINES = 7
+FASTEST = (0.09, 0.12)
+"""m/s. Range of the largest speed of a reference; the loop lags, and the piston is slower."""
+
+
+def _sines(phase_time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """A sum of sines (m) with a largest value of 15 to 20 mm and a largest speed drawn from `FASTEST`.
+
+    Amplitudes fall with frequency as f^-q; q is the smallest that keeps the speed.
+    """
+    f = np.geomspace(*FREQUENCIES, SINES) * draw.uniform(0.9, 1.1, SINES)
+    phase = draw.uniform(0.0, 2.0 * np.pi, SINES)
+    weight = draw.uniform(0.5, 1.5, SINES)
+    largest = draw.uniform(15e-3, 20e-3)
+    fastest = draw.uniform(*FASTEST)
+    angle = 2.0 * np.pi * np.outer(phase_time, f) + phase
+    for q in np.arange(-1.0, 3.0, 0.1):
+        amplitude = weight * f**-q
+        position = np.sin(angle) @ amplitude
+        scale = largest / np.max(np.abs(position))
+        speed = np.cos(angle) @ (2.0 * np.pi * f * amplitude)
+        if scale * np.max(np.abs(speed)) <= fastest:
+            break
+    return scale * position
+
+
+def make_reference(duration: float, sample_time: float, draw: np.random.Generator) -> np.ndarray:
+    """Wanted position (m) at the samples: sines, interrupted every 3 to 6 s.
+
+    An interruption is a hold of 1 to 3 s; in two of three a step of 0.5 to 3 mm comes in its middle and is taken back
+    at its end. The first second leads from 0 to the sines.
+    """
+    time = np.arange(round(duration / sample_time)) * sample_time
+    moving = np.ones(time.size, dtype=bool)
+    step = np.zeros(time.size)
+    start = draw.uniform(3.0, 6.0)
+    while start < duration - 2.0:
+        length = draw.uniform(1.0, 3.0)
+        hold = (time >= start) & (time < start + length)
+        moving[hold] = False
+        if draw.random() < 2.0 / 3.0:
+            size = draw.uniform(0.5e-3, 3e-3) * (1.0 if draw.random() < 0.5 else -1.0)
+            step[hold & (time >= start + 0.5 * length)] = size
+        start += length + draw.uniform(3.0, 6.0)
+    sines = _sines(np.concatenate([[0.0], np.cumsum(moving)[:-1]]) * sample_time, draw)
+    return np.minimum(time, 1.0) * sines + step
