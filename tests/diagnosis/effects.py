@@ -1,7 +1,8 @@
 """Effects by name: what a strength from 0 (silent) to 1 (strong) means in physical numbers.
 
 0.3 is clear but modest, 0.03 is meant to go unnoticed. Where an effect has a sign or a form, the seed draws it. The
-unlisted effects have no name that diagnosis could give: it is to say that something is unexplained, and on what it depends.
+unlisted effects have no name that diagnosis could give: it is to say that something is unexplained, and on which
+signals it depends.
 """
 
 from collections.abc import Callable, Mapping

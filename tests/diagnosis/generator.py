@@ -112,10 +112,16 @@ def true_rig(seed: int, effects: Mapping[str, float], unlisted: Mapping[str, flo
     return Rig(**values)
 
 
-def simulate(rig: Rig, seed: int, use: str, *, substeps: int = SUBSTEPS, noisy: bool = True) -> Simulated:
-    """The record of a rig for `use` ("fit" or "held_out"): same plant and loop, another reference, other noise."""
+def simulate(
+    rig: Rig, seed: int, use: str, *, substeps: int = SUBSTEPS, noisy: bool = True, duration: float | None = None
+) -> Simulated:
+    """The record of a rig for `use` ("fit" or "held_out"): same plant and loop, another reference, other noise.
+
+    `substeps` a sample, `noisy` with noise and quantisation, `duration` (s) in place of the drawn one.
+    """
     loop = _draw(seed, "loop")
-    gain, duration = loop.uniform(*GAIN), round(loop.uniform(*DURATION), 1)
+    gain, drawn = loop.uniform(*GAIN), round(loop.uniform(*DURATION), 1)
+    duration = drawn if duration is None else duration
     reference = make_reference(duration, SAMPLE_TIME, _draw(seed, f"reference {use}"))
     noise = _draw(seed, f"noise {use}").standard_normal((reference.size, 4))
     scatter = noise[:, :3] * NOISE if noisy else np.zeros((reference.size, 3))
@@ -134,7 +140,7 @@ def check_physical(record: Simulated, rig: Rig) -> None:
     """A record that no rig could have given is a mistake here.
 
     Raises:
-        ValueError: end stop reached, a chamber below vacuum, numbers that are not finite, or a valve saturated throughout.
+        ValueError: end stop reached, a chamber below the tank's pressure, no finite numbers, or a saturated valve.
     """
     if not np.all(np.isfinite(record.states)):
         raise ValueError("the record diverges")
@@ -177,7 +183,13 @@ def make_experiment(
 
 def _experiment_text(channels: Mapping[str, np.ndarray], seed: int) -> str:
     """The experiment file; it says nothing of what is to be found."""
-    lines = [f'title = "record {seed}"', "[plant]", 'model = "non_rotating"', f'parameters = "{DECLARED}"', "[channels]"]
+    lines = [
+        f'title = "record {seed}"',
+        "[plant]",
+        'model = "non_rotating"',
+        f'parameters = "{DECLARED}"',
+        "[channels]",
+    ]
     for name in channels:
         column, unit, _ = COLUMNS[name]
         lines.append(f'{name} = {{ column = "{column}", unit = "{unit}" }}')

@@ -189,8 +189,8 @@ def run(p, gain, feed, noise, quantum, sample_time, substeps):  # type: ignore[n
     y, stage, trial = np.zeros(8), np.zeros((4, 6)), np.zeros(8)
     y[2] = y[3] = 0.5 * (p.supply_pressure + p.tank_pressure)
     h = sample_time / substeps
-    delay = int(round(p.delay / h))
-    lag = int(round(p.memory / h))
+    delay = round(p.delay / h)
+    lag = round(p.memory / h)
     past = np.zeros(lag + 2)  # velocity of the last steps; the newest is at `now % past.size`
     reading = np.zeros(3)
     shown = 0.0
