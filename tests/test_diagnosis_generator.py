@@ -23,7 +23,7 @@ from plants.non_rotating import NON_ROTATING, Inputs
 from workbench.identify.experiment import read_experiment
 from workbench.identify.records import read_records
 from workbench.parameters import build, named_sets, read_parameters
-from workbench.simulation.references import Multisine
+from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Setup
 from workbench.simulation.simulate import simulate as simulate_plant
 
@@ -37,10 +37,10 @@ def chosen(name: str, listed: bool, strength: float) -> dict[str, dict[str, floa
 
 
 def test_nominal_rig_is_the_plant() -> None:
-    """Same voltage into both: 4 s with presliding, reversals and 0.04 m/s, without any effect."""
+    """Same voltage into both: 4 s with presliding, reversals and 0.05 m/s, without any effect."""
     parameters = build(NON_ROTATING.Parameters, read_parameters(named_sets()[DECLARED]))
     state, _ = NON_ROTATING.equilibrium(parameters, 0.0)
-    feed = Feed("valve_voltage", Multisine(0.5, 1.0, (1, 2, 3)), linear=False)
+    feed = Feed("valve_voltage", Sine(0.8, 0.5, phase=0.5 * np.pi), linear=False)
     plant = simulate_plant(Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), 4.0, feeds=(feed,)))
     assert plant.outcome == "completed"
     samples = plant.command.size

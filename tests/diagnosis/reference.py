@@ -1,19 +1,22 @@
-"""References that take a piston through all of its friction: slow sines, holds and small steps."""
+"""References that take a piston through all of its friction: slow and fast sines, holds and small steps."""
 
 import numpy as np
 
-FREQUENCIES = (0.05, 1.0)
-"""Hz. Slowest and fastest sine."""
+FREQUENCIES = (0.1, 1.0)
+"""Hz. Slowest and fastest sine where they run at their full pace."""
 
 SINES = 7
 FASTEST = (0.09, 0.12)
 """m/s. Range of the largest speed of a reference; the loop lags, and the piston is slower."""
 
+SLOW_PACE = (0.1, 0.5)
+"""Range of the pace of the slow passages, every other one: frequencies and speeds are that much lower there."""
+
 
 def _sines(phase_time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """A sum of sines (m) with a largest value of 15 to 20 mm and a largest speed drawn from `FASTEST`.
+    """A sum of sines (m) with a largest value of 15 to 20 mm and, at full pace, a largest speed drawn from `FASTEST`.
 
-    Amplitudes fall with frequency as f^-q; q is the smallest that keeps the speed.
+    Amplitudes go with frequency as f^-q; q is the smallest that keeps the speed.
     """
     f = np.geomspace(*FREQUENCIES, SINES) * draw.uniform(0.9, 1.1, SINES)
     phase = draw.uniform(0.0, 2.0 * np.pi, SINES)
@@ -32,22 +35,24 @@ def _sines(phase_time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
 
 
 def make_reference(duration: float, sample_time: float, draw: np.random.Generator) -> np.ndarray:
-    """Wanted position (m) at the samples: sines, interrupted every 3 to 6 s.
+    """Wanted position (m) at the samples: passages of sines of 3 to 6 s, fast and slow in turn, and holds between them.
 
-    An interruption is a hold of 1 to 3 s; in two of three a step of 0.5 to 3 mm comes in its middle and is taken back
-    at its end. The first second leads from 0 to the sines.
+    A hold lasts 1 to 3 s; in two of three a step of 0.5 to 3 mm comes in its middle and is taken back at its end. The
+    first second leads from 0 to the sines.
     """
     time = np.arange(round(duration / sample_time)) * sample_time
-    moving = np.ones(time.size, dtype=bool)
+    pace = np.ones(time.size)
     step = np.zeros(time.size)
-    start = draw.uniform(3.0, 6.0)
-    while start < duration - 2.0:
-        length = draw.uniform(1.0, 3.0)
-        hold = (time >= start) & (time < start + length)
-        moving[hold] = False
+    start, slow = 0.0, draw.random() < 0.5
+    while start < duration:
+        hold = start + draw.uniform(3.0, 6.0)
+        end = hold + draw.uniform(1.0, 3.0)
+        if slow:
+            pace[(time >= start) & (time < hold)] = np.exp(draw.uniform(*np.log(SLOW_PACE)))
+        pace[(time >= hold) & (time < end)] = 0.0
         if draw.random() < 2.0 / 3.0:
             size = draw.uniform(0.5e-3, 3e-3) * (1.0 if draw.random() < 0.5 else -1.0)
-            step[hold & (time >= start + 0.5 * length)] = size
-        start += length + draw.uniform(3.0, 6.0)
-    sines = _sines(np.concatenate([[0.0], np.cumsum(moving)[:-1]]) * sample_time, draw)
+            step[(time >= 0.5 * (hold + end)) & (time < end)] = size
+        start, slow = end, not slow
+    sines = _sines(np.concatenate([[0.0], np.cumsum(pace)[:-1]]) * sample_time, draw)
     return np.minimum(time, 1.0) * sines + step
