@@ -158,8 +158,8 @@ EFFECTS: Mapping[str, Effect] = {
 
 
 def cushion(rig: Rig, s: float, draw: Draw) -> dict[str, float]:
-    """Beyond 11 mm a spring back to the middle, 300 s N at 16 mm."""
-    return {"cushion_start": 11e-3, "cushion_stiffness": 300.0 * s / 5e-3}
+    """Beyond 9 mm a spring back to the middle, 300 s N at 17 mm."""
+    return {"cushion_start": 9e-3, "cushion_stiffness": 300.0 * s / 8e-3}
 
 
 def cogging(rig: Rig, s: float, draw: Draw) -> dict[str, float]:
