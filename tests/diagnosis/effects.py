@@ -49,7 +49,7 @@ def frictional_memory(rig: Rig, s: float, draw: Draw) -> dict[str, float]:
 
 
 def rising_static_friction(rig: Rig, s: float, draw: Draw) -> dict[str, float]:
-    """Stribeck friction times 1 + 2 s (1 - exp(-t/1 s)) after a dwell of t; sliding resets it."""
+    """Stribeck friction times 1 + 2 s (1 - exp(-t/1 s)) after a dwell of t; sliding 0.2 mm resets it."""
     return {"dwell_growth": 2.0 * s}
 
 

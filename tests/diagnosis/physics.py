@@ -29,8 +29,8 @@ SUBSTEPS = 20
 STUCK_SPEED = 5e-4
 """m/s. Below it the dwell time of the contact grows."""
 
-FORGETTING_TIME = 0.01
-"""s. Time constant with which a contact that slides loses the strength of its dwell."""
+FORGETTING_DISTANCE = 2e-4
+"""m. Distance of sliding, about twice what the bristle takes to break away, in which the strength of a dwell fades."""
 
 DWELL_TIME = 1.0
 """s. Time constant with which static friction grows in a dwell."""
@@ -218,6 +218,6 @@ def run(p, gain, feed, noise, quantum, sample_time, substeps):  # type: ignore[n
                 _rates(trial, stage[s], time + weight * h, voltage, lagged, p)
             for j in range(6):
                 y[j] += h / 6.0 * (stage[0, j] + 2.0 * stage[1, j] + 2.0 * stage[2, j] + stage[3, j])
-            y[6] = y[6] + h if abs(y[1]) < STUCK_SPEED else y[6] * np.exp(-h / FORGETTING_TIME)
+            y[6] = y[6] + h if abs(y[1]) < STUCK_SPEED else y[6] * np.exp(-abs(y[1]) * h / FORGETTING_DISTANCE)
             y[7] = _play(y[7], y[5], p.spool_play)
     return states, measured, voltages

@@ -6,29 +6,30 @@ FREQUENCIES = (0.1, 1.0)
 """Hz. Slowest and fastest sine where they run at their full pace."""
 
 SINES = 7
-FASTEST = (0.09, 0.12)
+FASTEST = (0.1, 0.13)
 """m/s. Range of the largest speed of a reference; the loop lags, and the piston is slower."""
 
 SLOW_PACE = (0.1, 0.5)
 """Range of the pace of the slow passages, every other one: frequencies and speeds are that much lower there."""
 
 
-def _sines(phase_time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """A sum of sines (m) with a largest value of 15 to 20 mm and, at full pace, a largest speed drawn from `FASTEST`.
+def _sines(pace: np.ndarray, sample_time: float, draw: np.random.Generator) -> np.ndarray:
+    """A sum of sines (m) at that pace, with a largest value of 15 to 20 mm and a largest speed drawn from `FASTEST`.
 
-    Amplitudes go with frequency as f^-q; q is the smallest that keeps the speed.
+    Amplitudes go with frequency as f^-q; q is the smallest (fastest) that keeps the speed.
     """
     f = np.geomspace(*FREQUENCIES, SINES) * draw.uniform(0.9, 1.1, SINES)
     phase = draw.uniform(0.0, 2.0 * np.pi, SINES)
     weight = draw.uniform(0.5, 1.5, SINES)
     largest = draw.uniform(15e-3, 20e-3)
     fastest = draw.uniform(*FASTEST)
+    phase_time = np.concatenate([[0.0], np.cumsum(pace)[:-1]]) * sample_time
     angle = 2.0 * np.pi * np.outer(phase_time, f) + phase
-    for q in np.arange(-1.0, 3.0, 0.1):
+    for q in np.arange(-1.5, 3.0, 0.1):
         amplitude = weight * f**-q
         position = np.sin(angle) @ amplitude
         scale = largest / np.max(np.abs(position))
-        speed = np.cos(angle) @ (2.0 * np.pi * f * amplitude)
+        speed = pace * (np.cos(angle) @ (2.0 * np.pi * f * amplitude))
         if scale * np.max(np.abs(speed)) <= fastest:
             break
     return scale * position
@@ -54,5 +55,5 @@ def make_reference(duration: float, sample_time: float, draw: np.random.Generato
             size = draw.uniform(0.5e-3, 3e-3) * (1.0 if draw.random() < 0.5 else -1.0)
             step[(time >= 0.5 * (hold + end)) & (time < end)] = size
         start, slow = end, not slow
-    sines = _sines(np.concatenate([[0.0], np.cumsum(pace)[:-1]]) * sample_time, draw)
+    sines = _sines(pace, sample_time, draw)
     return np.minimum(time, 1.0) * sines + step
