@@ -64,7 +64,9 @@ def _balance(
     effects = tuple(
         effect.name
         for effect in EFFECTS.values()
-        if effect.balance in kinds and motions[0].has(*effect.needs) and _possible(effect.numbers, values)
+        if (effect.balance in kinds or (name == "flow" and effect.name == "backlash"))
+        and motions[0].has(*effect.needs)
+        and _possible(effect.numbers, values)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
 

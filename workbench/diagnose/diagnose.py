@@ -9,9 +9,10 @@ import numpy as np
 
 from plants.effects import EFFECTS
 from workbench.diagnose.balances import balances_of
-from workbench.diagnose.fitting import Balance, Fit, Values
+from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.flow import pressure_sum
 from workbench.diagnose.motion import Motion, motion_of
+from workbench.diagnose.null import floored
 from workbench.diagnose.selection import Step, gain, select
 from workbench.diagnose.unexplained import Dependence, dependence, strongest
 from workbench.errors import UserError
@@ -91,6 +92,10 @@ def diagnose(path: Path) -> Diagnosis:
         )
     results, found = [], [offset] if offset is not None else []
     baseline = dict(declared)
+    first = dict(values)
+    for balance in balances:
+        first |= {name: one for name, one in fit(balance, first, balance.free, experiment.bounds).values.items()}
+    balances = floored(balances, first, experiment.flow)
     for balance in balances:
         after, steps = select(balance, values, experiment.bounds)
         results.append(BalanceResult(balance, steps[0].before, after, steps))

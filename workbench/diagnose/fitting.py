@@ -1,7 +1,7 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 from plants.effects import EFFECTS, FREE
 from plants.equation import NEGATIVE, fields
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.motion import Motion
+from workbench.diagnose.motion import Motion, thinned
 from workbench.identify.covariance import long_run_length, sandwich
 from workbench.parameters import SIGNED
 
@@ -22,8 +22,12 @@ BLOCKS = 10
 STEP = 1e-4
 """Relative step of difference quotients; the residuals are exact functions of the parameters."""
 
-WIDEST = 30.0
+WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
+
+ANCHOR = 0.003
+"""Weight of a factor of e by which a positive parameter leaves its start, against the square of one sample at the floor:
+nothing where the record knows better, enough to keep two that it cannot tell apart from running away together."""
 
 NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
 """Values of the effects' parameters at which they do nothing."""
@@ -49,6 +53,7 @@ class Balance:
     free: tuple[str, ...]
     effects: tuple[str, ...] = ()
     sharp: bool = False
+    thin: dict[int, Motion] = field(default_factory=dict, repr=False)
 
     def stacked(self, values: Values) -> np.ndarray:
         """Residuals of all records over the floor, thinned, 0 where a record is not valid."""
@@ -56,8 +61,16 @@ class Balance:
 
     def _parts(self, motion: Motion, values: Values) -> list[np.ndarray]:
         every = thinning(motion)
-        known = motion.valid & ~(self.sharp & motion.blurred)
-        return [np.where(known, part, 0.0)[::every] / self.floor for part in self.residual(motion, values)]
+        known = (motion.valid & ~(self.sharp & motion.blurred))[::every]
+        if self.sharp:
+            return [np.where(known, part[::every], 0.0) / self.floor for part in self.residual(motion, values)]
+        return [np.where(known, part, 0.0) / self.floor for part in self.residual(self._thin(motion, every), values)]
+
+    def _thin(self, motion: Motion, every: int) -> Motion:
+        key = id(motion)
+        if key not in self.thin:
+            self.thin[key] = thinned(motion, every)
+        return self.thin[key]
 
     def series(self, values: Values) -> list[slice]:
         """Where each residual of each record stands in the stack."""
@@ -89,6 +102,8 @@ class Fit:
     residual: np.ndarray
     validated: np.ndarray
     blocks: Sequence[np.ndarray]
+    jacobian: np.ndarray
+    unknowns: Sequence["Unknown"]
 
     @property
     def rms(self) -> float:
@@ -107,7 +122,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class _Unknown:
+class Unknown:
     """A parameter as a search sees it: log(value / start), or value / size."""
 
     name: str
@@ -128,7 +143,7 @@ class _Unknown:
         return 0.0 if self.logarithmic else self.start / self.size
 
 
-def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> _Unknown:
+def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
     known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
     plain = name.removesuffix(f"_{NEGATIVE}")
     start = values.get(name, values.get(plain, 0.0))
@@ -137,13 +152,13 @@ def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]
         least, most, size = known[name]
         if start == NEUTRAL.get(name, 0.0) or name not in values:
             start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
-        return _Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
+        return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
     if start > 0.0 and plain not in SIGNED:
         widest = float(np.log(WIDEST))
         least = float(np.log(low / start)) if low > 0.0 else -widest
         most = float(np.log(high / start)) if np.isfinite(high) else widest
-        return _Unknown(name, start, start, True, least, most)
-    return _Unknown(name, start, max(abs(start), 1.0), False, low, high)
+        return Unknown(name, start, start, True, least, most)
+    return Unknown(name, start, max(abs(start), 1.0), False, low, high)
 
 
 def fit(
@@ -155,8 +170,11 @@ def fit(
     def at(x: np.ndarray) -> dict[str, float]:
         return {**values, **{u.name: u.value(float(one)) for u, one in zip(unknowns, x, strict=True)}}
 
+    anchors = np.array([1.0 if u.logarithmic else 0.0 for u in unknowns])
+
     def residual(x: np.ndarray) -> np.ndarray:
-        return np.nan_to_num(balance.stacked(at(x)), nan=1e6)
+        stacked = np.nan_to_num(balance.stacked(at(x)), nan=1e6)
+        return np.concatenate([stacked, np.sqrt(ANCHOR * stacked.size) * anchors * x])
 
     def jacobian(x: np.ndarray) -> np.ndarray:
         base = residual(x)
@@ -173,10 +191,11 @@ def fit(
     start = np.clip([u.first for u in unknowns], low + 1e-9, high - 1e-9)
     if unknowns:
         found = least_squares(residual, start, jac=jacobian, bounds=(low, high), xtol=1e-6, ftol=1e-7, max_nfev=30)
-        x, r, j = found.x, found.fun, found.jac
-        j = j * (found.active_mask == 0)
+        size = found.fun.size - len(unknowns)
+        x, r, j = found.x, found.fun[:size], found.jac[:size] * (found.active_mask == 0)
     else:
-        x, r, j = start, residual(start), np.zeros((residual(start).size, 0))
+        x, r = start, residual(start)
+        j = np.zeros((r.size, 0))
     blocks = _blocks(balance, values)
     deviations = _deviations(j, r, balance.series(values))
     return Fit(
@@ -187,7 +206,34 @@ def fit(
         r,
         _validated(j, r, blocks),
         blocks,
+        j,
+        unknowns,
     )
+
+
+def promise(before: Fit, names: Sequence[str], bounds: Mapping[str, tuple[float, float]]) -> float:
+    """Residual rms (floors) after one Gauss-Newton step of a fit that also frees `names`: what a candidate promises."""
+    balance, values = before.balance, before.values
+    added = [_unknown(name, values, bounds) for name in names if name not in before.names]
+    kept = [replace(u, start=values[u.name]) if u.logarithmic else u for u in before.unknowns]
+    x = [0.0 if u.logarithmic else values[u.name] / u.size for u in kept]
+    start = np.array(x + [float(np.clip(u.first, u.low, u.high)) for u in added])
+
+    def residual(point: np.ndarray) -> np.ndarray:
+        moved = {u.name: u.value(float(one)) for u, one in zip([*kept, *added], point, strict=True)}
+        return np.nan_to_num(balance.stacked({**values, **moved}), nan=1e6)
+
+    base, columns = residual(start), []
+    for i in range(len(kept), start.size):
+        moved = start.copy()
+        moved[i] += STEP * max(1.0, abs(start[i]))
+        columns.append((residual(moved) - base) / (moved[i] - start[i]))
+    jacobian = np.column_stack([before.jacobian, *columns])
+    step = np.linalg.lstsq(jacobian, -base, rcond=1e-10)[0]
+    low = np.array([u.low for u in [*kept, *added]])
+    high = np.array([u.high for u in [*kept, *added]])
+    found = residual(np.clip(start + step, low, high))
+    return float(np.sqrt(min(np.mean(found**2), np.mean(base**2))))
 
 
 def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice]) -> np.ndarray:

@@ -9,7 +9,7 @@ from plants import effects as fx
 from plants.equation import select
 from plants.hydraulics import internal_leakage
 from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
-from workbench.diagnose.motion import Motion, smoothed, window_points
+from workbench.diagnose.motion import Motion, smoothed, window_points, with_backlash
 from workbench.parameters import build
 
 
@@ -19,16 +19,18 @@ def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
 
     The voltage holds from sample to sample, so the lag is solved exactly.
     """
-    step = motion.sample_time
-    voltage = motion.channels["raw_voltage"]
+    step, voltage = motion.sample_time, motion.voltage
+    if voltage is None:
+        raise ValueError("a record without the valve's voltage has no spool")
     delay = values.get("command_delay", 0.0)
     if delay:
-        voltage = np.interp(motion.time - delay, motion.time, voltage)
+        time = step * np.arange(voltage.size)
+        voltage = np.interp(time - delay, time, voltage)
     limit = values["spool_limit"]
     target = np.clip(values["valve_position_gain"] * voltage, -limit, limit)
     share = -np.expm1(-step / values["valve_time_constant"])
     spool, _ = lfilter([0.0, share], [1.0, share - 1.0], target, zi=[target[0] * (1.0 - share)])
-    return smoothed(spool, window_points(step))
+    return smoothed(spool, window_points(step))[:: round(voltage.size / motion.time.size)]
 
 
 def flow_residuals(motion: Motion, values: Mapping[str, float], flow: str = "derived") -> tuple[np.ndarray, np.ndarray]:
@@ -40,6 +42,7 @@ def flow_residuals(motion: Motion, values: Mapping[str, float], flow: str = "der
     """
     p = build(TWO_CHAMBER.Parameters, values, flow)
     h = p.hydraulics
+    motion = with_backlash(motion, p.backlash_width)
     pressure_1 = motion.channels["pressure_1"] - p.pressure_1_offset
     pressure_2 = motion.channels["pressure_2"]
     into, out = valve_flows(spool_of(motion, values), pressure_1, pressure_2, h, p.flow_effects)

@@ -11,7 +11,7 @@ from plants.effects import FrictionEffects
 from plants.friction import Friction
 from plants.hydraulics import Mass
 from plants.two_chamber import friction_rates
-from workbench.diagnose.motion import Motion
+from workbench.diagnose.motion import Motion, with_backlash
 from workbench.parameters import build
 
 UNBOUNDED_STROKE = 1e3
@@ -32,6 +32,7 @@ def friction_along(
     time: Any,
     position: Any,
     velocity: Any,
+    creep: float,
     resting: Any,
     held: Any,
     load_pressure: Any,
@@ -42,7 +43,7 @@ def friction_along(
 ) -> Any:
     """Friction (N) along a motion; bristle, memory and rest advance by the exact solution for a velocity that is held.
 
-    While the contact is `resting` friction is what holds it: `held` (N). The bristle is bent by that, and starts from
+    Below `creep` (m/s) a velocity is noise, and the bristle slips only at its full deflection. While the contact is `resting` friction is what holds it: `held` (N). The bristle is bent by that, and starts from
     there: simulated from a velocity that is noise it would relax as if it crept.
     """
     out = np.empty(time.size)
@@ -51,7 +52,17 @@ def friction_along(
     for k in range(time.size):
         v = velocity[k]
         force, relaxation, rate, most = friction_rates(
-            position[k], v, abs(v), load_pressure[k], time[k], bristle, lagged, rested, stroke, friction, effects
+            position[k],
+            v,
+            abs(v) if abs(v) > creep else 0.0,
+            load_pressure[k],
+            time[k],
+            bristle,
+            lagged,
+            rested,
+            stroke,
+            friction,
+            effects,
         )
         if resting[k]:
             out[k] = held[k]
@@ -60,6 +71,8 @@ def friction_along(
             out[k] = force
             decay = relaxation * sample_time
             bristle += rate * (sample_time if decay < 1e-9 else -np.expm1(-decay) / relaxation)
+            if abs(v) <= creep:
+                bristle = min(max(bristle, -most), most)
         if effects.memory_time > 0.0:
             lagged += (v - lagged) * -np.expm1(-sample_time / effects.memory_time)
         if abs(v) < fx.RESTING:
@@ -75,6 +88,7 @@ def force_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     Raises:
         ValueError: the record holds no driving force.
     """
+    motion = with_backlash(motion, values.get("backlash_width", 0.0))
     driving = driving_force(motion, values)
     if driving is None:
         raise ValueError("a record without a driving force has no force balance")
@@ -86,6 +100,7 @@ def force_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
         motion.time,
         motion.position,
         motion.velocity,
+        motion.creep,
         motion.resting,
         held,
         load_pressure(motion),

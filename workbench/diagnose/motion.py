@@ -5,7 +5,7 @@ All channels pass the same local cubic (Savitzky and Golay 1964), so that none i
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -21,6 +21,9 @@ ORDER = 3
 
 CREEP = 3.0
 """Standard deviations of the velocity's noise below which nothing is known to move."""
+
+CROSSING = 0.1
+"""s in which a rod that turns back crosses a backlash, at most: it does so just before the sensor moves."""
 
 SHARP = 6.0
 """Standard deviations of noise by which half the window has to differ from the whole for a channel to be blurred."""
@@ -52,6 +55,13 @@ class Motion:
     blurred: np.ndarray
     noise: Mapping[str, float]
     smooth: tuple[float, float, float]
+    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
+    voltage: np.ndarray | None
+
+    @property
+    def creep(self) -> float:
+        """Velocity (m/s) below which nothing is known to move."""
+        return CREEP * self.smooth[1] * self.noise.get("position", 0.0)
 
     @property
     def sample_time(self) -> float:
@@ -61,6 +71,36 @@ class Motion:
     def has(self, *names: str) -> bool:
         """Whether these channels were measured; position is one of them."""
         return all(name in self.channels for name in names)
+
+
+def with_backlash(motion: Motion, width: float) -> Motion:
+    """The motion of the rod behind a backlash of a `width` (m): position and velocity with what the sensor does not see."""
+    if width == 0.0:
+        return motion
+    hidden, rate, bend = motion.slack
+    return replace(
+        motion,
+        position=motion.position + width * hidden,
+        velocity=motion.velocity + width * rate,
+        acceleration=motion.acceleration + width * bend,
+    )
+
+
+def thinned(motion: Motion, every: int) -> Motion:
+    """Every so many-th instant of a motion; the voltage keeps all."""
+    return replace(
+        motion,
+        time=motion.time[::every],
+        position=motion.position[::every],
+        velocity=motion.velocity[::every],
+        acceleration=motion.acceleration[::every],
+        channels={name: values[::every] for name, values in motion.channels.items()},
+        rates={name: values[::every] for name, values in motion.rates.items()},
+        valid=motion.valid[::every],
+        resting=motion.resting[::every],
+        blurred=motion.blurred[::every],
+        slack=(motion.slack[0][::every], motion.slack[1][::every], motion.slack[2][::every]),
+    )
 
 
 def window_points(sample_time: float) -> int:
@@ -93,24 +133,30 @@ def motion_of(record: Record) -> Motion:
     zeros = np.zeros(record.time.size)
     position = bridged.get("position", zeros)
     channels = {name: smoothed(values, points) for name, values in bridged.items()}
-    rates = {name: smoothed(bridged[name], points, 1, step) for name in ("pressure_1", "pressure_2") if name in bridged}
+    rates: dict[str, np.ndarray] = {}
+    for name in ("pressure_1", "pressure_2"):
+        if name in bridged:
+            rates[name] = smoothed(bridged[name], points, 1, step)
     smooth = tuple(float(np.linalg.norm(savgol_coeffs(points, ORDER, deriv=order, delta=step))) for order in range(3))
     noise = {name: white_noise(values) for name, values in record.channels.items()}
     velocity = smoothed(position, points, 1, step)
     creep = CREEP * smooth[1] * noise.get("position", 0.0)
+    slack = _slack(velocity, creep, step)
     return Motion(
         record,
         record.time,
         smoothed(position, points),
         velocity,
         smoothed(position, points, 2, step),
-        {**channels, "raw_voltage": bridged["valve_voltage"]} if "valve_voltage" in bridged else channels,
+        channels,
         rates,
         whole,
-        maximum_filter1d(np.abs(velocity), 2 * points) <= creep,
+        np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
         _blurred(bridged, noise, points),
         noise,
         (smooth[0], smooth[1], smooth[2]),
+        (smoothed(slack, points), smoothed(slack, points, 1, step), smoothed(slack, points, 2, step)),
+        bridged.get("valve_voltage"),
     )
 
 
@@ -123,3 +169,18 @@ def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], poi
             limit = SHARP * noise[name] * float(np.linalg.norm(savgol_coeffs(half, ORDER)))
             found += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
     return np.asarray(maximum_filter1d((found > 0).astype(float), points) > 0)
+
+
+def _slack(velocity: np.ndarray, creep: float, step: float) -> np.ndarray:
+    """Where the rod is in a backlash: with the side that it pushes while it moves, crossing before it pushes the other."""
+    moving = np.flatnonzero(np.abs(velocity) > creep)
+    if moving.size == 0:
+        return np.zeros(velocity.size)
+    sides = 0.5 * np.sign(velocity[moving])
+    turns = np.flatnonzero(np.diff(sides) != 0.0)
+    places, values = [0.0], [float(sides[0])]
+    for turn in turns.tolist():
+        end, begin = float(moving[turn]), float(moving[turn + 1])
+        places += [max(end, begin - CROSSING / step), begin]
+        values += [float(sides[turn]), float(sides[turn + 1])]
+    return np.interp(np.arange(velocity.size), places, values)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.effects import EFFECTS
-from workbench.diagnose.fitting import Balance, Fit, Values, fit
+from workbench.diagnose.fitting import Balance, Fit, Values, fit, promise
 
 LEAST_GAIN = 0.04
 """Share of the left-out rms that an effect must take away."""
@@ -22,6 +22,12 @@ NEAR = 1.1
 
 PRICE = 0.01
 """Share of the left-out rms that every further parameter has to take away."""
+
+FITTED = 4
+"""Effects that are fitted whole in a round."""
+
+AT_FLOOR = 1.15
+"""Floors at which a residual is what it would be if nothing were missing."""
 
 MOST = 4
 """Effects that are added to one balance."""
@@ -65,21 +71,25 @@ def gain(before: Fit, after: Fit) -> tuple[float, float]:
 
 
 def candidates_for(
-    balance: Balance,
-    names: Sequence[str],
-    values: Values,
-    taken: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]],
+    balance: Balance, before: Fit, names: Sequence[str], taken: Sequence[str], bounds: Mapping[str, tuple[float, float]]
 ) -> list[Candidate]:
-    """Every effect of the balance that is not there yet, the best variant of each, from the best."""
-    found = []
+    """Every effect of the balance that is not there yet, its best variant, from the best.
+
+    One step of a fit says what each variant promises; the `FITTED` most promising effects are fitted whole, with those of
+    their variants that promise about as much as their best.
+    """
+    promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        if name in taken:
-            continue
+        if name not in taken:
+            promises[name] = {variant: promise(before, variant, bounds) for variant in EFFECTS[name].variants}
+    found = []
+    for name in sorted(promises, key=lambda one: min(promises[one].values()))[:FITTED]:
+        best = min(promises[name].values())
         tried = []
-        for variant in EFFECTS[name].variants:
-            free = [*names, *(one for one in variant if one not in names)]
-            tried.append(Candidate(name, variant, fit(balance, values, free, bounds)))
+        for variant, promised in promises[name].items():
+            if promised < NEAR * best:
+                free = [*names, *(one for one in variant if one not in names)]
+                tried.append(Candidate(name, variant, fit(balance, before.values, free, bounds)))
         found.append(min(tried, key=lambda one: one.score))
     return sorted(found, key=lambda one: one.score)
 
@@ -89,9 +99,9 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
     names, taken = list(balance.free), list[str]()
     current = fit(balance, values, names, bounds)
     steps: list[Step] = []
-    while len(taken) < MOST:
-        found = candidates_for(balance, names, current.values, taken, bounds)
-        passing = [one for one in found if _passes(current, one)]
+    while len(taken) < MOST and (current.rms > AT_FLOOR or not steps):
+        found = candidates_for(balance, current, names, taken, bounds)
+        passing = [one for one in found if _passes(current, one)] if current.rms > AT_FLOOR else []
         added = passing[0] if passing else None
         rivals = [one.effect for one in passing[1:] if added is not None and _level(added, one)]
         steps.append(Step(current, found, added, rivals))

@@ -15,7 +15,7 @@ BINS = 24
 LEAST = 0.15
 """Share of the residual's variance on left-out blocks that a signal has to explain."""
 
-ABOVE = 1.6
+ABOVE = 1.3
 """Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
 
 
