@@ -99,7 +99,7 @@ def diagnose(path: Path) -> Diagnosis:
     for balance in balances:
         after, steps = select(balance, values, experiment.bounds)
         results.append(BalanceResult(balance, steps[0].before, after, steps))
-        found += [_found(balance, step) for step in steps if step.added is not None]
+        found += _found_on(balance, after, steps)
         baseline |= {name: steps[0].before.values[name] for name in balance.free}
         values |= {name: after.values[name] for name in after.names}
     dependences = [dependence(result.balance, result.after.values) for result in results]
@@ -149,13 +149,24 @@ def _offset(motions: Sequence[Motion], values: Values) -> Found | None:
     )
 
 
-def _found(balance: Balance, step: Step) -> Found:
-    added = step.added
-    assert added is not None
-    share, sure = gain(step.before, added.fit)
-    numbers = {name: (added.fit.values[name], added.fit.deviations[name]) for name in added.variant}
-    evidence = {"left_out_gain": share, "standard_errors": sure}
-    return Found(added.effect, EFFECTS[added.effect].balance, numbers, step.alternatives, evidence)
+def _found_on(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[Found]:
+    """The effects of a balance in the order in which they were added, their numbers from the last fit.
+
+    An effect that gained a parameter in a later round is one effect, with the evidence of its first.
+    """
+    found: dict[str, Found] = {}
+    for step in steps:
+        added = step.added
+        if added is None:
+            continue
+        first = found.get(added.effect)
+        names = dict.fromkeys([*(first.numbers if first else ()), *added.variant])
+        numbers = {name: (after.values[name], after.deviations[name]) for name in names}
+        share, sure = gain(step.before, added.fit)
+        evidence = first.evidence if first else {"left_out_gain": share, "standard_errors": sure}
+        alternatives = first.alternatives if first else step.alternatives
+        found[added.effect] = Found(added.effect, EFFECTS[added.effect].balance, numbers, alternatives, evidence)
+    return list(found.values())
 
 
 def _effect_data(one: Found) -> dict[str, Any]:

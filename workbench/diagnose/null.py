@@ -73,6 +73,11 @@ def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion 
     )
 
 
+SPOILT = 2.0
+"""Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where the record
+did not."""
+
+
 def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:
     """The balance with the residual of motions on which nothing is missing as its floor, where that is larger."""
     null = replace(balance, motions=motions)

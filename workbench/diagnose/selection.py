@@ -26,7 +26,7 @@ PRICE = 0.01
 FITTED = 4
 """Effects that are fitted whole in a round."""
 
-AT_FLOOR = 1.15
+AT_FLOOR = 1.05
 """Floors at which a residual is what it would be if nothing were missing."""
 
 MOST = 4
@@ -73,15 +73,16 @@ def gain(before: Fit, after: Fit) -> tuple[float, float]:
 def candidates_for(
     balance: Balance, before: Fit, names: Sequence[str], taken: Sequence[str], bounds: Mapping[str, tuple[float, float]]
 ) -> list[Candidate]:
-    """Every effect of the balance that is not there yet, its best variant, from the best.
+    """Every effect of the balance that is not there yet, or not with all its parameters, its best variant, from the best.
 
     One step of a fit says what each variant promises; the `FITTED` most promising effects are fitted whole, with those of
     their variants that promise about as much as their best.
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        if name not in taken:
-            promises[name] = {variant: promise(before, variant, bounds) for variant in EFFECTS[name].variants}
+        more = [one for one in EFFECTS[name].variants if name not in taken or _extends(one, names)]
+        if more:
+            promises[name] = {variant: promise(before, variant, bounds) for variant in more}
     found = []
     for name in sorted(promises, key=lambda one: min(promises[one].values()))[:FITTED]:
         best = min(promises[name].values())
@@ -92,6 +93,12 @@ def candidates_for(
                 tried.append(Candidate(name, variant, fit(balance, before.values, free, bounds)))
         found.append(min(tried, key=lambda one: one.score))
     return sorted(found, key=lambda one: one.score)
+
+
+def _extends(variant: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether a variant has all of its effect's parameters that are free already, and more."""
+    own = next(set(effect.numbers) for effect in EFFECTS.values() if set(variant) <= set(effect.numbers))
+    return own & set(names) < set(variant)
 
 
 def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, float]]) -> tuple[Fit, list[Step]]:
@@ -107,7 +114,7 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
         steps.append(Step(current, found, added, rivals))
         if added is None:
             break
-        taken.append(added.effect)
+        taken += [added.effect] if added.effect not in taken else []
         names += [one for one in added.variant if one not in names]
         current = added.fit
     return current, steps
