@@ -32,6 +32,9 @@ nothing where the record knows better, enough to keep two that it cannot tell ap
 NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
 """Values of the effects' parameters at which they do nothing."""
 
+SHARES = (1.0, 0.6, 0.3)
+"""Of a Gauss-Newton step, at which a candidate's promise is looked at: a long step of a logarithm goes too far."""
+
 Values = Mapping[str, float]
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance along a motion, one array or more."""
@@ -232,8 +235,8 @@ def promise(before: Fit, names: Sequence[str], bounds: Mapping[str, tuple[float,
     step = np.linalg.lstsq(jacobian, -base, rcond=1e-10)[0]
     low = np.array([u.low for u in [*kept, *added]])
     high = np.array([u.high for u in [*kept, *added]])
-    found = residual(np.clip(start + step, low, high))
-    return float(np.sqrt(min(np.mean(found**2), np.mean(base**2))))
+    reached = [residual(np.clip(start + share * step, low, high)) for share in SHARES]
+    return float(np.sqrt(min(np.mean(one**2) for one in (base, *reached))))
 
 
 def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice]) -> np.ndarray:

@@ -73,7 +73,7 @@ def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion 
     )
 
 
-SPOILT = 2.0
+SPOILT = 1.3
 """Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where the record
 did not."""
 
