@@ -20,7 +20,14 @@ from workbench.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-SIGNED = {"load_force"}
+SIGNED = {
+    "load_force",
+    "friction_gradient",
+    "friction_curvature",
+    "cosine_force",
+    "sine_force",
+    "pressure_1_offset",
+}
 UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
 MAY_BE_ZERO = {
     "hose_volume",
