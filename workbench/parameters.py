@@ -26,6 +26,7 @@ SIGNED = {
     "friction_curvature",
     "cosine_force",
     "sine_force",
+    "spring_stiffness",
     "pressure_1_offset",
 }
 UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
@@ -39,7 +40,6 @@ MAY_BE_ZERO = {
     "bristle_damping",
     "end_stop_stiffness",
     "end_stop_damping",
-    "spring_stiffness",
     "valve_overlap",
     "leakage_coefficient",
     "guide_coulomb",

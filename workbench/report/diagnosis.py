@@ -22,6 +22,7 @@ from workbench.report.diagnosis_figures import pictures_of
 from workbench.report.diagnosis_page import Table, page
 from workbench.report.diagnosis_words import REJECTED, plain, sureness, verdict_sentence
 from workbench.report.figures import save
+from workbench.report.style import figure_style
 from workbench.report.tables import write_frame
 
 RESULT = "report.json"
@@ -91,6 +92,9 @@ def _write(found: Diagnosis, folder: Path) -> None:
     for name, table in tables.items():
         write_frame(name, table.title, table.cells, notes, folder / "tables")
     for name, picture in pictures.items():
+        with figure_style():
+            picture.figure.draw_without_rendering()
+            picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
         save(picture.figure, name, folder / "figures")
     (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
     (folder / PAGE).write_text(page(found, pictures, tables, plant_words(found)), encoding="utf-8")

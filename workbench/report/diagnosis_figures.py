@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from workbench.diagnose.diagnose import BalanceResult, Diagnosis
 from workbench.diagnose.motion import WINDOW
@@ -91,6 +92,12 @@ class _Drawn:
         return [("before", "before: declared plant, fitted", BEFORE), ("after", self.after, AFTER)]
 
     @property
+    def highest(self) -> float:
+        """What all but rare peaks of the residual stay below."""
+        values = np.concatenate([getattr(part, side) for part in self.parts for side, _, _ in self.sides])
+        return max(1.3 * float(np.nanquantile(np.abs(values), 0.99)), 2.0 * self.floor)
+
+    @property
     def numbers(self) -> list[int]:
         return sorted({part.number for part in self.parts})
 
@@ -114,7 +121,7 @@ def _grid(rows: int, columns: int, title: str, **options: Any) -> tuple[Figure, 
 def _legend(figure: Figure, axes: Axes) -> None:
     """One legend for all panels, under them."""
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    figure.legend(handles, labels, loc="outside lower center", ncols=2 if len(labels) > 3 else 3)
 
 
 def over_time(drawn: _Drawn) -> Picture:
@@ -134,15 +141,17 @@ def over_time(drawn: _Drawn) -> Picture:
             axes.axhspan(-drawn.floor, drawn.floor, label="noise floor (± 1 std)", **FLOOR)
             for side, label, colour in drawn.sides:
                 axes.plot(part.time, getattr(part, side), color=colour, linewidth=0.7, label=label, rasterized=True)
-            axes.set_title(f"{drawn.what(part.number)}: {part.label} ({part.use})", fontsize="small")
+            axes.set_title(f'{drawn.what(part.number)}, {part.use} record "{part.label}"', fontsize="small")
             axes.set_ylabel(f"residual ({drawn.unit})")
             axes.set_xlabel("time (s)")
+        highest = drawn.highest
+        panels[0, 0].set_ylim(-highest, highest)
         _legend(figure, panels[0, 0])
     left = len(labels) - len(shown)
     caption = (
         f"Residual of the {drawn.result.balance.name} balance in {drawn.unit}. A complete model leaves noise that keeps "
         "to the grey band in two thirds of the time. Gaps: there the balance cannot be told, as something happened "
-        "faster than the smoothing follows, or near the ends."
+        "faster than the smoothing follows, or near the ends. Rare peaks (1 %) may go beyond the axis."
         + (f" {left} further record{'s are' if left > 1 else ' is'} not drawn." if left else "")
     )
     return Picture(figure, caption, drawn.result.balance.name)
@@ -169,7 +178,11 @@ def over_signals(drawn: _Drawn) -> Picture:
     caption = (
         "Points: mean residual in bins with equally many values, over the fit records; shaded: their standard "
         "deviation. Where the plant is complete the points lie on zero; a curve that remains is what it lacks."
-        + (" Left out where the contact rests: friction is then whatever holds it." if drawn.result.balance.sharp else "")
+        + (
+            " Left out where the contact rests: friction is then whatever holds it."
+            if drawn.result.balance.sharp
+            else ""
+        )
     )
     return Picture(figure, caption, drawn.result.balance.name)
 
@@ -203,13 +216,15 @@ def evidence(result: BalanceResult) -> Picture:
                 share, sure = gain(step.before, one.fit)
                 bar = axes.barh(place, rms, color=OUTCOMES[became], height=0.7)
                 drawn.setdefault(SAID[became], bar)
-                text = f"{-100.0 * share:+.1f} %" + (f", {sure:.1f} std. errors" if share > 0.005 else "")
-                axes.text(rms + 0.01 * widest, place, text.replace("-0.0", "0.0"), va="center", fontsize=7)
+                change = f"{-100.0 * share:+.1f} %" if abs(share) >= 0.0005 else "0 %"
+                text = change + (f", {sure:.1f} std. errors" if share > 0.005 else "")
+                crossed = [one for one in (rms, base, scale) if rms <= one < rms + 0.25 * widest]
+                axes.text(max(crossed) + 0.01 * widest, place, text, va="center", fontsize=7)
             drawn.setdefault("nothing added", axes.axvline(base, color="black", linestyle="--", linewidth=1.2))
             drawn.setdefault("noise floor", axes.axvline(scale, color=COLOURS[2], linestyle=":", linewidth=1.8))
             axes.set_yticks(range(counts[number - 1]), [plain(one.effect) for one in step.candidates])
             axes.set_ylim(counts[number - 1] - 0.4, -0.6)
-            axes.set_xlim(0.0, 1.25 * widest)
+            axes.set_xlim(0.0, 1.3 * max(widest, scale))
             axes.grid(visible=False, axis="y")
             axes.set_title(f"round {number}: " + _round(step), fontsize="small", loc="left")
             axes.set_xlabel(f"residual on blocks left out of the fit, rms ({unit})")
@@ -240,8 +255,9 @@ def whiteness(drawn: _Drawn) -> Picture:
             axes.axvspan(0.0, WINDOW, color="#e8e8e8", zorder=0.5, label="smoothing window")
             for side, label, colour in drawn.sides:
                 lags, values, white = autocorrelation([getattr(part, side) for part in own])
+                if side == drawn.sides[0][0]:
+                    axes.axhspan(-white, white, label="white noise, 95 %", **FLOOR)
                 axes.plot(lags, values, color=colour, label=label)
-            axes.axhspan(-white, white, **{**FLOOR, "label": "white noise, 95 %"})
             axes.set_title(drawn.what(number), fontsize="small")
             axes.set_xlabel("lag (s)")
             axes.set_ylabel("autocorrelation")
@@ -266,11 +282,11 @@ def parameters_figure(found: Diagnosis) -> Picture | None:
         axes = figure.subplots()
         axes.axvline(1.0, color="black", linestyle="--", linewidth=1.0, label="declared")
         ratios = []
+        last = "with what was rejected" if found.report["verdict"] == REJECTED else "with what was found"
+        sides = (("baseline", "baseline: declared plant, fitted", BEFORE, -0.14), ("fitted", last, AFTER, 0.14))
         for place, row in enumerate(rows.values()):
-            sides = (("baseline", "baseline: declared plant, fitted", BEFORE, -0.14), ("fitted", "", AFTER, 0.14))
-            for key, label, colour, shift in sides:
+            for key, said, colour, shift in sides if found.found else sides[:1]:
                 value, std = (number / row["declared"] for number in row[key])
-                said = label or ("with what was rejected" if found.report["verdict"] == REJECTED else "with effects")
                 style: dict[str, Any] = {"color": colour, "capsize": 2.5, "fmt": "o" if key == "baseline" else "s"}
                 missed = key == "baseline" and not row["identified"]
                 style |= {"markerfacecolor": "white"} if missed else {}
@@ -280,6 +296,9 @@ def parameters_figure(found: Diagnosis) -> Picture | None:
                 ratios += [abs(value)]
         if max(ratios) > 4.0 * min(ratios):
             axes.set_xscale("log")
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter(NullFormatter())
         labels = [name + ("" if row["identified"] else " (not identified)") for name, row in rows.items()]
         axes.set_yticks(range(len(rows)), labels)
         axes.set_ylim(len(rows) - 0.5, -0.5)

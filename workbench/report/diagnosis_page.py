@@ -20,7 +20,9 @@ _HTML = """\
 body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222; }
 table { border-collapse: collapse; margin: 0.5em 0 1.5em; font-size: 0.85em; }
 caption { text-align: left; font-weight: bold; padding: 0.3em 0; }
-th, td { border-bottom: 1px solid #ccc; padding: 0.15em 0.8em; text-align: right; }
+th, td { border-bottom: 1px solid #ccc; padding: 0.15em 0.6em; text-align: right; }
+td { white-space: nowrap; }
+.wide { overflow-x: auto; }
 th:first-child, td:first-child { text-align: left; }
 .verdict { font-size: 1.2em; font-weight: bold; border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
 summary { cursor: pointer; font-weight: bold; margin: 0.5em 0; }
@@ -31,11 +33,11 @@ img { max-width: 100%; }
 </head>
 <body>
 {%- macro show(table) %}
-<table>
+<div class="wide"><table>
 <caption>{{ table.title }}</caption>
 <tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
 {% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table>
+{% endfor %}</table></div>
 {%- endmacro %}
 {%- macro draw(name) %}
 <figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">

@@ -93,9 +93,7 @@ def parts_of(found: Diagnosis, balance: Balance, held_out: Sequence[Motion]) -> 
             sides = [_residuals(balance, motion, values) for values in (found.baseline, found.corrected)]
             for number, (before, after) in enumerate(zip(*sides, strict=True)):
                 label = motion.record.label
-                parts.append(
-                    Part(label, use, number, motion, motion.time[::every], before, after, moving[::every])
-                )
+                parts.append(Part(label, use, number, motion, motion.time[::every], before, after, moving[::every]))
     return parts
 
 

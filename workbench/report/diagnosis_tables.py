@@ -121,7 +121,7 @@ def evidence_table(found: Diagnosis) -> pd.DataFrame:
                         "candidate": plain(one.effect),
                         "its parameters": ", ".join(quantity_of(one.fit, name) for name in one.variant),
                         "left-out rms": shown_number(scale * one.fit.validated_rms, 3),
-                        "gain": f"{100.0 * share:.1f} %",
+                        "gain": f"{100.0 * share:.1f} %" if abs(share) >= 0.0005 else "0 %",
                         "standard errors": f"{sure:.1f}",
                         "outcome": outcome(step, one.effect),
                     }
@@ -130,7 +130,9 @@ def evidence_table(found: Diagnosis) -> pd.DataFrame:
 
 
 def quantity_of(fit: Any, name: str) -> str:
-    """A fitted parameter by name, with its unit."""
+    """A fitted parameter by name, with its unit; one without a deviation was stopped by its bound."""
+    if not fit.deviations[name]:
+        return f"{name} at its bound"
     return f"{name} = {quantity(name, fit.values[name], fit.deviations[name])}"
 
 

@@ -100,7 +100,11 @@ def verdict_sentence(found: Diagnosis) -> str:
         return f"Found: {listed(effects)}."
     if verdict == "unexplained":
         return f"Unexplained: {_dependence(found)}; no known effect explains it."
-    return "None missing: the declared plant, with its own parameters fitted, explains the records."
+    most = max(one["after"] for one in found.report["floor"].values())
+    return (
+        "None missing: the declared plant, with its own parameters fitted, explains the records; what is left is "
+        f"{most:.1f} times the noise floor, and no known effect lowers it on data left out."
+    )
 
 
 def _numbers(numbers: Mapping[str, tuple[float, float]]) -> str:
@@ -151,4 +155,6 @@ def _nearest(step: Any) -> str:
     best = step.candidates[0]
     change = 100.0 * (1.0 - best.fit.validated_rms / step.before.validated_rms)
     name = step.before.balance.name
-    return f"No effect was added to the {name} balance: the best, {plain(best.effect)}, would lower it by {change:.1f} %."
+    return (
+        f"No effect was added to the {name} balance: the best, {plain(best.effect)}, would lower it by {change:.1f} %."
+    )
