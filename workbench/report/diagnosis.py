@@ -81,7 +81,7 @@ def _replace(written: Path, folder: Path) -> None:
             shutil.rmtree(path)
         else:
             path.unlink(missing_ok=True)
-    for name in reversed(WRITTEN):
+    for name in [one for one in reversed(WRITTEN) if (written / one).exists()]:
         os.replace(written / name, folder / name)
     (folder / UNFINISHED).unlink()
 
@@ -127,9 +127,8 @@ def summary(found: Diagnosis) -> str:
     """The verdict, the effects and the error before and after, for a terminal."""
     tables = tables_of(found)
     parts = [found.experiment.title, verdict_sentence(found)]
-    for name in ("effects", "error"):
-        if name in tables:
-            parts.append(tables[name].cells.to_markdown(index=False, disable_numparse=True))
+    chosen = [tables[name].cells for name in ("effects", "error") if name in tables]
+    parts += [cells.to_markdown(index=False, disable_numparse=True) for cells in chosen]
     return "\n\n".join([*parts, "\n".join(f"- {line}" for line in sureness(found))])
 
 
@@ -146,7 +145,7 @@ def plant_words(found: Diagnosis) -> str:
 
 
 def plant_file(found: Diagnosis) -> str:
-    """The corrected plant as a parameter file: what was fitted with its std; the rest, or if rejected all, as declared."""
+    """The corrected plant as a parameter file: what was fitted with its std, the rest as declared; all if rejected."""
     experiment, model = found.experiment, plant_of(found)
     known = {item.name for item in fields(PLANTS.working()[model].Parameters)} - {FLOW_SHARE}
     lost: list[str] = []
@@ -188,7 +187,7 @@ def _acts(name: str, value: float) -> bool:
 
 
 def _quantity(value: float, unit: str) -> str:
-    if value == float("inf"):
+    if math.isinf(value):
         return '"inf"'
     return f"{value:.10g}" if unit == "1" else f'"{value:.10g} {unit}"'
 

@@ -149,8 +149,8 @@ def over_time(drawn: _Drawn) -> Picture:
         _legend(figure, panels[0, 0])
     left = len(labels) - len(shown)
     caption = (
-        f"Residual of the {drawn.result.balance.name} balance in {drawn.unit}. A complete model leaves noise that keeps "
-        "to the grey band in two thirds of the time. Gaps: there the balance cannot be told, as something happened "
+        f"Residual of the {drawn.result.balance.name} balance in {drawn.unit}. A complete model leaves noise that "
+        "keeps to the grey band in two thirds of the time. Gaps: there the balance cannot be told, as something happened "
         "faster than the smoothing follows, or near the ends. Rare peaks (1 %) may go beyond the axis."
         + (f" {left} further record{'s are' if left > 1 else ' is'} not drawn." if left else "")
     )
@@ -188,7 +188,8 @@ def over_signals(drawn: _Drawn) -> Picture:
 
 
 def _over_signal(axes: Axes, drawn: _Drawn, parts: Sequence[Part], name: str) -> None:
-    signals = np.concatenate([np.where(part.moving, part.signal(name), np.nan) for part in parts])
+    known = [(part.moving, part.signal(name)) for part in parts]
+    signals = np.concatenate([np.where(moving, one, np.nan) for moving, one in known if one is not None])
     axes.axhspan(-drawn.floor, drawn.floor, label="noise floor (± 1 std)", **FLOOR)
     for k, (side, label, colour) in enumerate(drawn.sides):
         centre, mean, spread = binned(signals, np.concatenate([getattr(part, side) for part in parts]))
@@ -306,6 +307,7 @@ def parameters_figure(found: Diagnosis) -> Picture | None:
         _legend(figure, axes)
     caption = (
         "Each parameter that the fit may move, over its declared value, with its 95 % interval; autocorrelation of the "
-        "residual is taken into account. An open circle is not identified: its standard deviation exceeds half its value."
+        "residual is taken into account. An open circle is not identified: its standard deviation exceeds half its "
+        "value."
     )
     return Picture(figure, caption)

@@ -53,8 +53,8 @@ img { max-width: 100%; }
 {% if "effects" in tables %}{{ show(tables["effects"]) }}{% endif %}
 {{ show(tables["error"]) }}
 <p><em>Before</em> is the declared plant with its own parameters fitted first, so that nothing is called an effect that
-better parameters remove. <em>After</em> is the same plant with the effects that were {{ "tried" if rejected else "found" }},
-all refitted together. The noise floor is what the sensors' noise alone leaves.</p>
+better parameters remove. <em>After</em> is the same plant with the effects that were
+{{ "tried" if rejected else "found" }}, all refitted together. The noise floor is what the sensors' noise alone leaves.</p>
 {% for balance in balances %}
 <h2>{{ balance.title }}</h2>
 <p>{{ balance.words }}</p>

@@ -124,9 +124,10 @@ def sureness(found: Diagnosis) -> list[str]:
     for one in found.found:
         text = f"{plain(one.name).capitalize()}: {PLAIN.get(one.name, 'see its source')} ({EFFECTS[one.name].source})."
         if "left_out_gain" in one.evidence:
+            share, sure = one.evidence["left_out_gain"], one.evidence["standard_errors"]
             text += (
-                f" It lowers the residual on data that its fit has not seen by {100 * one.evidence['left_out_gain']:.0f} %"
-                f" ({one.evidence['standard_errors']:.1f} standard errors; {100 * LEAST_GAIN:.0f} % and more, and "
+                f" It lowers the residual on data that its fit has not seen by {100 * share:.0f} %"
+                f" ({sure:.1f} standard errors; {100 * LEAST_GAIN:.0f} % and more, and "
                 f"{SURE:g} are asked for)."
             )
         elif "sum_rms_Pa" in one.evidence:
