@@ -7,7 +7,7 @@ import pandas as pd
 from jinja2 import Environment
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.report.diagnosis_figures import Picture
+from workbench.report.diagnosis_evidence import Picture
 from workbench.report.diagnosis_words import sureness, verdict_sentence
 
 _HTML = """\
@@ -52,9 +52,10 @@ img { max-width: 100%; }
 {% endfor %}</ul>
 {% if "effects" in tables %}{{ show(tables["effects"]) }}{% endif %}
 {{ show(tables["error"]) }}
-<p><em>Before</em> is the declared plant with its own parameters fitted first, so that nothing is called an effect that
-better parameters remove. <em>After</em> is the same plant with the effects that were
-{{ "tried" if rejected else "found" }}, all refitted together. The noise floor is what the sensors' noise alone leaves.</p>
+<p><em>Before</em> is the declared plant with its own parameters fitted first, so that nothing is called an effect
+that better parameters remove. <em>After</em> is the same plant with the effects that were
+{{ "tried" if rejected else "found" }}, all refitted together. The noise floor is what the sensors' noise alone
+leaves.</p>
 {% for balance in balances %}
 <h2>{{ balance.title }}</h2>
 <p>{{ balance.words }}</p>
