@@ -114,8 +114,11 @@ def _plain(data: Any) -> Any:
 
 def tables_of(found: Diagnosis) -> dict[str, Table]:
     """Tables by name; none that is empty."""
+    rejected = found.report["verdict"] == REJECTED
     tables = {
-        "effects": Table("Effects", diagnosis_tables.effects_table(found)),
+        "effects": Table(
+            f"Effects that were {'rejected' if rejected else 'found'}", diagnosis_tables.effects_table(found)
+        ),
         "error": Table("Error before and after", diagnosis_tables.error_table(found)),
         "parameters": Table("Parameters, declared and fitted", diagnosis_tables.parameter_table(found)),
         "evidence": Table("Every candidate of every round", diagnosis_tables.evidence_table(found)),
