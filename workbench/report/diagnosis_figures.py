@@ -24,7 +24,7 @@ from workbench.report.diagnosis_series import (
     unit_of,
 )
 from workbench.report.diagnosis_words import REJECTED
-from workbench.report.style import WIDTH, figure_style
+from workbench.report.style import figure_style
 
 FLOOR: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0, "zorder": 1.0}
 
@@ -43,11 +43,14 @@ def pictures_of(found: Diagnosis) -> dict[str, Picture]:
     for result in found.results:
         name, parts = result.balance.name, parts_of(found, result.balance, held_out)
         drawn = _Drawn(result, parts, is_changed(parts), after)
-        pictures[f"{name}_time"] = over_time(drawn)
-        pictures[f"{name}_signals"] = over_signals(drawn)
+        known = any(np.isfinite(part.after).any() for part in parts if part.use == "fit")
+        if known:
+            pictures[f"{name}_time"] = over_time(drawn)
+            pictures[f"{name}_signals"] = over_signals(drawn)
         if any(step.candidates for step in result.steps):
             pictures[f"{name}_evidence"] = evidence(result)
-        pictures[f"{name}_whiteness"] = whiteness(drawn)
+        if known:
+            pictures[f"{name}_whiteness"] = whiteness(drawn)
     parameters = parameters_figure(found)
     if parameters is not None:
         pictures["parameters"] = parameters
@@ -95,7 +98,7 @@ class _Drawn:
 
 
 def _grid(rows: int, columns: int, title: str, **options: Any) -> tuple[Figure, np.ndarray]:
-    figure = Figure(figsize=(WIDE if columns > 1 else WIDTH, HEIGHT * rows + 0.8))
+    figure = Figure(figsize=(WIDE, HEIGHT * rows + 0.8))
     FigureCanvasAgg(figure)
     figure.suptitle(title)
     return figure, figure.subplots(rows, columns, squeeze=False, **options)

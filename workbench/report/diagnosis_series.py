@@ -130,6 +130,7 @@ def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarra
 
     Values that are NaN take no part. A series is sampled every `THINNED` seconds.
     """
+    series = [one for one in series if np.isfinite(one).any()]
     shortest = min(one.size for one in series)
     count = min(round(LONGEST_LAG / THINNED), shortest // 2)
     filled = [np.where(np.isfinite(one), one - np.nanmean(one), 0.0) for one in series]
