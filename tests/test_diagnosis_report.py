@@ -240,7 +240,12 @@ def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
         "Unexplained: the force balance's residual depends on position (40 % of its variance); no known effect "
         "explains it."
     )
-    assert verdict_sentence(other(found, "none_missing", found=[])).startswith("None missing: ")
+    none = other(found, "none_missing", found=[])
+    assert verdict_sentence(none).startswith("None missing: ")
+    far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
+    noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
+    assert noisy.startswith("None missing that is known: ")
+    assert noisy.endswith("but it is 79 times the noise floor, so that the plant is not complete.")
     assert verdict_sentence(other(found, "rejected_on_held_out")).startswith("Rejected on held-out records: valve dead")
 
 

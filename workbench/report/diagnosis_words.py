@@ -42,6 +42,9 @@ ERRORS = {
 }
 """Figures of the error: in words, the unit that they have, the unit that is shown."""
 
+FAR = 3.0
+"""Floors beyond which a residual is not called explained, whatever the verdict."""
+
 _COARSE = {"m": 1e-4, "Pa": 1e6, "s": 0.1}
 
 
@@ -101,6 +104,11 @@ def verdict_sentence(found: Diagnosis) -> str:
     if verdict == "unexplained":
         return f"Unexplained: {_dependence(found)}; no known effect explains it."
     most = max(one["after"] for one in found.report["floor"].values())
+    if most > FAR:
+        return (
+            "None missing that is known: no effect lowers the residual on data left out, and it depends on no measured "
+            f"signal; but it is {most:.0f} times the noise floor, so that the plant is not complete."
+        )
     return (
         "None missing: the declared plant, with its own parameters fitted, explains the records; what is left is "
         f"{most:.1f} times the noise floor, and no known effect lowers it on data left out."
