@@ -245,7 +245,7 @@ def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
     far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
     noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
     assert noisy.startswith("None missing that is known: ")
-    assert noisy.endswith("but it is 79 times the noise floor, so that the plant is not complete.")
+    assert "; but it is 79 times the noise floor: the plant is not complete, or " in noisy
     assert verdict_sentence(other(found, "rejected_on_held_out")).startswith("Rejected on held-out records: valve dead")
 
 
