@@ -106,9 +106,9 @@ def verdict_sentence(found: Diagnosis) -> str:
     most = max(one["after"] for one in found.report["floor"].values())
     if most > FAR:
         return (
-            "None missing that is known: no effect lowers the residual on data left out, and it depends on no measured "
-            f"signal; but it is {most:.0f} times the noise floor: the plant is not complete, or the record moves faster "
-            "than the smoothing follows."
+            "None missing that is known: no effect lowers the residual on data left out, and it depends on no "
+            f"measured signal; but it is {most:.0f} times the noise floor: the plant is not complete, or the "
+            "record moves faster than the smoothing follows."
         )
     return (
         "None missing: the declared plant, with its own parameters fitted, explains the records; what is left is "
