@@ -128,6 +128,24 @@ def identify(
     print(f"results in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
 
 
+@app.command()
+def diagnose(
+    experiment: Annotated[Path, typer.Argument(help="An experiment: a TOML file.", metavar="EXPERIMENT.toml")],
+    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+) -> None:
+    """Say what the plant of an experiment lacks, and how sure that is."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
+    from workbench.diagnose.diagnose import diagnose as diagnosed
+    from workbench.report.diagnosis import check_folder, summary, write_diagnosis
+
+    check_folder(out, overwrite)
+    found = diagnosed(experiment)
+    write_diagnosis(found, out)
+    print(summary(found))
+    print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
+
+
 @app.command("list")
 def list_(
     kind: Annotated[

@@ -20,7 +20,15 @@ from workbench.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-SIGNED = {"load_force"}
+SIGNED = {
+    "load_force",
+    "friction_gradient",
+    "friction_curvature",
+    "cosine_force",
+    "sine_force",
+    "spring_stiffness",
+    "pressure_1_offset",
+}
 UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
 MAY_BE_ZERO = {
     "hose_volume",
@@ -32,7 +40,6 @@ MAY_BE_ZERO = {
     "bristle_damping",
     "end_stop_stiffness",
     "end_stop_damping",
-    "spring_stiffness",
     "valve_overlap",
     "leakage_coefficient",
     "guide_coulomb",

@@ -1,0 +1,145 @@
+"""Residuals of a diagnosis as figures show them: before and after, over time or a signal, and how white they are."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.fitting import THINNED, Balance, Values, thinning
+from workbench.diagnose.motion import Motion, motion_of
+from workbench.identify.records import read_records
+from workbench.units import factor
+
+BINS = 24
+"""Of equal count, over a signal."""
+
+FEWEST = 8
+"""Values in a bin that is shown."""
+
+LONGEST_LAG = 1.0
+"""s of the autocorrelation that is shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One residual of a balance on one record, in `unit`: time (s), before and after, NaN where it is not known.
+
+    `moving` is True where the contact is known to slide; `number` counts the balance's residuals: a flow has two.
+    """
+
+    label: str
+    use: str
+    number: int
+    motion: Motion
+    time: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    moving: np.ndarray
+
+    def signal(self, name: str) -> np.ndarray | None:
+        """A signal at the residual's times, as it is shown; None where it was not measured."""
+        values = SIGNALS[name].values(self.motion)
+        return None if values is None else SIGNALS[name].scale * values[:: thinning(self.motion)]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal that a residual may depend on, in words, with what SI values are to be multiplied with."""
+
+    label: str
+    scale: float
+    values: Callable[[Motion], np.ndarray | None]
+
+
+def _load(motion: Motion) -> np.ndarray | None:
+    if not motion.has("pressure_1", "pressure_2"):
+        return None
+    return np.asarray(motion.channels["pressure_1"] - motion.channels["pressure_2"])
+
+
+SIGNALS: Mapping[str, Signal] = {
+    "position": Signal("position (mm)", 1e3, lambda motion: motion.position),
+    "velocity": Signal("velocity (mm/s)", 1e3, lambda motion: motion.velocity),
+    "load_pressure": Signal("load pressure (kPa)", 1e-3, _load),
+    "valve_voltage": Signal("valve voltage (V)", 1.0, lambda motion: motion.channels.get("valve_voltage")),
+    "rotation_angle": Signal("angle (rad)", 1.0, lambda motion: motion.channels.get("rotation_angle")),
+    "time": Signal("time (s)", 1.0, lambda motion: motion.time),
+}
+
+
+def unit_of(balance: Balance) -> str:
+    """The unit in which a balance is shown."""
+    return {"m^3/s": "cm^3/s"}.get(balance.unit, balance.unit)
+
+
+def scale_of(balance: Balance) -> float:
+    """What to multiply a balance's residual over its floor with."""
+    return balance.floor * factor(balance.unit, unit_of(balance))
+
+
+def held_out_motions(found: Diagnosis) -> list[Motion]:
+    """The held-out records, read again to be shown; the verdict has been given by then."""
+    return [motion_of(record) for record in read_records(found.experiment, "held_out")]
+
+
+def parts_of(found: Diagnosis, balance: Balance, held_out: Sequence[Motion]) -> list[Part]:
+    """Every residual of a balance on every record, the fit's first."""
+    parts = []
+    for use, motions in (("fit", balance.motions), ("held-out", held_out)):
+        for motion in motions:
+            every = thinning(motion)
+            moving = ~motion.resting if balance.sharp else np.ones(motion.time.size, dtype=bool)
+            sides = [_residuals(balance, motion, values) for values in (found.baseline, found.corrected)]
+            for number, (before, after) in enumerate(zip(*sides, strict=True)):
+                label = motion.record.label
+                parts.append(Part(label, use, number, motion, motion.time[::every], before, after, moving[::every]))
+    return parts
+
+
+def _residuals(balance: Balance, motion: Motion, values: Values) -> list[np.ndarray]:
+    known = motion.valid & ~(balance.sharp & motion.blurred)
+    scale = factor(balance.unit, unit_of(balance))
+    return [np.where(known, scale * one, np.nan)[:: thinning(motion)] for one in balance.residual(motion, values)]
+
+
+def is_changed(parts: Sequence[Part]) -> bool:
+    """Whether what was found changes the residual at all."""
+    return not all(np.allclose(part.before, part.after, rtol=1e-9, equal_nan=True) for part in parts)
+
+
+def binned(signal: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean signal, mean residual and its standard deviation in bins of equal count; what is NaN is left out."""
+    known = np.isfinite(signal) & np.isfinite(residual)
+    signal, residual = signal[known], residual[known]
+    if signal.size < FEWEST:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, signal)
+    rows = [
+        (np.mean(signal[place == i]), np.mean(residual[place == i]), np.std(residual[place == i]))
+        for i in range(edges.size + 1)
+        if np.sum(place == i) >= FEWEST
+    ]
+    centre, mean, spread = np.array(rows).reshape(-1, 3).T
+    return centre, mean, spread
+
+
+def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Lags (s), autocorrelation over all series, and what white noise of that many values keeps to in 95 %.
+
+    Values that are NaN take no part. A series is sampled every `THINNED` seconds.
+    """
+    series = [one for one in series if np.isfinite(one).any()]
+    shortest = min(one.size for one in series)
+    count = min(round(LONGEST_LAG / THINNED), shortest // 2)
+    filled = [np.where(np.isfinite(one), one - np.nanmean(one), 0.0) for one in series]
+    known = [np.isfinite(one).astype(float) for one in series]
+    means = []
+    for lag in range(count + 1):
+        products = sum(float(one[: one.size - lag] @ one[lag:]) for one in filled)
+        pairs = sum(float(one[: one.size - lag] @ one[lag:]) for one in known)
+        means.append(products / max(pairs, 1.0))
+    total = sum(float(np.sum(one)) for one in known)
+    values = np.array(means)
+    return THINNED * np.arange(count + 1), values / max(values[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
