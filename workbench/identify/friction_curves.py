@@ -32,6 +32,9 @@ DIRECTIONS = {"forward": 1.0, "backward": -1.0}
 NEAR_REST = np.array([1e-9])
 """m/s. In the steady state as good as at rest."""
 
+LARGEST_STRIBECK_VELOCITY = 0.1
+"""m/s. A larger one is in another unit: lubricated contacts have some mm/s."""
+
 UNFELT = 1e-6
 """Share of the residual's norm below which a number that doubles is not felt."""
 
@@ -54,7 +57,7 @@ class CurveFile(files.Strict):
 
     title: str
     source: str
-    rpm: list[float] = Field(min_length=2)
+    rpm: list[float] = Field(min_length=1)
     forward: DirectionTable
     backward: DirectionTable
 
@@ -87,17 +90,44 @@ def read_curves(path: Path) -> list[Curve]:
     data, text = files.read_toml(path)
     content = files.validate(CurveFile, data, path, text)
     found = []
+    _check_rpm(content, path, text)
     for direction in DIRECTIONS:
         table: DirectionTable = getattr(content, direction)
-        for name in DirectionTable.model_fields:
-            if len(values := getattr(table, name)) != len(content.rpm):
-                message = f"holds {len(values)} values, expected one for each of the {len(content.rpm)} rpm"
-                raise files.at(path, text, (direction, name), message)
+        _check_direction(table, direction, content.rpm, path, text)
         for i, rpm in enumerate(content.rpm):
             stribeck = table.static[i] - table.coulomb[i]
             law = LuGre(table.coulomb[i], stribeck, table.viscous[i], table.stribeck_velocity[i], 0.0, 0.0)
             found.append(_curve(rpm, direction, law))
     return found
+
+
+def _check_rpm(content: CurveFile, path: Path, text: str) -> None:
+    """Raise UserError unless the speeds of rotation are above 0 and ascend."""
+    for before, rpm in zip([0.0, *content.rpm], content.rpm, strict=False):
+        if rpm <= before:
+            told = f"got {rpm:g} behind {before:g}" if before else f"got {rpm:g}, what is measured without rotation is"
+            hint = "expected each once, ascending" if before else "in the parameter set: expected more than 0"
+            raise files.at(path, text, ("rpm",), f"{told}{':' if before else ''} {hint}")
+
+
+def _check_direction(table: DirectionTable, direction: str, rpm: Sequence[float], path: Path, text: str) -> None:
+    """Raise UserError for the first entry that a contact cannot have."""
+    for name in DirectionTable.model_fields:
+        values, key = getattr(table, name), (direction, name)
+        if len(values) != len(rpm):
+            message = f"holds {len(values)} values, expected one for each of the {len(rpm)} rpm"
+            raise files.at(path, text, key, message)
+        for speed, value in zip(rpm, values, strict=True):
+            got = f"got {value:g} at {speed:g} rpm, expected"
+            if value < 0.0:
+                raise files.at(path, text, key, f"{got} a value that is not negative")
+            if name == "stribeck_velocity" and not 0.0 < value <= LARGEST_STRIBECK_VELOCITY:
+                fix = f" ({value:g} mm/s is {1e-3 * value:g})" if value else ""
+                raise files.at(path, text, key, f"{got} m/s, above 0 and at most {LARGEST_STRIBECK_VELOCITY:g}{fix}")
+    for speed, static, coulomb in zip(rpm, table.static, table.coulomb, strict=True):
+        if static < coulomb:
+            message = f"got {static:g} N at {speed:g} rpm, below coulomb of {coulomb:g} N: expected at least that"
+            raise files.at(path, text, (direction, "static"), message)
 
 
 def _curve(rpm: float, direction: str, law: LuGre) -> Curve:

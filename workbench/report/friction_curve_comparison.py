@@ -11,12 +11,11 @@ from workbench.identify.friction_curves import (
     Fitted,
     Prediction,
     laws,
-    read_curves,
     supported,
-    without_rotation,
 )
 from workbench.parameters import parameter_path, read_parameters
 from workbench.study.document import Study
+from workbench.study.friction_curves import curves_of
 from workbench.study.schema import FrictionCurvesTable
 
 
@@ -64,23 +63,10 @@ def _same(one: Prediction, other: Prediction, curves: Sequence[Curve]) -> bool:
     return all(np.allclose(one.residual(curve), other.residual(curve), atol=1e-9) for curve in curves)
 
 
-def measured_curves(study: Study) -> list[Curve]:
-    """The measured curves of a study with those without rotation; empty where it has none.
-
-    Raises:
-        UserError: the file does not serve.
-    """
-    spec, folder = study.file.friction_curves, study.path.parent
-    if spec is None:
-        return []
-    values = read_parameters(parameter_path(spec.parameters, folder))
-    return [*without_rotation(values), *read_curves(folder / spec.measured)]
-
-
 def compare(study: Study, spec: FrictionCurvesTable) -> Comparison:
     """Predict every measured curve by every law, and fit what the anisotropic one may lack."""
     values = read_parameters(parameter_path(spec.parameters, study.path.parent))
-    curves = measured_curves(study)
+    curves = curves_of(study)
     measured = [curve for curve in curves if curve.rpm]
     known = laws(values)
     added, fitted = supported(known[-1], [curve for curve in measured if curve.rpm in spec.fit_rpm])
