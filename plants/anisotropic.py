@@ -21,7 +21,7 @@ from plants.friction import (
     stribeck_level,
 )
 
-LEFT = 0.5
+TAKEN = 0.9
 """Share of viscous friction that a film's or guide's bristle may take from the damping of quick disturbances."""
 
 
@@ -140,10 +140,10 @@ def lugre_anisotropic(
     sets the guarantee ends at 0.37 m/s forward and 0.013 m/s backward, whose sigma1 is ten times larger. Beyond, up to
     0.16 m/s and 800 rpm, no violation was found.
 
-    Sliding is steady against quick disturbances where also sigma1 n < a2 (n as in `level_fall`): backward the measured
-    set stands at the edge, with 113 000 of 115 000 N s/m. A film or a guide raises n, and the contact would oscillate.
-    With either, sigma1 along is limited to what leaves half of a2, and by the whole relaxation, as that of the guide
-    is: passive at every speed, since both have their shares of sigma0, sigma1 and a2.
+    Sliding is steady against quick disturbances where also sigma1 n (v_a / v_h)^2 < a2 (n of `level_fall`): backward
+    the measured set stands at the edge, with 113 000 of 115 000 N s/m. A film or a guide raises n, and the contact
+    would oscillate. With either, sigma1 along is limited to what leaves a tenth of a2, and by the whole relaxation, as
+    that of the guide is: passive at every speed, since both have their shares of sigma0, sigma1 and a2.
     """
     speed = helical_speed(axial, rotary)
     bent = bristles.bristle_axial / length(bristles.bristle_axial, bristles.bristle_rotary)
@@ -154,7 +154,8 @@ def lugre_anisotropic(
     altered = select(film.film_share == 1.0, s.guide_share, 1.0) > 0.0  # there is a film or a guide
     turned = passive_damping(along, s.rotary * np.abs(rotary) / s.axial**2)
     whole = passive_damping(along, own * s.sliding / s.axial**2)
-    steady = LEFT * along.viscous / (np.maximum(level_fall(speed, along, film, guide), 0.0) + TINY)
+    fall = np.maximum(level_fall(speed, along, film, guide), 0.0) * (axial / speed) ** 2
+    steady = TAKEN * along.viscous / (fall + TINY)
     damping = select(altered, np.minimum(whole, steady), turned)
     rate_axial = axial - own * along.bristle_stiffness * s.sliding / s.axial**2 * bristles.bristle_axial
     force = own * (along.bristle_stiffness * bristles.bristle_axial + damping * rate_axial) + along.viscous * axial

@@ -28,7 +28,8 @@ from workbench.parameters import named_sets, read_parameters
 from workbench.report.break_even import break_even_table
 from workbench.report.friction_curve_comparison import Comparison, compare
 from workbench.report.friction_curve_figures import curves_figure, static_figure
-from workbench.report.friction_curve_tables import effect_table, error_table, power_table, slope_table, verdict
+from workbench.report.friction_curve_power import power_table
+from workbench.report.friction_curve_tables import effect_table, error_table, slope_table, verdict
 from workbench.report.friction_curves import TABLES
 from workbench.study.document import read_study
 from workbench.study.schema import BreakEvenTable

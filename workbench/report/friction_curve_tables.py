@@ -17,11 +17,11 @@ from workbench.identify.friction_curves import (
     unchanged,
 )
 from workbench.parameters import known_units
-from workbench.report.friction_curve_comparison import Comparison, hydraulic_power, predicted_power
+from workbench.report.friction_curve_comparison import Comparison
+from workbench.report.friction_curve_power import MM, Table, fall, framed, listed
 from workbench.report.tables import shown_number
 from workbench.units import factor
 
-MM = 1e3
 SAME = 0.1
 """Share of its standard deviation by which a simulated number may differ from the fitted one."""
 
@@ -32,13 +32,6 @@ LEVEL = 1e8
 """N s/m. More at v = 0 is no slope: friction has a level there."""
 
 SPEED_RANGE = f"{MM * SLIDING:g} to {MM * FASTEST:g} mm/s"
-
-Table = tuple[str, str, pd.DataFrame, list[str]]
-"""Name, title, cells and notes."""
-
-
-def _rpm(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
 
 
 def error_table(found: Comparison) -> Table:
@@ -52,7 +45,7 @@ def error_table(found: Comparison) -> Table:
         line = {"law": one.prediction.name, "fitted numbers": str(len(one.numbers))}
         for label, rpm in (("fit", found.spec.fit_rpm), ("check", found.spec.check_rpm), ("other", others)):
             if rpm:
-                curves, heading = found.curves(rpm), f"{label}: {_rpm(rpm)} rpm"
+                curves, heading = found.curves(rpm), f"{label}: {listed(rpm)} rpm"
                 line[f"{heading} (N)"] = shown_number(rms(one.prediction, curves), 3)
                 line[f"{label} (%)"] = shown_number(100.0 * share(one.prediction, curves), 3)
         line["check / best bare law"] = f"{rms(one.prediction, check) / best:.2f}"
@@ -66,7 +59,7 @@ def error_table(found: Comparison) -> Table:
         "Price: n ln(rms^2) + k ln(n) on the fit speeds with four independent numbers a curve and k fitted ones.",
         verdict(found),
     ]
-    return "friction_curve_error", "Measured against predicted axial friction of the rotating rod", _frame(lines), notes
+    return "friction_curve_error", "Measured against predicted axial friction of the rotating rod", framed(lines), notes
 
 
 def verdict(found: Comparison) -> str:
@@ -101,7 +94,7 @@ def _not_chosen(found: Comparison) -> str:
     reasons = {
         "their numbers are not all identified (friction_curve_effects)": unknown,
         "as many numbers as half the independent ones of the curves, or more": many,
-        "what they add does not pay for their numbers": dear,
+        "a higher price": dear,
     }
     return "Not supported: " + "; ".join(f"{', '.join(who)}: {why}" for why, who in reasons.items() if who) + "."
 
@@ -125,14 +118,14 @@ def effect_table(found: Comparison) -> Table:
                 }
             )
     notes = [
-        f"Fitted at {_rpm(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
+        f"Fitted at {listed(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
         "rotation: at these speeds of rotation the film is there whole, and the curves cannot tell how it came.",
         "film: the axial level falls to film_share of itself with the helical speed. guide: a contact that slides "
         "and does not turn takes guide_coulomb of the axial level. resonance: takes the share dip off axial "
         "friction around 100 rpm. Without a value or deviation: the curves do not depend on it, or on others as well.",
         *_simulated(found),
     ]
-    return "friction_curve_effects", "What the anisotropic law may lack, fitted", _frame(lines), notes
+    return "friction_curve_effects", "What the anisotropic law may lack, fitted", framed(lines), notes
 
 
 def _fitted_value(value: float, std: float) -> str:
@@ -196,7 +189,7 @@ def slope_table(found: Comparison) -> Table:
             * bool(spec.reference_slope)
         ),
     ]
-    return "added_slope", "Slope that rotation adds to axial friction (N s/m)", _frame(lines), notes
+    return "added_slope", "Slope that rotation adds to axial friction (N s/m)", framed(lines), notes
 
 
 def _any(lines: Sequence[dict[str, str]], cell: str) -> bool:
@@ -227,11 +220,11 @@ def _falls(found: Comparison, of: Callable[[Curve], float]) -> tuple[float, pd.D
     for rpm in found.rpm:
         measured = sum(of(curve) for curve in found.curves([rpm]))
         line = {"rpm": f"{rpm:g}", "measured (N)": shown_number(0.5 * measured, 3)}
-        line["measured (%)"] = _fall(measured, first)
+        line["measured (%)"] = fall(measured, first)
         for law in found.distinct:
-            line[f"{law.name} (%)"] = _fall(sum(of(law.curve(rpm, name)) for name in DIRECTIONS), first)
+            line[f"{law.name} (%)"] = fall(sum(of(law.curve(rpm, name)) for name in DIRECTIONS), first)
         lines.append(line)
-    return 0.5 * first, _frame(lines)
+    return 0.5 * first, framed(lines)
 
 
 def static_words(found: Comparison) -> str:
@@ -253,63 +246,5 @@ def static_words(found: Comparison) -> str:
     left = sum(found.added.prediction.curve(fast[0], name).static for name in DIRECTIONS)
     return (
         f"{said}{bare}With a guide that does not turn, fitted to the curves and not to this, the law predicts "
-        f"{_fall(left, first)} %."
+        f"{fall(left, first)} %."
     )
-
-
-def _fall(now: float, before: float) -> str:
-    return f"{100.0 * (1.0 - now / before):.1f}"
-
-
-def power_table(found: Comparison) -> Table:
-    """Hydraulic power at one speed along, measured and predicted, and with rotary power, against rpm."""
-    speed, lines = found.spec.speed, []
-    before = hydraulic_power([curve.at(speed) for curve in found.at_rest], speed)
-    lines.append({"rpm": "0", "measured hydraulic (W)": shown_number(before, 3)})
-    for rpm in found.rpm:
-        measured = hydraulic_power([curve.at(speed) for curve in found.curves([rpm])], speed)
-        line = {"rpm": f"{rpm:g}", "measured hydraulic (W)": shown_number(measured, 3)}
-        line["reduced by (%)"] = _fall(measured, before)
-        for law in found.distinct:
-            line[f"{law.name}, reduced by (%)"] = _fall(predicted_power(law, rpm, speed)[0], before)
-        rotary = predicted_power(found.predictions[-1], rpm, speed)[1]
-        line["rotary (W)"] = shown_number(rotary, 3)
-        line["measured hydraulic and rotary (W)"] = shown_number(measured + rotary, 3)
-        lines.append(line)
-        own = sum(predicted_power(found.predictions[-1], rpm, speed))
-        line["predicted hydraulic and rotary (W)"] = shown_number(own, 3)
-    totals = {line["rpm"]: float(line.get("measured hydraulic and rotary (W)", np.inf)) for line in lines}
-    paying = [rpm for rpm, total in totals.items() if total < before]
-    words = f"at {', '.join(paying)} rpm" if paying else "at none of these speeds"
-    notes = [
-        f"At {MM * speed:g} mm/s along, mean of both directions. Hydraulic: friction times velocity (4.16). "
-        f"Rotary: friction times surface speed (4.18), by {found.predictions[-1].name}, since none was measured "
-        "while the rod slid.",
-        f"By this account, measured hydraulic and rotary, rotating pays {words}.",
-        *_by_the_law(found, {float(rpm) for rpm in paying}),
-    ]
-    return "power_at_speed", "Power against speed of rotation at a constant velocity", _frame(lines), notes
-
-
-def _by_the_law(found: Comparison, paying: set[float]) -> list[str]:
-    """Where predicted hydraulic power comes to another answer than measured, and why."""
-    law, speed = found.predictions[-1], found.spec.speed
-    before = sum(predicted_power(law, 0.0, speed))
-    own = {rpm for rpm in found.rpm if sum(predicted_power(law, rpm, speed)) < before}
-    said = f"By predicted power alone, of {law.name}, it pays "
-    said += f"at {_rpm(sorted(own))} rpm" if own else "at none of these speeds"
-    said += f" ({shown_number(before, 3)} W without rotation)."
-    for rpm in sorted(paying ^ own):
-        measured = hydraulic_power([curve.at(speed) for curve in found.curves([rpm])], speed)
-        off = 100.0 * (predicted_power(law, rpm, speed)[0] / measured - 1.0)
-        way = "above" if off > 0.0 else "below"
-        said += (
-            f" The answers differ at {rpm:g} rpm: there predicted hydraulic power is {abs(off):.0f} % {way} measured."
-        )
-    if names := ", ".join(even.name for even in found.study.file.break_even):
-        said += f" The tables {names} count simulated power, which follows the prediction."
-    return [said]
-
-
-def _frame(lines: list[dict[str, str]]) -> pd.DataFrame:
-    return pd.DataFrame(lines).fillna("")

@@ -8,10 +8,10 @@ import pandas as pd
 from workbench.report.figures import save
 from workbench.report.friction_curve_comparison import compare
 from workbench.report.friction_curve_figures import curves_figure, power_figure, static_figure
+from workbench.report.friction_curve_power import power_table
 from workbench.report.friction_curve_tables import (
     effect_table,
     error_table,
-    power_table,
     slope_table,
     slowest_table,
     static_table,
