@@ -17,6 +17,7 @@ from workbench.identify.friction_curves import (
     GUIDE,
     Curve,
     Prediction,
+    affordable,
     fit,
     laws,
     read_curves,
@@ -148,6 +149,18 @@ def test_one_speed_of_rotation_supports_no_more_than_it_tells() -> None:
     doubtful = rms(better, check) < rms(found.added.prediction, check)
     assert (f"With fewer numbers {better.name} does better on the check speeds" in said) == doubtful
     assert "resonance" in said.split("Not supported: ")[1].split(": their numbers are not all identified")[0]
+
+
+def test_a_choice_that_a_cheaper_one_beats_is_doubtful() -> None:
+    """Were the resonance chosen, film alone would be better with one number less; four of eight are too many."""
+    found = compared()
+    (resonance,) = (one for one in found.fitted if one.effect is not None and one.effect.name == "resonance")
+    said = verdict(replace(found, added=resonance))
+    assert "the error rises from 37.3 N, that of the best bare law, to 43.5 N" in said
+    assert "With fewer numbers anisotropic, film does better on the check speeds, 18.8 N" in said
+    largest = max(found.fitted, key=lambda one: len(one.numbers))
+    assert affordable(largest, at(FIT_RPM))
+    assert not affordable(largest, at((25.0,)))
 
 
 def test_the_measured_account_says_where_the_law_comes_to_another_answer() -> None:
