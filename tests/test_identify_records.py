@@ -133,7 +133,7 @@ def test_a_record_that_cannot_be_used(tmp_path: Path, data: pd.DataFrame, said: 
 def test_a_wrong_experiment_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert EXPERIMENT.count(old) == 1
     path = write(tmp_path, EXPERIMENT.replace(old, new), "experiment.toml")
-    answer = workbench("identify", path, "--out", tmp_path / "out")
+    answer = workbench("identify", path, "--out", tmp_path / "out", "--method", "simulation")
     assert (answer.code, answer.out) == (2, "")
     assert said in answer.err
     assert answer.err.count("\n") == 1

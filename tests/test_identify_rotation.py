@@ -129,7 +129,7 @@ def test_a_printed_table_stands_beside_what_is_found(two_speeds: Path) -> None:
     assert table["stribeck velocity (mm/s)"][1] == ""
     assert float(table["static (N)"][0]) == pytest.approx(480.0, rel=0.02)
     text = (two_speeds / "out" / "tables" / "printed.md").read_text()
-    assert "over 1 runs, by the thesis's method. Published: a book." in text
+    assert "Of one run, by the thesis's method. Published: a book." in text
     assert "a remark" in text
 
 

@@ -31,6 +31,9 @@ SATURATED_SHARE = 0.05
 BEYOND = 1.05
 """A position or pressure beyond its range by more than a sensor's error: 5 %."""
 
+LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
+"""Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
+
 FEWEST = 50
 """Samples below which there is nothing to identify."""
 
@@ -233,7 +236,8 @@ def _check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Ex
                 f"{path}: {name} reaches {largest:g} Pa, and the supply is {supply:g} Pa; "
                 f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
             )
-        if largest < 1e-3 * supply:
+        both = [channels[other] for other in ("pressure_1", "pressure_2") if other in channels]
+        if max(float(np.nanmax(np.abs(values))) for values in both) < LEAST_PRESSURE[len(both)] * supply:
             raise UserError(
                 f"{path}: {name} stays below {largest:g} Pa, and the supply is {supply:g} Pa; "
                 f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
