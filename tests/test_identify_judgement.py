@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from command import Answer, workbench, write
+from command import STUDY, Answer, workbench, write
 from test_identify import experiment_text, make_record
 from test_identify_rotation import AXIAL, CURVE, LINE, axial_record
 
 from workbench.identify import thesis_method
+from workbench.identify.experiment import read_experiment
+from workbench.identify.identification import identify as run_identification
 from workbench.identify.thesis_method import Estimate
 from workbench.parameters import read_parameters
 
@@ -148,6 +150,87 @@ def test_a_damping_far_from_the_thesis_rule_is_told(tmp_path: Path, monkeypatch:
     axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
     answer = identify(tmp_path, AXIAL.partition("[[published]]")[0], "thesis")
     assert "0 rpm, forward: bristle_damping is over 10 times what (4.14) gives" in answer.out
+
+
+# --- what `check` says ---
+
+
+def checked(folder: Path, text: str) -> Answer:
+    return workbench("check", write(folder, text, "experiment.toml"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[fit]", "[fit]\nfree = []", "fit.free: is empty: expected at least one parameter"),
+        ('rpm = "rpm"', 'use = "held_out"', 'no record is there for the fit; give one use = "fit"'),
+        ('rpm = "rpm"', "rpm = 25.0", "plant non_rotating does not rotate, and there are records at 25 rpm"),
+        ('rpm = "rpm"', "", "figures: at_25: no record at 25 rpm, expected one of 0"),
+        ('"run_*', '"rum_*', "records: no file is called rum_*.parquet in "),
+        ('pressure_2 = { column = "pressure_2", unit = "Pa" }', "", "add pressure_2 to [channels], or take method"),
+        (
+            'valve_voltage = { column = "valve_voltage", unit = "V" }',
+            "",
+            "a simulation needs the measured valve_voltage",
+        ),
+    ],
+)
+def test_check_finds_what_identify_would(tmp_path: Path, old: str, new: str, said: str) -> None:
+    axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
+    assert AXIAL.count(old) == 1
+    text = AXIAL.replace('method = "thesis"', 'method = "both"').replace(old, new)
+    fails(checked(tmp_path, text), said)
+    answer = identify(tmp_path, text, "both")
+    assert answer.code == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_says_which_records_are_not_there_yet(tmp_path: Path) -> None:
+    text = AXIAL.replace("run_*.parquet", "records/run_*.parquet")
+    answer = checked(tmp_path, text)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(f"{tmp_path / 'experiment.toml'}: an experiment; its records are not there yet\n")
+    assert "in order" not in answer.out
+
+
+@pytest.mark.parametrize(
+    ("column", "ratio", "duration", "said"),
+    [
+        ("position", 1e-3, 30.0, "expected more than 0.6 mm/s; it travels 0.114 mm of a stroke of 172 mm: is the unit"),
+        ("time", 1e3, 30.0, "; samples are 1 s apart: is the unit of channel time right (ms)?"),
+        ("position", 1.0, 0.1, "0.1 s are too short to see a velocity; take a longer record"),
+    ],
+)
+@pytest.mark.parametrize("method", ["thesis", "simulation"])
+def test_nothing_slides(tmp_path: Path, column: str, ratio: float, duration: float, said: str, method: str) -> None:
+    """mm declared as um, ms as s, and a record that is too short."""
+    axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
+    frame = pd.read_parquet(tmp_path / "run_a.parquet")
+    frame = frame[frame["time"] <= duration].assign(**{column: frame[column] * ratio})
+    frame.to_parquet(tmp_path / "run_a.parquet")
+    text = AXIAL.partition("[[published]]")[0]
+    fails(identify(tmp_path, text, method), f"nothing slides in {tmp_path / 'run_a.parquet'}: ", said)
+
+
+def test_the_wrong_kind_of_file(tmp_path: Path) -> None:
+    study, experiment = write(tmp_path, STUDY, "study.toml"), write(tmp_path, AXIAL, "experiment.toml")
+    fails(workbench("identify", study, "--out", "x"), f"{study}: this is a study; use workbench run {study} --out x")
+    fails(workbench("run", experiment, "--out", "x"), f"this is an experiment; use workbench identify {experiment}")
+
+
+def test_short_help() -> None:
+    assert workbench("identify", "-h").out == workbench("identify", "--help").out
+    assert "Usage" in workbench("-h").out
+
+
+def test_what_is_being_done_is_told_in_words(tmp_path: Path) -> None:
+    make_record(tmp_path, duration=1.0)
+    path = write(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]), "experiment.toml")
+    told: list[str] = []
+    run_identification(read_experiment(path), "simulation", told.append)
+    assert told[0] == "reading the records"
+    assert told[-1].startswith("fit of ")
+    assert told[-1].endswith(" simulations")
 
 
 # --- files ---

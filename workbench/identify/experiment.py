@@ -31,7 +31,7 @@ from workbench.parameters import (
     plain_name,
     read_parameters,
 )
-from workbench.units import QuantityError, factor, si
+from workbench.units import QuantityError, factor, nearest_unit, si
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,9 @@ def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, Cha
         try:
             scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
         except QuantityError:
-            message = f'got "{table.unit}", expected a unit such as "{units[name]}"'
+            meant = nearest_unit(table.unit, units[name])
+            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
+            message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
             raise files.SchemaError(("channels", name, "unit"), message) from None
         try:
             cutoff = si(table.anti_alias, "Hz")
