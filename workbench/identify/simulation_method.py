@@ -24,6 +24,10 @@ FLAT, NEAR, MOST_STEPS = 1e-8, 1e-5, 60
 INSIDE = 1e-9
 """A search starts this far inside its bounds."""
 
+FEW = 4
+"""Records below which the sandwich scatters too much to be trusted where it says less than (J'J)^-1, whose errors are
+weighted by their long-run deviation already."""
+
 NORMAL_95 = 1.959964
 """Half width of a 95 % interval in standard deviations."""
 
@@ -168,7 +172,11 @@ def _covariance(problem: Problem, theta: np.ndarray, length: int) -> tuple[np.nd
     left, _ = problem.left(theta)
     priors = np.concatenate([np.zeros(theta.size), np.ones(problem.nuisance.shape[1])])
     groups = [place for _, _, place in problem.series()]
-    return jacobian, covariance.sandwich(jacobian, left, groups, length, priors)
+    cov = covariance.sandwich(jacobian, left, groups, length, priors)
+    if len(problem.observed) < FEW:
+        plain = np.linalg.pinv(jacobian.T @ jacobian + np.diag(priors), hermitian=True)
+        cov = covariance.at_least(cov, plain)
+    return jacobian, cov
 
 
 def _rms(problem: Problem, theta: np.ndarray) -> dict[str, float]:
