@@ -5,19 +5,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command import STUDIES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 from support import registered
 
 from controllers.speed_servo import SPEED_SERVO
-from plants.anisotropic import Film, Guide, lugre_anisotropic, steady_anisotropic
+from plants.anisotropic import Film, Guide, anisotropic_levels, level_fall, lugre_anisotropic, steady_anisotropic
 from plants.bristles import ANISOTROPIC, GuidedBristle
 from plants.friction import Friction, LuGre, lugre, lugre_isotropic, steady_friction, stribeck_level
 from plants.registry import plants
 from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.references import Sine, Steps
 from workbench.simulation.simulate import Feed, Loop, Setup, simulate, solver_error
+from workbench.study.document import read_study, unfold
+from workbench.study.resolve import resolve
 
 SET = read_parameters(named_sets()["owen2001_experiment"])
 MEASURED = build(ANISOTROPIC.Parameters, SET)
@@ -157,6 +160,41 @@ def test_dissipates_in_the_range_of_the_thesis(seed: int) -> None:
     work, stored = power_and_storage(seed, NO_FILM, NO_GUIDE)
     assert np.min(work - stored) > -1e-3 * np.max(work)
     assert work[-1] > 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_film_dissipates(seed: int) -> None:
+    work, stored = power_and_storage(seed, Film(0.502, 0.042), NO_GUIDE)
+    assert np.min(work - stored) > -1e-3 * np.max(work)
+
+
+@pytest.mark.parametrize("speed", [0.5e-3, 3.1e-3, 0.02, 0.1])
+def test_fall_of_the_level_is_its_logarithmic_slope(speed: float) -> None:
+    film, guide, along = Film(0.502, 0.042), Guide(20.0, 15.0, 0.002), MEASURED.friction.negative
+
+    def level(v: float) -> float:
+        return float(anisotropic_levels(v, 0.0, along, MEASURED.rotary, film, guide).axial)
+
+    h = 1e-4
+    slope = (np.log(level(speed * (1.0 + h))) - np.log(level(speed * (1.0 - h)))) / (2.0 * h)
+    assert float(level_fall(speed, along, film, guide)) == pytest.approx(-slope, rel=1e-5)
+
+
+@pytest.mark.parametrize("scenario", ["extend", "retract"])
+def test_film_and_guide_slide_smoothly_without_rotation(scenario: str) -> None:
+    """The quasi-static run of the study, less than 2.5 um/s from one ms to the next: no swing of 1 mm/s at 60 Hz."""
+    study = read_study(STUDIES / "thesis_chapter5.toml")
+    (case,) = (
+        case
+        for case in unfold(study)
+        if case.columns["case"] == "corrected" and (case.axes["scenario"], case.rpm) == (scenario, 0.0)
+    )
+    run = simulate(resolve(study, case).setup)
+    assert run.outcome == "completed"
+    velocity = run.signals["velocity"]
+    assert np.max(np.abs(np.diff(velocity))) < 2.5e-6
+    reached = -9.5e-3 if scenario == "retract" else 9.5e-3
+    assert velocity[-1] / reached > 0.9
 
 
 @pytest.mark.parametrize("rpm", [0.0, 10.0, 50.0, 125.0, 800.0])

@@ -129,6 +129,11 @@ def test_sandwich_of_correlated_noise() -> None:
     assert found[0, 0] == pytest.approx(1.0 / (1.0 - phi**2) * (1.0 + phi) / (1.0 - phi) / size, rel=0.25)
 
 
+def test_a_variance_is_raised_and_correlations_stay() -> None:
+    found = covariance.at_least(np.array([[1.0, 1.0], [1.0, 4.0]]), np.diag([9.0, 1.0]))
+    np.testing.assert_allclose(found, [[9.0, 3.0], [3.0, 4.0]])
+
+
 # --- by simulation ---
 
 SCALE = {"coulomb": 0.7, "viscous": 1.4}

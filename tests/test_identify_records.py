@@ -63,6 +63,17 @@ def test_any_separator_parquet_and_mat_are_the_same_record(tmp_path: Path, separ
             np.testing.assert_allclose(other.channels[name], values, rtol=1e-12)
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_decimal_comma(tmp_path: Path, separator: str) -> None:
+    """As a European spreadsheet writes it; a number may have no comma."""
+    data = table()
+    reference = record_of(tmp_path, data)
+    other = record_of(tmp_path, data, sep=separator, decimal=",")
+    for name, values in reference.channels.items():
+        np.testing.assert_allclose(other.channels[name], values, rtol=1e-12)
+    assert np.any(np.char.find((tmp_path / "record.csv").read_text().splitlines(), ",") > 0)
+
+
 def test_a_small_gap_is_marked_and_never_filled(tmp_path: Path) -> None:
     data = table()
     data.loc[100:104, "x"] = np.nan
@@ -124,6 +135,12 @@ def test_a_record_that_cannot_be_used(tmp_path: Path, data: pd.DataFrame, said: 
         ),
         ('min = "1 N"', 'min = "1 m"', ':7: fit.coulomb.min: got "1 m", expected a quantity in N, such as "1 N"'),
         ('unit = "bar"', 'unit = "mm"', ':12: channels.pressure_1.unit: got "mm", expected a unit such as "Pa"'),
+        (
+            'unit = "mm"',
+            'unit = "milimeter"',
+            ':11: channels.position.unit: got "milimeter"; did you mean "millimeter"?',
+        ),
+        ('min = "1 N"', 'min = "1 newtn"', 'a number with a unit; did you mean "1 newton"?'),
         ("pressure_1 =", "pressur_1 =", ':12: channels.pressur_1: unknown channel; did you mean "pressure_1"?'),
         ('file = "record.csv"', 'fil = "record.csv"', ':14: records.0.fil: unknown key; did you mean "file"?'),
         ('file = "record.csv"', 'file = "other.csv"', "other.csv: no such file"),
@@ -133,7 +150,7 @@ def test_a_record_that_cannot_be_used(tmp_path: Path, data: pd.DataFrame, said: 
 def test_a_wrong_experiment_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert EXPERIMENT.count(old) == 1
     path = write(tmp_path, EXPERIMENT.replace(old, new), "experiment.toml")
-    answer = workbench("identify", path, "--out", tmp_path / "out")
+    answer = workbench("identify", path, "--out", tmp_path / "out", "--method", "simulation")
     assert (answer.code, answer.out) == (2, "")
     assert said in answer.err
     assert answer.err.count("\n") == 1

@@ -15,6 +15,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 StudyFile = Annotated[Path, typer.Argument(help="A study: a TOML file.", metavar="STUDY.toml")]
@@ -45,9 +46,13 @@ def run(
     ] = False,
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
+    from workbench.files import read_toml
+    from workbench.identify.experiment import is_experiment
     from workbench.study.document import read_study
     from workbench.study.runner import plan, run_study
 
+    if is_experiment(read_toml(study)[0]):
+        raise UserError(f"{study}: this is an experiment; use workbench identify {study} --out {out}")
     if resume and overwrite:
         raise UserError("--resume and --overwrite: choose one")
     planned = plan(read_study(study))
@@ -114,16 +119,26 @@ def identify(
     """Find friction and other parameters of a plant in records."""
     # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from workbench.identify.experiment import read_experiment
+    from workbench.files import read_toml
+    from workbench.identify.experiment import is_experiment, read_experiment
     from workbench.identify.identification import identify as identified
     from workbench.identify.schema import METHODS
     from workbench.report.identification import check_folder, write_identification
 
     if method is not None and method not in METHODS:
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
+    data, _ = read_toml(experiment)
+    if not is_experiment(data) and "controllers" in data:
+        raise UserError(f"{experiment}: this is a study; use workbench run {experiment} --out {out}")
     content = read_experiment(experiment)
     check_folder(out, overwrite)
-    for path in write_identification(identified(content, method), out):
+    try:
+        with _Doing() as said:
+            paths = write_identification(identified(content, method, said), out)
+    except KeyboardInterrupt:
+        print("stopped; nothing is written", file=sys.stderr)
+        raise typer.Exit(130) from None
+    for path in paths:
         print(path.read_text(encoding="utf-8"))
     print(f"results in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
 
@@ -220,20 +235,28 @@ def plot(
 
 
 def _check_experiment(file: Path) -> None:
-    """Say what an experiment would do; its records are read where they are there."""
+    """Say what an experiment would do, once it is known to be in order; its records are read where they are there."""
     from workbench.identify.experiment import read_experiment
+    from workbench.identify.readiness import check_experiment, check_pattern, check_records
     from workbench.identify.records import read_record
 
     content = read_experiment(file)
-    print(f"{file}: an experiment, in order")
+    check_experiment(content, content.method)
+    check_pattern(content)
+    records = [read_record(spec, content) if spec.path.exists() else None for spec in content.records]
+    there = [record for record in records if record is not None]
+    whole = len(there) == len(records)
+    if whole:
+        check_records(content, [record for record in there if record.use == "fit"], content.method)
+    absent = "its records are not there yet" if not there else "some of its records are not there yet"
+    print(f"{file}: an experiment, in order" if whole else f"{file}: an experiment; {absent}")
     print(content.title + (f" ({content.source})" if content.source else ""))
     print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
     print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
-    for spec in content.records:
-        if not spec.path.exists():
+    for spec, record in zip(content.records, records, strict=True):
+        if record is None:
             print(f"  {spec.path}: is not there yet")
             continue
-        record = read_record(spec, content)
         said = "".join(f"; {note}" for note in record.notes)
         print(f"  {spec.path}: {spec.use}, {record.time[-1]:g} s at {1.0 / record.sample_time:.6g} Hz{said}")
 
@@ -312,6 +335,29 @@ class _Progress:
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:
             self._bar.stop()
+
+
+class _Doing:
+    """A line that says what is being done and since when, only on a terminal."""
+
+    def __init__(self) -> None:
+        self._line: Any = None
+
+    def __enter__(self) -> Any:
+        if not sys.stderr.isatty():
+            return None
+        from rich.console import Console
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+        self._line = Progress(*columns, console=Console(stderr=True), transient=True)
+        self._line.start()
+        task = self._line.add_task("", total=None)
+        return lambda said: self._line.update(task, description=said)
+
+    def __exit__(self, *_: object) -> None:
+        if self._line is not None:
+            self._line.stop()
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 import functools
 import math
 import re
+from difflib import get_close_matches
 from typing import Any
 
 import pint
@@ -34,7 +35,9 @@ def _si(text: str, unit: str) -> float:
     try:
         base = registry.Quantity(float(parts["number"]), registry.Unit(parts["unit"] or "")).to_base_units()
     except Exception as error:
-        raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}') from error
+        meant = nearest_unit(parts["unit"] or "", unit)
+        hint = f'; did you mean "{parts["number"]} {meant}"?' if meant else f"; expected {example(unit)}"
+        raise QuantityError(f'got "{text}", which is not a number with a unit{hint}') from error
     # Base units keep the radian: a frequency in Hz is no speed in rad/s.
     if base.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
         got = f'got "{text}"'
@@ -42,6 +45,25 @@ def _si(text: str, unit: str) -> float:
             got += " without a unit (write a bare number, without quotes, for SI)"
         raise QuantityError(f"{got}, expected {example(unit)}")
     return float(base.magnitude)
+
+
+def nearest_unit(text: str, unit: str) -> str:
+    """The unit that a misspelled one is taken for, of those that measure what `unit` does; empty without any."""
+    close = get_close_matches(text, _SPELLED, n=len(_SPELLED), cutoff=0.75)
+    return next((name for name in close if _converts(name, unit)), "")
+
+
+def _converts(name: str, unit: str) -> bool:
+    try:
+        factor(unit, name)
+    except QuantityError:
+        return False
+    return True
+
+
+_WORDS = ("meter", "metre", "second", "pascal", "volt", "ampere", "newton", "gram", "hertz", "radian", "watt")
+_SHORT = ("bar", "psi", "inch", "minute", "degree", "rpm", "mm", "cm", "um", "ms", "kPa", "MPa", "Pa", "mV", "mA", "kN")
+_SPELLED = (*(prefix + name for name in _WORDS for prefix in ("", "milli", "micro", "centi", "kilo", "mega")), *_SHORT)
 
 
 def example(unit: str) -> str:

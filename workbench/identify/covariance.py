@@ -30,6 +30,13 @@ def long_run_deviation(series: np.ndarray, length: int) -> float:
     return float(max(np.std(sums) / np.sqrt(length), np.std(values)))
 
 
+def at_least(cov: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """`cov` with each variance raised to that of `floor` where it is less; correlations stay."""
+    own, other = np.diag(cov), np.diag(floor)
+    scale = np.sqrt(np.maximum(np.divide(other, own, out=np.ones_like(own), where=own > 0.0), 1.0))
+    return np.asarray(cov * np.outer(scale, scale))
+
+
 def sandwich(
     jacobian: np.ndarray, residuals: np.ndarray, groups: list[slice], length: int, priors: np.ndarray
 ) -> np.ndarray:

@@ -16,6 +16,8 @@ def averaged(values: np.ndarray, count: int) -> np.ndarray:
 
 def velocity_of(position: np.ndarray, sample_time: float, order: int = 16) -> np.ndarray:
     """Velocity (m/s) of positions (m) by the thesis's non-causal FIR filter; NaN where its window is not whole."""
+    if position.size <= order:
+        return np.full(position.size, np.nan)
     velocity = fir_differentiator(position, sample_time, order)
     half = order // 2
     velocity[:half] = velocity[velocity.size - half :] = np.nan

@@ -1,7 +1,7 @@
 """Experiment files: the plant that is believed, the channels of the records, the records, and what is to be fitted."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from glob import glob
 from pathlib import Path
 from typing import Any
@@ -28,9 +28,10 @@ from workbench.parameters import (
     known_units,
     parameter_path,
     parameter_value,
+    plain_name,
     read_parameters,
 )
-from workbench.units import QuantityError, factor, si
+from workbench.units import QuantityError, factor, nearest_unit, si
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ class Experiment:
     truth: Mapping[str, float] | None
     published: tuple[PublishedTable, ...] = ()
     figures: tuple[FigureTable, ...] = ()
+    true_sensors: Mapping[str, float] = field(default_factory=dict)
 
     def parameters(self, changes: Mapping[str, float] | None = None) -> Any:
         """The plant's parameters, declared or with `changes` by canonical name.
@@ -128,7 +130,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         content.plant.parameters,
         values,
         None if content.fit.free is None else _free(content.fit.free, names, values),
-        _bounds(content.fit.bounds, names),
+        _bounds(content.fit.bounds, names, values),
         content.fit.method,
         _channels(content.channels, plant),
         _accuracies(content.sensors),
@@ -136,6 +138,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         truth,
         tuple(content.published),
         tuple(content.figures),
+        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors")),
     )
 
 
@@ -190,7 +193,9 @@ def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tup
     return tuple(found)
 
 
-def _bounds(table: Mapping[str, Bound], names: list[str]) -> dict[str, tuple[float, float]]:
+def _bounds(
+    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float]
+) -> dict[str, tuple[float, float]]:
     bounds = {}
     for name, bound in table.items():
         if name not in names:
@@ -203,6 +208,10 @@ def _bounds(table: Mapping[str, Bound], names: list[str]) -> dict[str, tuple[flo
                 raise files.SchemaError(("fit", name, key), str(error)) from None
         if limits[0] >= limits[1]:
             raise files.SchemaError(("fit", name), "expected a min below max")
+        declared = values.get(name, values.get(plain_name(name)))
+        if declared is not None and not limits[0] <= declared <= limits[1]:
+            got = f"the declared value {declared:.6g} {known_units()[name]} is outside these bounds"
+            raise files.SchemaError(("fit", name), f"{got}; widen them, or start from another value with [plant.set]")
         bounds[name] = (limits[0], limits[1])
     return bounds
 
@@ -216,7 +225,9 @@ def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, Cha
         try:
             scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
         except QuantityError:
-            message = f'got "{table.unit}", expected a unit such as "{units[name]}"'
+            meant = nearest_unit(table.unit, units[name])
+            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
+            message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
             raise files.SchemaError(("channels", name, "unit"), message) from None
         try:
             cutoff = si(table.anti_alias, "Hz")
@@ -229,16 +240,23 @@ def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, Cha
 
 
 def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
+    found = _sensors(table, ("sensors",))
+    for name, number in found.items():
+        if number < 0.0:
+            raise files.SchemaError(("sensors", name), f"got {table[name]!r}, expected a value that is not negative")
+    return found
+
+
+def _sensors(table: Mapping[str, Any], place: files.Key) -> dict[str, float]:
+    """Errors of sensors (SI) by name."""
     found = {}
     for name, value in table.items():
         if name not in NUISANCES:
-            raise files.SchemaError(("sensors", name), f"unknown key; {nearest(name, NUISANCES)}")
+            raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
         try:
             found[name] = si(value, NUISANCES[name])
         except QuantityError as error:
-            raise files.SchemaError(("sensors", name), str(error)) from None
-        if found[name] < 0.0:
-            raise files.SchemaError(("sensors", name), f"got {value!r}, expected a value that is not negative")
+            raise files.SchemaError((*place, name), str(error)) from None
     return found
 
 

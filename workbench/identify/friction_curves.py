@@ -32,8 +32,20 @@ DIRECTIONS = {"forward": 1.0, "backward": -1.0}
 NEAR_REST = np.array([1e-9])
 """m/s. In the steady state as good as at rest."""
 
+LARGEST_STRIBECK_VELOCITY = 0.1
+"""m/s. A larger one is in another unit: lubricated contacts have some mm/s."""
+
 UNFELT = 1e-6
 """Share of the residual's norm below which a number that doubles is not felt."""
+
+IDENTIFIED = 1.0
+"""A fitted number with a standard deviation above this share of it is not identified."""
+
+MOST_NUMBERS = 0.5
+"""Share of the independent numbers of the curves that an effect's numbers have to stay below."""
+
+AT_BOUND = 1e-3
+"""Share of its range within which a fitted number is at the end of it."""
 
 RESONANT = 100.0
 """rpm at which the thesis reports a resonance."""
@@ -54,7 +66,7 @@ class CurveFile(files.Strict):
 
     title: str
     source: str
-    rpm: list[float] = Field(min_length=2)
+    rpm: list[float] = Field(min_length=1)
     forward: DirectionTable
     backward: DirectionTable
 
@@ -87,17 +99,44 @@ def read_curves(path: Path) -> list[Curve]:
     data, text = files.read_toml(path)
     content = files.validate(CurveFile, data, path, text)
     found = []
+    _check_rpm(content, path, text)
     for direction in DIRECTIONS:
         table: DirectionTable = getattr(content, direction)
-        for name in DirectionTable.model_fields:
-            if len(values := getattr(table, name)) != len(content.rpm):
-                message = f"holds {len(values)} values, expected one for each of the {len(content.rpm)} rpm"
-                raise files.at(path, text, (direction, name), message)
+        _check_direction(table, direction, content.rpm, path, text)
         for i, rpm in enumerate(content.rpm):
             stribeck = table.static[i] - table.coulomb[i]
             law = LuGre(table.coulomb[i], stribeck, table.viscous[i], table.stribeck_velocity[i], 0.0, 0.0)
             found.append(_curve(rpm, direction, law))
     return found
+
+
+def _check_rpm(content: CurveFile, path: Path, text: str) -> None:
+    """Raise UserError unless the speeds of rotation are above 0 and ascend."""
+    for before, rpm in zip([0.0, *content.rpm], content.rpm, strict=False):
+        if rpm <= before:
+            told = f"got {rpm:g} behind {before:g}" if before else f"got {rpm:g}, what is measured without rotation is"
+            hint = "expected each once, ascending" if before else "in the parameter set: expected more than 0"
+            raise files.at(path, text, ("rpm",), f"{told}{':' if before else ''} {hint}")
+
+
+def _check_direction(table: DirectionTable, direction: str, rpm: Sequence[float], path: Path, text: str) -> None:
+    """Raise UserError for the first entry that a contact cannot have."""
+    for name in DirectionTable.model_fields:
+        values, key = getattr(table, name), (direction, name)
+        if len(values) != len(rpm):
+            message = f"holds {len(values)} values, expected one for each of the {len(rpm)} rpm"
+            raise files.at(path, text, key, message)
+        for speed, value in zip(rpm, values, strict=True):
+            got = f"got {value:g} at {speed:g} rpm, expected"
+            if value < 0.0:
+                raise files.at(path, text, key, f"{got} a value that is not negative")
+            if name == "stribeck_velocity" and not 0.0 < value <= LARGEST_STRIBECK_VELOCITY:
+                fix = f" ({value:g} mm/s is {1e-3 * value:g})" if value else ""
+                raise files.at(path, text, key, f"{got} m/s, above 0 and at most {LARGEST_STRIBECK_VELOCITY:g}{fix}")
+    for speed, static, coulomb in zip(rpm, table.static, table.coulomb, strict=True):
+        if static < coulomb:
+            message = f"got {static:g} N at {speed:g} rpm, below coulomb of {coulomb:g} N: expected at least that"
+            raise files.at(path, text, (direction, "static"), message)
 
 
 def _curve(rpm: float, direction: str, law: LuGre) -> Curve:
@@ -245,14 +284,26 @@ CANDIDATES = (
 class Fitted:
     """The law with an effect in it; each number with the standard deviation that the curves give it, and the price.
 
-    `price` is Schwarz's criterion n ln(rms^2) + k ln(n), with `INDEPENDENT` numbers a curve: lower is better, and
-    each of the k fitted numbers has its price.
+    A number that the curves cannot tell from another, or at all, has an infinite deviation; `at_bound` names those at
+    an end of what they may be. `price` is Schwarz's criterion n ln(rms^2) + k ln(n), with `INDEPENDENT` numbers a
+    curve: lower is better, and each of the k fitted numbers has its price.
     """
 
     effect: Effect | None
     prediction: Prediction
     numbers: dict[str, tuple[float, float]]
     price: float
+    at_bound: frozenset[str] = frozenset()
+
+    def is_identified(self, name: str) -> bool:
+        """Whether the curves tell the number of this name."""
+        value, std = self.numbers[name]
+        return name not in self.at_bound and std < IDENTIFIED * abs(value)
+
+    @property
+    def identified(self) -> bool:
+        """Whether the curves tell all of them."""
+        return all(map(self.is_identified, self.numbers))
 
 
 def _price(prediction: Prediction, curves: Sequence[Curve], count: int) -> float:
@@ -282,16 +333,34 @@ def fit(base: Prediction, effect: Effect, curves: Sequence[Curve]) -> Fitted:
     weight = size / solution.fun.size
     variance = weight * float(solution.fun @ solution.fun) / freedom
     deviations = np.sqrt(np.diag(np.linalg.pinv(weight * solution.jac.T @ solution.jac) * variance))
-    felt = np.linalg.norm(solution.jac * np.abs(effect.start), axis=0) > UNFELT * np.linalg.norm(solution.fun)
-    deviations[~felt] = np.inf
-    found = zip(effect.numbers, solution.x.tolist(), deviations.tolist(), strict=True)
+    scaled = solution.jac * np.abs(effect.start)
+    felt = np.linalg.norm(scaled, axis=0) > UNFELT * np.linalg.norm(solution.fun)
+    deviations[~felt | _confused(scaled)] = np.inf
+    found = dict(zip(effect.numbers, zip(solution.x.tolist(), deviations.tolist(), strict=True), strict=True))
     changed = replace(effect.apply(base, solution.x.tolist()), name=f"{base.name}, {effect.name}")
-    return Fitted(
-        effect, changed, {name: (value, std) for name, value, std in found}, _price(changed, curves, len(effect.start))
-    )
+    least, most = np.array(effect.least), np.array(effect.most)
+    ends = np.minimum(solution.x - least, most - solution.x) < AT_BOUND * (most - least)
+    at_bound = frozenset(name for name, end in zip(effect.numbers, ends, strict=True) if end)
+    return Fitted(effect, changed, found, _price(changed, curves, len(effect.start)), at_bound)
+
+
+def _confused(jacobian: np.ndarray) -> np.ndarray:
+    """Of each column whether others can stand in for it: it has a part in a direction without effect."""
+    _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
+    unseen = directions[sizes <= UNFELT * sizes[0]]
+    return np.asarray(np.any(np.abs(unseen) > UNFELT**0.5, axis=0))
+
+
+def affordable(one: Fitted, curves: Sequence[Curve]) -> bool:
+    """Whether an effect has fewer numbers than half the independent ones of the curves that it was fitted to."""
+    return len(one.numbers) < MOST_NUMBERS * INDEPENDENT * len(curves)
 
 
 def supported(base: Prediction, curves: Sequence[Curve]) -> tuple[Fitted, list[Fitted]]:
-    """The candidate with the lowest price on these curves, the bare law among them; and all candidates fitted."""
+    """The candidate with the lowest price on these curves, the bare law among them; and all candidates fitted.
+
+    One with a number that is not identified, or with too many, is never chosen, however cheap.
+    """
     fitted = [fit(base, effect, curves) for effect in CANDIDATES]
-    return min([unchanged(base, curves), *fitted], key=lambda one: one.price), fitted
+    choice = [one for one in fitted if one.identified and affordable(one, curves)]
+    return min([unchanged(base, curves), *choice], key=lambda one: one.price), fitted

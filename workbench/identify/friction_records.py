@@ -1,7 +1,7 @@
 """The thesis's method on records: which channels give velocity and force, which way each record moves, the repeats."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,9 @@ from workbench.identify.thesis_method import Estimate, Slow
 
 AXIAL = ("position", "pressure_1", "pressure_2")
 ROTARY = ("rotation_speed", "motor_current")
+
+DOUBTFUL = 10.0
+"""Ratio of the bristle's fitted damping to the thesis's rule for it from which it is told."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,11 @@ class ThesisFit:
             return {}
         (group,) = self.groups.values()
         return {name: one for name, one in group.items() if not name.startswith(STATIC)}
+
+    @property
+    def unidentified(self) -> dict[str, str]:
+        """Those of `estimates` that the records do not give, and why."""
+        return {name: why for name, one in self.estimates.items() if (why := method.doubt(one))}
 
 
 def friction_of(record: Record, experiment: Experiment) -> Slow:
@@ -99,26 +107,30 @@ def _velocity(record: Record, experiment: Experiment) -> np.ndarray:
     return method.slower(friction_of(record, experiment)).velocity
 
 
-def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisFit:
+def identify_by_thesis(
+    experiment: Experiment, records: list[Record], progress: Callable[[str], None] | None = None
+) -> ThesisFit:
     """The thesis's method on each record, and mean and standard deviation over those of a direction and speed.
+
+    `progress` is told in words which record is taken.
 
     Raises:
         UserError: the channels do not serve, or no record gives anything.
     """
     found: dict[float, list[dict[str, float]]] = {}
     curves: dict[str, Slow] = {}
-    failed: Counter[str] = Counter()
+    failed: Counter[tuple[str, str, float]] = Counter()
     mass = parameter_values(experiment)["mass"]
-    for record in sorted(records, key=lambda record: record.rpm):
-        if record.time.size < method.AVERAGED**2 * 18:
-            raise UserError(
-                f"{record.path}: {record.time.size} samples are too few for the thesis's averaging, expected at "
-                f"least {method.AVERAGED**2 * 18}; take --method simulation"
-            )
+    for place, record in enumerate(sorted(records, key=lambda record: record.rpm)):
+        if progress is not None:
+            progress(f"the thesis's method: record {place + 1} of {len(records)}")
         fine = friction_of(record, experiment)
         coarse = method.slower(fine)
         curves[str(record.path)] = coarse
-        for sign in directions(record, experiment):
+        moved = directions(record, experiment)
+        if not moved:
+            failed["nothing slides", record.path.name, record.rpm] += 1
+        for sign in moved:
             direction = "rotary" if is_rotary(record) else "forward" if sign > 0 else "backward"
             values: dict[str, float] = {}
             try:
@@ -126,18 +138,33 @@ def identify_by_thesis(experiment: Experiment, records: list[Record]) -> ThesisF
                 values[STATIC] = values["coulomb"] + values["stribeck"]
                 if np.isnan(values["stribeck_velocity"]):
                     said = "no Stribeck friction is seen, and a line is fitted"
-                    failed[f"{record.rpm:g} rpm, {direction}: {said}"] += 1
+                    failed[said, direction, record.rpm] += 1
                 if _starts(fine) == sign:
                     values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
+                    if values["bristle_damping"] > DOUBTFUL * method.damping_rule(values["bristle_stiffness"], mass):
+                        said = f"bristle_damping is over {DOUBTFUL:g} times what (4.14) gives: slow runs hardly show it"
+                        failed[said, direction, record.rpm] += 1
             except UserError as error:
-                failed[f"{record.rpm:g} rpm, {direction}: {error}"] += 1
+                failed[str(error), direction, record.rpm] += 1
             if values:
                 named = {f"{name}{SUFFIXES[direction]}": value for name, value in values.items()}
                 found.setdefault(record.rpm, []).append(named)
-    notes = tuple(f"{said} ({count} record{'s' * (count > 1)})" for said, count in failed.items())
+    notes = tuple(_merged(failed))
     if not found:
         raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
     return ThesisFit({rpm: method.over_repeats(found[rpm]) for rpm in sorted(found)}, curves, notes)
+
+
+def _merged(failed: Mapping[tuple[str, str, float], int]) -> list[str]:
+    """What failed, by (why, direction, rpm) with its number of records: a sentence for each reason and direction."""
+    together: dict[tuple[str, str], list[tuple[float, int]]] = {}
+    for (why, direction, rpm), count in sorted(failed.items(), key=lambda item: item[0][2]):
+        together.setdefault((why, direction), []).append((rpm, count))
+    lines = []
+    for (why, direction), places in together.items():
+        speeds, count = ", ".join(f"{rpm:g}" for rpm, _ in places), sum(count for _, count in places)
+        lines.append(f"{speeds} rpm, {direction}: {why} ({count} record{'s' * (count > 1)})")
+    return lines
 
 
 def _starts(data: Slow) -> int:

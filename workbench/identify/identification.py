@@ -1,12 +1,12 @@
 """What `workbench identify` finds: both methods on the same records, and the corrected plant."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.errors import UserError
 from workbench.identify.experiment import Experiment
 from workbench.identify.friction_records import ThesisFit, identify_by_thesis
+from workbench.identify.readiness import check_experiment, check_records
 from workbench.identify.records import Record, read_records
 from workbench.identify.schema import FRICTION
 from workbench.identify.simulation_method import SimulationFit, identify_by_simulation
@@ -29,7 +29,8 @@ class Identification:
         found: dict[str, None] = {}
         for fit in (self.simulation, self.thesis):
             found |= dict.fromkeys(fit.estimates if fit is not None else ())
-        found |= dict.fromkeys(self.simulation.unidentified if self.simulation is not None else ())
+        if self.simulation is not None:
+            found |= dict.fromkeys([*self.simulation.bounded, *self.simulation.unidentified])
         order = {name: i for i, name in enumerate(FRICTION)}
         return sorted(
             found, key=lambda name: (name.endswith("_negative"), order.get(name.removesuffix("_negative"), len(order)))
@@ -41,12 +42,20 @@ class Identification:
         count = len(self.records)
         where = f"identified from {count} record{'s' * (count > 1)} of {self.experiment.path.name}"
         if self.simulation is not None:
-            fitted = self.simulation.estimates
-            return {name: (one.value, one.std, f"{where}, by simulation error") for name, one in fitted.items()}
-        estimates = self.thesis.estimates if self.thesis is not None else {}
+            fitted, bounded = self.simulation.estimates, self.simulation.bounded
+            return {
+                **{name: (one.value, one.std, f"{where}, by simulation error") for name, one in fitted.items()},
+                **{
+                    name: (value, None, f"{where}, by simulation error: {why}")
+                    for name, (value, why) in bounded.items()
+                },
+            }
+        if self.thesis is None:
+            return {}
         return {
             name: (one.value, one.std if one.count > 1 else None, f"{where}, by the thesis's method")
-            for name, one in estimates.items()
+            for name, one in self.thesis.estimates.items()
+            if name not in self.thesis.unidentified
         }
 
     @property
@@ -55,20 +64,25 @@ class Identification:
         return {**self.experiment.values, **{name: entry[0] for name, entry in self.corrected.items()}}
 
 
-def identify(experiment: Experiment, method: str | None = None) -> Identification:
+def identify(
+    experiment: Experiment, method: str | None = None, progress: Callable[[str], None] | None = None
+) -> Identification:
     """Identify the free parameters of an experiment from its fit records.
 
-    `method` is "thesis", "simulation" or "both"; None: what the experiment says.
+    `method` is "thesis", "simulation" or "both"; None: what the experiment says. `progress` is told in words what is
+    being done.
 
     Raises:
         UserError: a record or the plant does not serve.
     """
     chosen = method or experiment.method
+    check_experiment(experiment, chosen)
+    if progress is not None:
+        progress("reading the records")
     records = read_records(experiment)
-    if not records:
-        raise UserError(f'{experiment.path}: no record is there for the fit; give one use = "fit"')
-    thesis = identify_by_thesis(experiment, records) if chosen in ("thesis", "both") else None
-    simulation = identify_by_simulation(experiment, records) if chosen in ("simulation", "both") else None
+    check_records(experiment, records, chosen)
+    thesis = identify_by_thesis(experiment, records, progress) if chosen in ("thesis", "both") else None
+    simulation = identify_by_simulation(experiment, records, progress) if chosen in ("simulation", "both") else None
     return Identification(experiment, records, thesis, simulation)
 
 
@@ -88,6 +102,7 @@ def as_data(found: Identification) -> dict[str, Any]:
     if found.thesis is not None:
         data["thesis"] = {
             "notes": list(found.thesis.notes),
+            "unidentified": found.thesis.unidentified,
             "by_rpm": {
                 f"{rpm:g}": {name: _estimate(one) for name, one in group.items()}
                 for rpm, group in found.thesis.groups.items()
@@ -97,6 +112,7 @@ def as_data(found: Identification) -> dict[str, Any]:
         fit = found.simulation
         data["simulation"] = {
             "unidentified": dict(fit.unidentified),
+            "notes": list(fit.notes),
             "correlation": {"names": list(fit.estimates), "matrix": fit.correlation.tolist()},
             "sensors": {name: vars(one) for name, one in fit.sensors.items()},
             "rms": {"before": dict(fit.before), "after": dict(fit.rms)},
@@ -124,4 +140,6 @@ def _parameter(found: Identification, name: str) -> dict[str, Any]:
         entry["thesis"] = _estimate(one)
     if found.simulation is not None and name in found.simulation.estimates:
         entry["simulation"] = vars(found.simulation.estimates[name])
+    if found.simulation is not None and name in found.simulation.bounded:
+        entry["simulation"] = {"value": found.simulation.bounded[name][0], "at_bound": True}
     return entry

@@ -6,7 +6,7 @@ of 0.1 ms (0.2 s with error control) and agree with exact sensitivities to 8e-5;
 of the same equations folded over the samples, take 2.6 s.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -63,6 +63,10 @@ class Problem:
     idle: dict[bytes, frozenset[str]] = field(default_factory=dict)
     """Of each kind of record, the parameters that change nothing in it, such as those of the other direction."""
     known: dict[tuple[bytes, tuple[float, ...]], list[np.ndarray]] = field(default_factory=dict)
+    held: dict[str, float] = field(default_factory=dict)
+    """Parameters (SI) that a fit has driven to their bounds and that stay there."""
+    progress: Callable[[str], None] = lambda said: None
+    """Told, in words, how far the fit is."""
 
     def logarithmic(self, name: str) -> bool:
         """Whether the unknown is a logarithm."""
@@ -94,7 +98,7 @@ class Problem:
             else:
                 low = low if _plain(name) in SIGNED else max(low, 0.0)
                 limits.append(((low - start) / self.scale(name), (high - start) / self.scale(name)))
-        array = np.array(limits)
+        array = np.array(limits).reshape(-1, 2)
         return array[:, 0], array[:, 1]
 
     def series(self) -> list[tuple[Observed, str, slice]]:
@@ -115,6 +119,7 @@ class Problem:
                 self.known.clear()
             predicted = item.predicted(self.experiment, changes)
             self.evaluations += 1
+            self.progress(f"fit of {len(self.free)} parameters: {self.evaluations} simulations")
             self.known[key] = [
                 np.full(values.size, np.nan) if predicted is None else predicted[name]
                 for name, values in item.measured.items()
@@ -123,7 +128,8 @@ class Problem:
 
     def simulated(self, theta: np.ndarray) -> np.ndarray:
         """Stacked predictions (SI), NaN where the plant diverges."""
-        changes = {name: self.value(name, x) for name, x in zip(self.free, theta.tolist(), strict=True)}
+        own = {name: self.value(name, x) for name, x in zip(self.free, theta.tolist(), strict=True)}
+        changes = {**self.held, **own}
         return np.concatenate([part for item in self.observed for part in self._outputs(item, changes)])
 
     def errors(self, theta: np.ndarray) -> np.ndarray:
@@ -140,7 +146,7 @@ class Problem:
             ahead = self.errors(theta + STEP * direction)
             behind = base if rough else self.errors(theta - STEP * direction)
             slopes.append((ahead - behind) / (STEP if rough else 2.0 * STEP))
-        found = np.column_stack(slopes)
+        found = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
         if not self.idle:
             for item in self.observed:
                 rows = np.concatenate([np.arange(p.start, p.stop) for other, _, p in self.series() if other is item])
@@ -203,14 +209,14 @@ def make_problem(experiment: Experiment, observed: Sequence[Observed], free: Seq
             raise UserError(f"{experiment.path}: {name} is free and has no declared value; set it in [plant.set]")
         start[name] = value
     stack = [values for item in observed for values in item.measured.values()]
-    weights = np.concatenate([np.full(values.size, 1.0 / _noise(values)) for values in stack])
+    weights = np.concatenate([np.full(values.size, 1.0 / noise_of(values)) for values in stack])
     measured = np.concatenate(stack)
     problem = Problem(experiment, observed, list(free), start, weights, measured, np.zeros((measured.size, 0)), [])
     problem.describe_sensors(np.zeros(len(start)))
     return problem
 
 
-def _noise(values: np.ndarray) -> float:
+def noise_of(values: np.ndarray) -> float:
     """Standard deviation of the noise of a series, from its second differences, which a slow signal lacks."""
     second = np.diff(values, 2)
     second = second[np.isfinite(second)]

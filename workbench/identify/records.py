@@ -5,6 +5,7 @@ False in `valid`; nobody fills it.
 """
 
 import csv
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,8 +29,16 @@ MOST_MISSING = 0.05
 SATURATED_SHARE = 0.05
 """Share of samples at the very same largest or smallest value from which a channel is saturated."""
 
+LINES_LOOKED_AT = 100
+"""Of a CSV file, to see whether its numbers have a decimal comma."""
+
+DECIMAL_COMMA, DECIMAL_POINT = (re.compile(rf"[+-]?\d*{mark}\d+([eE][+-]?\d+)?") for mark in (",", r"\."))
+
 BEYOND = 1.05
 """A position or pressure beyond its range by more than a sensor's error: 5 %."""
+
+LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
+"""Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
 
 FEWEST = 50
 """Samples below which there is nothing to identify."""
@@ -111,9 +120,25 @@ def _table(path: Path) -> pd.DataFrame:
             return pd.read_parquet(path)
         if path.suffix == ".mat":
             return _mat(path)
+        if separator := _european(path):
+            return pd.read_csv(path, sep=separator, decimal=",", skipinitialspace=True)
         return pd.read_csv(path, sep=None, engine="python", skipinitialspace=True)
     except (OSError, ValueError, csv.Error, NotImplementedError) as error:
         raise UserError(f"{path}: cannot be read as a table ({' '.join(str(error).split())})") from None
+
+
+def _european(path: Path) -> str:
+    """The separator of a CSV file whose numbers have a decimal comma; empty for any other."""
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        lines = [line.rstrip("\r\n") for line, _ in zip(file, range(LINES_LOOKED_AT), strict=False) if line.strip()]
+    for separator in (";", "\t"):
+        rows = [line.split(separator) for line in lines[1:]]
+        fields = [field.strip() for row in rows for field in row]
+        if not lines or separator not in lines[0] or any(DECIMAL_POINT.fullmatch(field) for field in fields):
+            continue
+        if any(DECIMAL_COMMA.fullmatch(field) for field in fields):
+            return separator
+    return ""
 
 
 def _mat(path: Path) -> pd.DataFrame:
@@ -233,7 +258,8 @@ def _check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Ex
                 f"{path}: {name} reaches {largest:g} Pa, and the supply is {supply:g} Pa; "
                 f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
             )
-        if largest < 1e-3 * supply:
+        both = [channels[other] for other in ("pressure_1", "pressure_2") if other in channels]
+        if max(float(np.nanmax(np.abs(values))) for values in both) < LEAST_PRESSURE[len(both)] * supply:
             raise UserError(
                 f"{path}: {name} stays below {largest:g} Pa, and the supply is {supply:g} Pa; "
                 f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"

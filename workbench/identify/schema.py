@@ -116,9 +116,10 @@ class RecordTable(files.Strict):
 
 
 class TruthTable(files.Strict):
-    """[truth]: the parameters behind simulated records, against which an error is told."""
+    """[truth]: what is behind simulated records, against which an error is told: parameters, and `sensors`' errors."""
 
     parameters: str
+    sensors: dict[str, Raw] = {}
 
 
 Printed = Annotated[float, Field(allow_inf_nan=True)]

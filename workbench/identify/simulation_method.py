@@ -1,18 +1,19 @@
 """Identification by simulation error: the parameters with which the declared plant, driven by what was measured,
 follows the record best."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from plants.equation import NEGATIVE
 from workbench.errors import UserError
-from workbench.identify import covariance
+from workbench.identify import covariance, judgement
 from workbench.identify.experiment import Experiment, parameter_names
 from workbench.identify.friction_records import directions
 from workbench.identify.model import observe
+from workbench.identify.motion import check_slides
 from workbench.identify.problem import Problem, make_problem, projected
 from workbench.identify.records import Record
 from workbench.identify.schema import FRICTION
@@ -23,14 +24,9 @@ FLAT, NEAR, MOST_STEPS = 1e-8, 1e-5, 60
 INSIDE = 1e-9
 """A search starts this far inside its bounds."""
 
-UNKNOWN = 0.5
-"""Relative standard deviation from which a parameter counts as not identified."""
-
-SINGULAR = 1e-4
-"""Ratio of a singular value of the scaled Jacobian to the largest below which a direction is not identified."""
-
-SHARE = 0.3
-"""Part in such a direction from which a parameter is named."""
+FEW = 4
+"""Records below which the sandwich scatters too much to be trusted where it says less than (J'J)^-1, whose errors are
+weighted by their long-run deviation already."""
 
 NORMAL_95 = 1.959964
 """Half width of a 95 % interval in standard deviations."""
@@ -50,7 +46,8 @@ class Fitted:
 class SimulationFit:
     """What a fit by simulation finds.
 
-    `unidentified` says of each parameter that the records cannot identify why; it is at its declared value.
+    `unidentified` says of each parameter that the records cannot identify why; it is at its declared value. `bounded`
+    are those at a bound of the experiment: value (SI), and which bound, in words; such a number has no deviation.
     `residuals` and `simulated` are by record path and output, in SI, over `times`; `rms` the residuals' by output.
     """
 
@@ -66,6 +63,7 @@ class SimulationFit:
     memory: float
     evaluations: int
     notes: tuple[str, ...] = ()
+    bounded: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 
 def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]:
@@ -79,47 +77,65 @@ def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]
     return names
 
 
-def identify_by_simulation(experiment: Experiment, records: Sequence[Record]) -> SimulationFit:
+def identify_by_simulation(
+    experiment: Experiment, records: Sequence[Record], progress: Callable[[str], None] | None = None
+) -> SimulationFit:
     """Fit the free parameters to all records together.
 
     Each output is weighted by the long-run deviation of its own residuals, found in a first fit. A parameter that the
-    records cannot identify is fixed at its declared value, and the rest fitted again.
+    records cannot identify is fixed at its declared value, one that reaches a bound of the experiment there, and the
+    rest fitted again. `progress` is told in words what is being done.
 
     Raises:
-        UserError: nothing to fit, or the declared plant cannot be simulated on these records.
+        UserError: nothing to fit, or the plant cannot be simulated on these records, or follows them not at all.
     """
-    turning = sorted({record.rpm for record in records if record.rpm})
-    if turning and not experiment.plant.rotary_command:
-        raise UserError(
-            f"{experiment.path}: plant {experiment.plant.name} does not rotate, and there are records at "
-            f"{', '.join(f'{rpm:g}' for rpm in turning)} rpm; take a rotating plant such as "
-            "rotating_anisotropic_ideal, or --method thesis"
-        )
     observed = [observe(record, experiment) for record in records]
     free = list(experiment.free) if experiment.free is not None else default_free(experiment, records)
+    if not free and experiment.free is None:
+        check_slides(records, experiment)
     if not free:
         raise UserError(f"{experiment.path}: fit.free: is empty: expected at least one parameter")
     problem = make_problem(experiment, observed, free)
-    before = _rms(problem, np.zeros(len(free)))
-    theta = _solve(problem, np.zeros(len(free)), rough=True)
-    unidentified: dict[str, str] = {}
+    if progress is not None:
+        problem.progress = progress
+    theta = np.zeros(len(free))
+    before = _rms(problem, theta)
+    unidentified = judgement.without_effect(problem, theta)
+    theta = _without(problem, theta, unidentified)
+    theta = _solve(problem, theta, rough=True)
+    judgement.check_followed(problem, theta)
+    bounded: dict[str, tuple[float, str]] = {}
     while True:
         problem.describe_sensors(theta)
         length = _reweight(problem, theta)
         theta = _solve(problem, theta)
         jacobian, cov = _covariance(problem, theta, length)
-        worst = _unidentified(problem, jacobian, cov)
-        if not worst or len(problem.free) == len(worst):
+        if not problem.free:
             break
+        given, astray = judgement.at_bounds(problem, theta)
+        worst = {} if given else astray or judgement.not_identified(problem, jacobian, cov)
+        if not given and not worst:
+            break
+        bounded |= given
+        problem.held |= {name: value for name, (value, _) in given.items()}
         unidentified |= worst
-        keep = [i for i, name in enumerate(problem.free) if name not in worst]
-        problem.free = [problem.free[i] for i in keep]
-        theta = theta[keep]
-    return _result(problem, theta, cov, length, unidentified, before)
+        theta = _without(problem, theta, {**given, **worst})
+    judgement.check_followed(problem, theta)
+    judgement.check_better(problem, before, _rms(problem, theta))
+    return _result(problem, theta, cov, length, unidentified, bounded, before)
+
+
+def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -> np.ndarray:
+    """Take parameters out of the search; returns the unknowns that stay."""
+    keep = [i for i, name in enumerate(problem.free) if name not in names]
+    problem.free = [problem.free[i] for i in keep]
+    return theta[keep]
 
 
 def _solve(problem: Problem, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
     """The best unknowns: trust region, bounds; `rough` on the first way there."""
+    if not problem.free:
+        return theta
     q = problem.projector()
     low, high = problem.limits()
     found = least_squares(
@@ -156,25 +172,11 @@ def _covariance(problem: Problem, theta: np.ndarray, length: int) -> tuple[np.nd
     left, _ = problem.left(theta)
     priors = np.concatenate([np.zeros(theta.size), np.ones(problem.nuisance.shape[1])])
     groups = [place for _, _, place in problem.series()]
-    return jacobian, covariance.sandwich(jacobian, left, groups, length, priors)
-
-
-def _unidentified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> dict[str, str]:
-    """The parameters to fix next, and why: those of a singular direction, else the one least known."""
-    count = len(problem.free)
-    _, singular, directions_ = np.linalg.svd(projected(problem.projector(), jacobian[:, :count]), full_matrices=False)
-    deviations = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0))
-    if singular[-1] < SINGULAR * singular[0]:
-        parts = np.abs(directions_[-1])
-        named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
-        worst = problem.free[int(np.argmax(parts))]
-        others = [name for name in named if name != worst]
-        why = f"cannot be told apart from {', '.join(others)}" if others else "has no effect on the records"
-        return {worst: why}
-    if np.max(deviations) > UNKNOWN:
-        i = int(np.argmax(deviations))
-        return {problem.free[i]: f"standard deviation {100.0 * deviations[i]:.0f} % of its value"}
-    return {}
+    cov = covariance.sandwich(jacobian, left, groups, length, priors)
+    if len(problem.observed) < FEW:
+        plain = np.linalg.pinv(jacobian.T @ jacobian + np.diag(priors), hermitian=True)
+        cov = covariance.at_least(cov, plain)
+    return jacobian, cov
 
 
 def _rms(problem: Problem, theta: np.ndarray) -> dict[str, float]:
@@ -193,6 +195,7 @@ def _result(
     cov: np.ndarray,
     length: int,
     unidentified: Mapping[str, str],
+    bounded: Mapping[str, tuple[float, str]],
     before: Mapping[str, float],
 ) -> SimulationFit:
     count = len(problem.free)
@@ -220,16 +223,19 @@ def _result(
             spread = std * deviations[count + column]
             value = std * float(numbers[column])
             sensors[name] = Fitted(value, spread, value - NORMAL_95 * spread, value + NORMAL_95 * spread)
+    rms = _rms(problem, theta)
     return SimulationFit(
         estimates,
         cov[:count, :count] / np.where(scales > 0.0, scales, 1.0),
         unidentified,
         sensors,
-        _rms(problem, theta),
+        rms,
         before,
         times,
         simulated,
         measured,
         length * float(problem.observed[0].count) * problem.observed[0].record.sample_time,
         problem.evaluations,
+        judgement.remarks(problem, theta, rms),
+        bounded,
     )

@@ -153,11 +153,16 @@ def dynamic_parameters(data: Slow, static_level: float, mass: float) -> dict[str
     stiffness = float(np.sum(f * z) / np.sum(z * z))
     if stiffness <= 0.0:
         raise UserError("friction falls as the bristle bends: its stiffness would be negative")
-    damping = 2.0 * DAMPING_RATIO * float(np.sqrt(stiffness * mass))
+    damping = damping_rule(stiffness, mass)
     refined = np.linalg.lstsq(np.column_stack([z, rate]), f, rcond=None)[0]
     if np.all(refined > 0.0):
         stiffness, damping = refined.tolist()
     return {"bristle_stiffness": stiffness, "bristle_damping": damping}
+
+
+def damping_rule(stiffness: float, mass: float) -> float:
+    """sigma1 = 2 * 0.9 sqrt(sigma0 M) (N s/m). Thesis (4.14)."""
+    return 2.0 * DAMPING_RATIO * float(np.sqrt(stiffness * mass))
 
 
 @dataclass(frozen=True)
@@ -167,6 +172,19 @@ class Estimate:
     value: float
     std: float
     count: int
+
+
+UNKNOWN = 0.5
+"""Relative standard deviation from which a parameter counts as not identified, as in a fit by simulation."""
+
+
+def doubt(one: Estimate) -> str:
+    """Why an estimate says nothing of its parameter; empty where it does."""
+    if one.value == 0.0:
+        return "none is seen, the fit is at its bound of 0"
+    if one.count > 1 and one.std > UNKNOWN * abs(one.value):
+        return f"the standard deviation over the records is {100.0 * one.std / abs(one.value):.0f} % of its value"
+    return ""
 
 
 def over_repeats(found: Sequence[Mapping[str, float]]) -> dict[str, Estimate]:

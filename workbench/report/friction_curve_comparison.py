@@ -11,12 +11,11 @@ from workbench.identify.friction_curves import (
     Fitted,
     Prediction,
     laws,
-    read_curves,
     supported,
-    without_rotation,
 )
-from workbench.parameters import parameter_path, read_parameters
-from workbench.study.document import Study
+from workbench.parameters import parameter_path, parameter_value, read_parameters
+from workbench.study.document import Study, unfold
+from workbench.study.friction_curves import curves_of
 from workbench.study.schema import FrictionCurvesTable
 
 
@@ -26,6 +25,7 @@ class Comparison:
     support.
     """
 
+    study: Study
     spec: FrictionCurvesTable
     measured: list[Curve]
     at_rest: list[Curve]
@@ -36,6 +36,16 @@ class Comparison:
     def curves(self, rpm: Sequence[float]) -> list[Curve]:
         """The measured ones at these speeds of rotation."""
         return [curve for curve in self.measured if curve.rpm in rpm]
+
+    def simulated(self, name: str) -> dict[float, list[str]]:
+        """The values (SI) that the study's cases set of a parameter, and which cases, by name."""
+        found: dict[float, list[str]] = {}
+        for case in unfold(self.study):
+            if (value := case.tables["plant"].get("set", {}).get(name)) is not None:
+                cases = found.setdefault(parameter_value(name, value), [])
+                if case.name and case.name not in cases:
+                    cases.append(case.name)
+        return found
 
     @property
     def rpm(self) -> list[float]:
@@ -64,27 +74,14 @@ def _same(one: Prediction, other: Prediction, curves: Sequence[Curve]) -> bool:
     return all(np.allclose(one.residual(curve), other.residual(curve), atol=1e-9) for curve in curves)
 
 
-def measured_curves(study: Study) -> list[Curve]:
-    """The measured curves of a study with those without rotation; empty where it has none.
-
-    Raises:
-        UserError: the file does not serve.
-    """
-    spec, folder = study.file.friction_curves, study.path.parent
-    if spec is None:
-        return []
-    values = read_parameters(parameter_path(spec.parameters, folder))
-    return [*without_rotation(values), *read_curves(folder / spec.measured)]
-
-
 def compare(study: Study, spec: FrictionCurvesTable) -> Comparison:
     """Predict every measured curve by every law, and fit what the anisotropic one may lack."""
     values = read_parameters(parameter_path(spec.parameters, study.path.parent))
-    curves = measured_curves(study)
+    curves = curves_of(study)
     measured = [curve for curve in curves if curve.rpm]
     known = laws(values)
     added, fitted = supported(known[-1], [curve for curve in measured if curve.rpm in spec.fit_rpm])
-    return Comparison(spec, measured, [curve for curve in curves if not curve.rpm], known, fitted, added)
+    return Comparison(study, spec, measured, [curve for curve in curves if not curve.rpm], known, fitted, added)
 
 
 def hydraulic_power(frictions: Sequence[float], speed: float) -> float:

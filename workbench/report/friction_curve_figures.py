@@ -41,7 +41,7 @@ def _curve_panel(axes: Axes, found: Comparison, curve: Curve) -> None:
     for number, law in enumerate(found.distinct):
         predicted = law.curve(curve.rpm, curve.direction).friction
         axes.plot(MM * curve.speed, predicted, label=law.name, **line_style(number))
-    used = "fit" if curve.rpm in found.spec.fit_rpm else "check" if curve.rpm in found.spec.check_rpm else "neither"
+    used = "fit" if curve.rpm in found.spec.fit_rpm else "check" if curve.rpm in found.spec.check_rpm else "not used"
     axes.set_title(f"{curve.rpm:g} rpm ({used})")
 
 
@@ -58,6 +58,7 @@ def _over_rpm(found: Comparison, title: str, label: str, figures: dict[str, Call
             axes.plot(found.rpm, shown, label=name, marker="o" if not number else marker(number), **style)
         axes.set_xlabel("rotation (rpm)")
         axes.set_ylabel(label)
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.legend(loc="best")
     return figure
 

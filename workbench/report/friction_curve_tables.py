@@ -1,19 +1,29 @@
 """Tables of measured friction-velocity curves against what the bristle laws predict."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from workbench.identify.friction_curves import DIRECTIONS, FASTEST, SLIDING, rms, share, unchanged
+from workbench.identify.friction_curves import (
+    DIRECTIONS,
+    FASTEST,
+    SLIDING,
+    Curve,
+    Fitted,
+    affordable,
+    rms,
+    share,
+    unchanged,
+)
 from workbench.parameters import known_units
-from workbench.report.friction_curve_comparison import Comparison, hydraulic_power, predicted_power
+from workbench.report.friction_curve_comparison import Comparison
+from workbench.report.friction_curve_power import MM, Table, fall, framed, listed
 from workbench.report.tables import shown_number
 from workbench.units import factor
 
-MM = 1e3
-IDENTIFIED = 1.0
-"""A fitted number with a standard deviation above this share of it is not identified."""
+SAME = 0.1
+"""Share of its standard deviation by which a simulated number may differ from the fitted one."""
 
 NOUGHT = 1e-3
 """A number is shown as 0 below this share of its standard deviation."""
@@ -22,13 +32,6 @@ LEVEL = 1e8
 """N s/m. More at v = 0 is no slope: friction has a level there."""
 
 SPEED_RANGE = f"{MM * SLIDING:g} to {MM * FASTEST:g} mm/s"
-
-Table = tuple[str, str, pd.DataFrame, list[str]]
-"""Name, title, cells and notes."""
-
-
-def _rpm(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
 
 
 def error_table(found: Comparison) -> Table:
@@ -42,20 +45,21 @@ def error_table(found: Comparison) -> Table:
         line = {"law": one.prediction.name, "fitted numbers": str(len(one.numbers))}
         for label, rpm in (("fit", found.spec.fit_rpm), ("check", found.spec.check_rpm), ("other", others)):
             if rpm:
-                curves, heading = found.curves(rpm), f"{label}: {_rpm(rpm)} rpm"
+                curves, heading = found.curves(rpm), f"{label}: {listed(rpm)} rpm"
                 line[f"{heading} (N)"] = shown_number(rms(one.prediction, curves), 3)
                 line[f"{label} (%)"] = shown_number(100.0 * share(one.prediction, curves), 3)
-        line["check, of the best bare law"] = f"{rms(one.prediction, check) / best:.2f}"
+        line["check / best bare law"] = f"{rms(one.prediction, check) / best:.2f}"
         line["price"] = shown_number(one.price, 4)
         lines.append(line)
     notes = [
         f"Root mean square of measured less predicted axial friction over {SPEED_RANGE} in both directions, and as "
         "a share of the measured friction's. The laws know the axial set without rotation and the set of pure "
-        "rotation; no number is fitted to a curve, but for the effects: on the fit speeds only.",
+        "rotation; no number is fitted to a curve, but for the effects: on the fit speeds only. Check / best bare law: "
+        "error on the check speeds over that of the law without effects that is best there; below 1 is better.",
         "Price: n ln(rms^2) + k ln(n) on the fit speeds with four independent numbers a curve and k fitted ones.",
         verdict(found),
     ]
-    return "friction_curve_error", "Measured against predicted axial friction of the rotating rod", _frame(lines), notes
+    return "friction_curve_error", "Measured against predicted axial friction of the rotating rod", framed(lines), notes
 
 
 def verdict(found: Comparison) -> str:
@@ -63,13 +67,36 @@ def verdict(found: Comparison) -> str:
     added, check = found.added, found.curves(found.spec.check_rpm)
     best = min(rms(law, check) for law in found.laws)
     if added.effect is None:
-        return "None of the effects is worth its numbers: the fit speeds do not support any."
-    before, after = shown_number(best, 3), shown_number(rms(added.prediction, check), 3)
-    return (
-        f"The fit speeds support {added.effect.name}, the lowest price. On the check speeds the error falls from "
-        f"{before} N, that of the best bare law, to {after} N. The others are not supported: what they add does "
-        "not pay for their numbers."
+        return f"The fit speeds support none of the effects. {_not_chosen(found)}"
+    after = rms(added.prediction, check)
+    said = (
+        f"The fit speeds support {added.effect.name}, the lowest price. On the check speeds the error "
+        f"{'falls' if after < best else 'rises'} from {shown_number(best, 3)} N, that of the best bare law, to "
+        f"{shown_number(after, 3)} N. "
     )
+    fewer = [one for one in found.fitted if len(one.numbers) < len(added.numbers)]
+    cheaper = [*found.laws, *(one.prediction for one in fewer)]
+    better = min(cheaper, key=lambda law: rms(law, check))
+    if rms(better, check) < after:
+        error = shown_number(rms(better, check), 3)
+        said += f"With fewer numbers {better.name} does better on the check speeds, {error} N: the choice is doubtful. "
+    return said + _not_chosen(found)
+
+
+def _not_chosen(found: Comparison) -> str:
+    """Why the other effects are not supported, in a sentence or two."""
+    fit = found.curves(found.spec.fit_rpm)
+    chosen = found.added.effect.name if found.added.effect else ""
+    names = {one.effect.name: one for one in found.fitted if one.effect and one.effect.name != chosen}
+    unknown = [name for name, one in names.items() if not one.identified]
+    many = [name for name, one in names.items() if one.identified and not affordable(one, fit)]
+    dear = [name for name in names if name not in (*unknown, *many)]
+    reasons = {
+        "their numbers are not all identified (friction_curve_effects)": unknown,
+        "as many numbers as half the independent ones of the curves, or more": many,
+        "a higher price": dear,
+    }
+    return "Not supported: " + "; ".join(f"{', '.join(who)}: {why}" for why, who in reasons.items() if who) + "."
 
 
 def effect_table(found: Comparison) -> Table:
@@ -85,19 +112,48 @@ def effect_table(found: Comparison) -> Table:
                     "law": one.prediction.name,
                     "parameter": name,
                     "unit": {"width": "rpm"}.get(name, unit.replace("1", "")),
-                    "value": shown_number(scale * value, 3) if abs(value) > NOUGHT * std else "0",
+                    "value": _fitted_value(scale * value, scale * std),
                     "std": shown_number(scale * std, 2) if np.isfinite(std) else "",
-                    "remark": "" if std < IDENTIFIED * abs(value) else "not identified",
+                    "remark": _remark(one, name),
                 }
             )
     notes = [
-        f"Fitted at {_rpm(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
+        f"Fitted at {listed(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
         "rotation: at these speeds of rotation the film is there whole, and the curves cannot tell how it came.",
         "film: the axial level falls to film_share of itself with the helical speed. guide: a contact that slides "
         "and does not turn takes guide_coulomb of the axial level. resonance: takes the share dip off axial "
-        "friction around 100 rpm.",
+        "friction around 100 rpm. Without a value or deviation: the curves do not depend on it, or on others as well.",
+        *_simulated(found),
     ]
-    return "friction_curve_effects", "What the anisotropic law may lack, fitted", _frame(lines), notes
+    return "friction_curve_effects", "What the anisotropic law may lack, fitted", framed(lines), notes
+
+
+def _fitted_value(value: float, std: float) -> str:
+    if np.isinf(std):
+        return ""
+    return shown_number(value, 3) if abs(value) > NOUGHT * std else "0"
+
+
+def _remark(one: Fitted, name: str) -> str:
+    if one.is_identified(name):
+        return ""
+    return "not identified, at its bound" if name in one.at_bound else "not identified"
+
+
+def _simulated(found: Comparison) -> list[str]:
+    """Where the study simulates other numbers than those of the effect that the fit supports."""
+    units, lines = known_units(), []
+    for name, (value, std) in found.added.numbers.items():
+        unit = units.get(name, "1").replace("1", "")
+        for declared, cases in found.simulated(name).items() if name in units else ():
+            if abs(declared - value) > SAME * std:
+                where = f" in {', '.join(cases)}" if cases else ""
+                lines.append(
+                    f"The study simulates {name} {declared:g} {unit}".rstrip()
+                    + f"{where}; the fit gives {shown_number(value, 3)} {unit}".rstrip()
+                    + f" (std {shown_number(std, 2)}): set it in the study."
+                )
+    return lines
 
 
 def slope_table(found: Comparison) -> Table:
@@ -114,43 +170,61 @@ def slope_table(found: Comparison) -> Table:
         upper = curve.speed > 0.5 * FASTEST
         rise = np.polyfit(curve.speed[upper], curve.friction[upper] - alone["forward"].friction[upper], 1)[0]
         line["measured, upper half"] = shown_number(float(rise), 4)
-        if reference := spec.reference_slope.get(f"{rpm:g}"):
+        if reference := {float(name): slopes for name, slopes in spec.reference_slope.items()}.get(rpm):
             line["reference, at v = 0"] = shown_number(reference[0], 4)
             line["reference, regression"] = shown_number(reference[1], 4)
         lines.append(line)
     notes = [
-        f"N s/m, with the forward set in both directions. Regression: a line over 0 to {MM * FASTEST:g} mm/s. "
+        f"With the forward set in both directions. Regression: a line over 0 to {MM * FASTEST:g} mm/s. "
         "Measured: the rise of the forward curve's slope over that without rotation, over the upper half of the "
         "speeds, where static friction has decayed; within a fraction of a percent that is the rise of the "
         "thesis's viscous friction.",
+        *(
+            ["A level: friction is left at v = 0, as a guide leaves it, and no slope."]
+            if _any(lines, "a level")
+            else []
+        ),
+        *(
+            ["Reference: another computation of the bare anisotropic law, as the study gives it."]
+            * bool(spec.reference_slope)
+        ),
     ]
-    return "added_slope", "Slope that rotation adds to axial friction", _frame(lines), notes
+    return "added_slope", "Slope that rotation adds to axial friction (N s/m)", framed(lines), notes
+
+
+def _any(lines: Sequence[dict[str, str]], cell: str) -> bool:
+    return any(cell in line.values() for line in lines)
 
 
 def static_table(found: Comparison) -> Table:
-    """Static friction, and friction at the slowest measured speed, against rpm: how far they fall."""
-    first = sum(curve.static for curve in found.at_rest)
-    slow = sum(curve.at(SLIDING) for curve in found.at_rest)
-    lines = []
-    for rpm in found.rpm:
-        curves = found.curves([rpm])
-        measured, near = sum(curve.static for curve in curves), sum(curve.at(SLIDING) for curve in curves)
-        line = {"rpm": f"{rpm:g}", "measured static (N)": shown_number(0.5 * measured, 3)}
-        line["its fall (%)"] = _fall(measured, first)
-        for law in found.distinct:
-            predicted = sum(law.curve(rpm, name).static for name in DIRECTIONS)
-            line[f"{law.name}, v to 0 (%)"] = _fall(predicted, first)
-        line[f"measured at {MM * SLIDING:g} mm/s (%)"] = _fall(near, slow)
-        for law in found.distinct:
-            predicted = sum(law.curve(rpm, name).at(SLIDING) for name in DIRECTIONS)
-            line[f"{law.name}, at {MM * SLIDING:g} mm/s (%)"] = _fall(predicted, slow)
-        lines.append(line)
+    """Static friction against rpm: how far it falls."""
+    first, cells = _falls(found, lambda curve: curve.static)
     notes = [
-        f"Mean of both directions; percent by which it falls from {shown_number(0.5 * first, 3)} N (static) and "
-        f"{shown_number(0.5 * slow, 3)} N (at {MM * SLIDING:g} mm/s) without rotation.",
+        f"Mean of both directions; fall in percent from {shown_number(first, 3)} N without rotation. Predicted: what "
+        "is left as the velocity goes to 0.",
         static_words(found),
     ]
-    return "static_friction", "Static friction against speed of rotation", _frame(lines), notes
+    return "static_friction", "Fall of static friction with speed of rotation", cells, notes
+
+
+def slowest_table(found: Comparison) -> Table:
+    """The same of friction at the slowest measured speed."""
+    first, cells = _falls(found, lambda curve: curve.at(SLIDING))
+    notes = [f"Mean of both directions; fall in percent from {shown_number(first, 3)} N without rotation."]
+    return "slowest_friction", f"Fall of friction at {MM * SLIDING:g} mm/s with speed of rotation", cells, notes
+
+
+def _falls(found: Comparison, of: Callable[[Curve], float]) -> tuple[float, pd.DataFrame]:
+    """A friction (N) without rotation, and by how many percent it falls, measured and by each law."""
+    first, lines = sum(of(curve) for curve in found.at_rest), []
+    for rpm in found.rpm:
+        measured = sum(of(curve) for curve in found.curves([rpm]))
+        line = {"rpm": f"{rpm:g}", "measured (N)": shown_number(0.5 * measured, 3)}
+        line["measured (%)"] = fall(measured, first)
+        for law in found.distinct:
+            line[f"{law.name} (%)"] = fall(sum(of(law.curve(rpm, name)) for name in DIRECTIONS), first)
+        lines.append(line)
+    return 0.5 * first, framed(lines)
 
 
 def static_words(found: Comparison) -> str:
@@ -172,40 +246,5 @@ def static_words(found: Comparison) -> str:
     left = sum(found.added.prediction.curve(fast[0], name).static for name in DIRECTIONS)
     return (
         f"{said}{bare}With a guide that does not turn, fitted to the curves and not to this, the law predicts "
-        f"{_fall(left, first)} %."
+        f"{fall(left, first)} %."
     )
-
-
-def _fall(now: float, before: float) -> str:
-    return f"{100.0 * (1.0 - now / before):.1f}"
-
-
-def power_table(found: Comparison) -> Table:
-    """Hydraulic power at one speed along, measured and predicted, and with rotary power, against rpm."""
-    speed, lines = found.spec.speed, []
-    before = hydraulic_power([curve.at(speed) for curve in found.at_rest], speed)
-    lines.append({"rpm": "0", "measured hydraulic (W)": shown_number(before, 3)})
-    for rpm in found.rpm:
-        measured = hydraulic_power([curve.at(speed) for curve in found.curves([rpm])], speed)
-        line = {"rpm": f"{rpm:g}", "measured hydraulic (W)": shown_number(measured, 3)}
-        line["reduced by (%)"] = _fall(measured, before)
-        for law in found.distinct:
-            line[f"{law.name}, reduced by (%)"] = _fall(predicted_power(law, rpm, speed)[0], before)
-        rotary = predicted_power(found.predictions[-1], rpm, speed)[1]
-        line["rotary (W)"] = shown_number(rotary, 3)
-        line["measured hydraulic and rotary (W)"] = shown_number(measured + rotary, 3)
-        lines.append(line)
-    totals = {line["rpm"]: float(line.get("measured hydraulic and rotary (W)", np.inf)) for line in lines}
-    paying = [rpm for rpm, total in totals.items() if total < before]
-    words = f"at {', '.join(paying)} rpm" if paying else "at none of these speeds"
-    notes = [
-        f"At {MM * speed:g} mm/s along, mean of both directions. Hydraulic: friction times velocity (4.16). "
-        f"Rotary: friction times surface speed (4.18), by {found.predictions[-1].name}, since none was measured "
-        "while the rod slid.",
-        f"By this account rotating pays {words}.",
-    ]
-    return "power_at_speed", "Power against speed of rotation at a constant velocity", _frame(lines), notes
-
-
-def _frame(lines: list[dict[str, str]]) -> pd.DataFrame:
-    return pd.DataFrame(lines).fillna("")

@@ -6,12 +6,22 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.report.figures import save
-from workbench.report.friction_curve_comparison import compare, measured_curves
+from workbench.report.friction_curve_comparison import compare
 from workbench.report.friction_curve_figures import curves_figure, power_figure, static_figure
-from workbench.report.friction_curve_tables import effect_table, error_table, power_table, slope_table, static_table
+from workbench.report.friction_curve_power import power_table
+from workbench.report.friction_curve_tables import (
+    effect_table,
+    error_table,
+    slope_table,
+    slowest_table,
+    static_table,
+)
 from workbench.report.friction_curve_validation import NAME, NOTE, TITLE, validation_table
 from workbench.report.tables import write_frame
 from workbench.study.document import Study
+from workbench.study.friction_curves import curves_of
+
+TABLES = (error_table, effect_table, slope_table, static_table, slowest_table, power_table)
 
 
 def write_friction_curves(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
@@ -34,8 +44,8 @@ def write_friction_curves(study: Study, frame: pd.DataFrame, folder: Path) -> li
         "figure_5_21": power_figure(found),
     }.items():
         save(figure, name, folder / "figures")
-    made = [table(found) for table in (error_table, effect_table, slope_table, static_table, power_table)]
-    validation = validation_table(study, frame, folder, measured_curves(study))
+    made = [table(found) for table in TABLES]
+    validation = validation_table(study, frame, folder, curves_of(study))
     if not validation.empty:
         made.append((NAME, TITLE, validation, [NOTE]))
     return [write_frame(*table, folder / "tables")[1] for table in made]

@@ -5,6 +5,7 @@ import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
@@ -12,10 +13,18 @@ import pandas as pd
 from workbench.errors import UserError
 from workbench.identify.friction_records import ThesisFit
 from workbench.identify.identification import Identification, as_data
+from workbench.identify.schema import NUISANCES
 from workbench.parameters import UNBOUNDED, known_units
 from workbench.report.figures import save
 from workbench.report.identification_figures import correlation_figure, record_figures, requested_figures
-from workbench.report.identification_published import SHOWN, published_notes, published_table, scale_shown, unit_shown
+from workbench.report.identification_published import (
+    SHOWN,
+    published_notes,
+    published_table,
+    remark,
+    scale_shown,
+    unit_shown,
+)
 from workbench.report.tables import shown_number, write_frame
 from workbench.units import factor
 
@@ -24,13 +33,21 @@ PLANT = "plant.toml"
 WRITTEN = (RESULT, PLANT, "tables", "figures")
 DIGITS = 4
 
+STAYS = " and stays as declared"
+TAKEN_FOR_RIGHT = (
+    "Simulation: standard deviations are those of noise and sensors; they take for right all that was declared and not "
+    "fitted."
+)
+
 
 def check_folder(folder: Path, overwrite: bool) -> None:
     """Whether an identification may be written there; nothing is changed.
 
     Raises:
-        UserError: it holds one, or files of the same names that no identification wrote.
+        UserError: it is no folder, holds an identification, or files of the same names that no identification wrote.
     """
+    if folder.exists() and not folder.is_dir():
+        raise UserError(f"{folder}: is a file; give --out a folder")
     ours = (folder / RESULT).exists()
     if ours and not overwrite:
         raise UserError(f"{folder}: holds an identification already; replace it with --overwrite")
@@ -39,25 +56,35 @@ def check_folder(folder: Path, overwrite: bool) -> None:
         raise UserError(f"{folder}: holds {', '.join(foreign)} that no identification wrote; choose another --out")
 
 
-def _clear(folder: Path) -> None:
-    """Make the folder, empty of an earlier identification."""
-    for name in WRITTEN:
-        path = folder / name
-        if path.is_dir():
-            shutil.rmtree(path)
-        else:
-            path.unlink(missing_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
-
-
 def write_identification(found: Identification, folder: Path) -> list[Path]:
-    """Write everything; identified.json, which marks it as whole, last. Returns the Markdown tables' paths."""
+    """Write everything, whole or not at all: into a folder beside, then moved. Returns the Markdown tables' paths."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
+        beside = Path(temporary)
+        paths = _write(found, beside)
+        folder.mkdir(exist_ok=True)
+        for name in WRITTEN:  # the old mark goes first, the new one comes last
+            _remove(folder / name)
+        for name in reversed(WRITTEN):
+            if (beside / name).exists():
+                os.replace(beside / name, folder / name)
+        return [folder / path.relative_to(beside) for path in paths]
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _write(found: Identification, folder: Path) -> list[Path]:
+    """All files, into an empty folder."""
     experiment, thesis = found.experiment, found.thesis
     frame, notes = table_of(found), notes_of(found)
     figures = {**requested_figures(found), **record_figures(found)}
     if found.simulation is not None and len(found.simulation.estimates) > 1:
         figures["correlation"] = correlation_figure(found.simulation)
-    _clear(folder)
     paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
     for spec in experiment.published:
         if thesis is None:
@@ -68,9 +95,7 @@ def write_identification(found: Identification, folder: Path) -> list[Path]:
         save(figure, name, folder / "figures")
     if found.corrected:
         (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
-    temporary = folder / f".{RESULT}.part"
-    temporary.write_text(json.dumps(as_data(found), indent=2) + "\n", encoding="utf-8")
-    os.replace(temporary, folder / RESULT)
+    (folder / RESULT).write_text(json.dumps(as_data(found), indent=2) + "\n", encoding="utf-8")
     return paths
 
 
@@ -92,10 +117,10 @@ def _by_speed(fit: ThesisFit) -> pd.DataFrame:
     for rpm, group in fit.groups.items():
         for name, one in group.items():
             value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (one.value, one.std))
-            lines.append(
-                {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
-            )
-    return pd.DataFrame(lines).replace("nan", "")
+            line = {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
+            lines.append({**line, "remark": remark(one)})
+    frame = pd.DataFrame(lines).replace("nan", "")
+    return frame.drop(columns=[name for name in ("remark",) if not frame[name].any()])
 
 
 def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[str, str]:
@@ -107,9 +132,16 @@ def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[st
         return "" if number is None or number != number else shown_number(scale * number, DIGITS)
 
     line = {"parameter": name, "unit": unit, "declared": shown(entry["declared"])}
-    if thesis := entry.get("thesis"):
+    thesis, simulation = entry.get("thesis"), entry.get("simulation")
+    if found.thesis is not None and name in found.thesis.unidentified:
+        line |= {"thesis": "not identified"}
+        thesis = None
+    elif thesis:
         line |= {"thesis": shown(thesis["mean"]), "thesis std": shown(thesis["std"])}
-    if simulation := entry.get("simulation"):
+    if simulation and "at_bound" in simulation:
+        line |= {"simulation": f"{shown(simulation['value'])}, at its bound"}
+        simulation = None
+    elif simulation:
         line |= {
             "simulation": shown(simulation["value"]),
             "simulation std": shown(simulation["std"]),
@@ -119,25 +151,34 @@ def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[st
         line |= {"simulation": "not identified"}
     if truth:
         line["truth"] = shown(truth)
-        for method, key in (("thesis", "mean"), ("simulation", "value")):
-            if value := entry.get(method):
+        for method, value, key in (("thesis", thesis, "mean"), ("simulation", simulation, "value")):
+            if value:
                 line[f"{method} bias (%)"] = f"{100.0 * (value[key] / truth - 1.0):+.2f}"
         if simulation and simulation["std"]:
-            line["bias / std"] = f"{(simulation['value'] - truth) / simulation['std']:+.2f}"
+            line["simulation bias / std"] = f"{(simulation['value'] - truth) / simulation['std']:+.2f}"
     return line
 
 
 def notes_of(found: Identification) -> list[str]:
     """What a reader of the table must know."""
     notes = []
+    fit = found.simulation
     for record in found.records:
         notes += [f"{record.label}, {record.path.name}: {note}." for note in record.notes]
     if found.thesis is not None:
         count = max(one.count for group in found.thesis.groups.values() for one in group.values())
-        notes.append(f"Thesis's method: mean and standard deviation over {count} repeats.")
+        repeats = (
+            f"mean and standard deviation over {count} records" if count > 1 else "of one record: without a deviation"
+        )
+        notes.append(f"Thesis's method: {repeats}.")
         notes += [f"{note}." for note in found.thesis.notes]
-    fit = found.simulation
+        notes += [
+            f"{name} is not identified by the thesis's method{STAYS * (fit is None)}: {why}."
+            for name, why in found.thesis.unidentified.items()
+        ]
     if fit is not None:
+        notes.append(TAKEN_FOR_RIGHT)
+        notes += [f"{name} is {why}, and has no deviation there." for name, (_, why) in fit.bounded.items()]
         notes += [
             f"{name} cannot be identified from these records and stays as declared: {why}."
             for name, why in fit.unidentified.items()
@@ -148,10 +189,13 @@ def notes_of(found: Identification) -> list[str]:
             values = [shown_number(factor(unit, shown) * value, 3) for value in (before, fit.rms[name])]
             notes.append(f"{name}, simulated against measured: {values[0]} {shown} rms as declared, {values[1]} after.")
         for name, one in fit.sensors.items():
-            unit = "Pa" if name.endswith("offset") else "1"
+            unit = NUISANCES[name]
             shown = SHOWN.get(unit, unit)
             texts = [shown_number(factor(unit, shown) * value, 3) for value in (one.value, one.std)]
-            notes.append(f"{name}: {texts[0]} (std {texts[1]}){'' if shown == '1' else f' {shown}'}.")
+            true = found.experiment.true_sensors.get(name)
+            truth = "" if true is None else f"; truth {shown_number(factor(unit, shown) * true, 3)}"
+            notes.append(f"{name}: {texts[0]} (std {texts[1]}{truth}) {'as a share' if shown == '1' else shown}.")
+        notes += [f"{note}." for note in fit.notes]
     return notes
 
 

@@ -26,8 +26,9 @@ SHOWN = {
 """Label, unit and factor of each output."""
 
 
-def _figure(title: str, panels: int) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT * panels + 0.4))
+def _figure(title: str, panels: int, height: float = 1.0) -> tuple[Figure, list[Axes]]:
+    """A figure of panels above one another, each of `height` times the usual one."""
+    figure = Figure(figsize=(WIDTH, height * PANEL_HEIGHT * panels + 0.4))
     FigureCanvasAgg(figure)
     figure.suptitle(title)
     return figure, list(figure.subplots(panels, squeeze=False)[:, 0])
@@ -67,20 +68,24 @@ def friction_figure(found: Identification, title: str, rpm: float | None) -> Fig
         fastest: dict[int, float] = {1: 0.0, -1: 0.0}
         for i, record in enumerate(records):
             data = _curve(found, record)
-            label = None if i else "measured, 10 Hz"
+            label = None if i else f"{'measured' if found.experiment.truth is None else 'simulated record'}, 10 Hz"
             axes.plot(scale * data.velocity, data.force, ".", color="#999999", markersize=2.0, label=label)
             for sign in fastest:
                 fastest[sign] = max(fastest[sign], float(np.nanmax(sign * data.velocity)))
-        for number, (label, values) in enumerate(_sets(found, rpm).items()):
+        for source, values in _sets(found, rpm).items():
+            label = source
             for sign, speed in fastest.items():
                 direction = "rotary" if rotary else "forward" if sign > 0 else "backward"
-                drawn = _steady_curve(axes, values, direction, speed, number, label, scale)
+                drawn = _steady_curve(axes, values, direction, speed, source, label, scale)
                 label = "" if drawn else label
         axes.set_xlabel("surface speed (m/s)" if rotary else "velocity (mm/s)")
         axes.set_ylabel("friction (N)")
         axes.legend(loc="best")
     return figure
 
+
+STYLES = {name: line_style(i) for i, name in enumerate(("thesis's method", "simulation", "truth", "published"))}
+"""One colour and dash for each source of a curve, in every figure."""
 
 LEAST = 1e-3
 """m/s. A direction in which nothing moves faster has no curve."""
@@ -123,7 +128,7 @@ def _published(found: Identification, rpm: float | None) -> dict[str, float]:
 
 
 def _steady_curve(
-    axes: Axes, values: dict[str, float], direction: str, speed: float, number: int, label: str, scale: float
+    axes: Axes, values: dict[str, float], direction: str, speed: float, source: str, label: str, scale: float
 ) -> bool:
     """Draw the steady curve (4.7) up to `speed` (m/s), shown times `scale`; whether there is one."""
     fallback = {name: None if direction == "rotary" else values.get(name) for name in STEADY}
@@ -135,8 +140,7 @@ def _steady_curve(
     sign = -1.0 if direction == "backward" else 1.0
     v = np.linspace(0.0, speed, 300)
     force = steady(v, *(float(value) for value in chosen if value is not None))
-    style = line_style(number)
-    axes.plot(scale * sign * v, sign * force, label=label or None, linewidth=1.2, **style)
+    axes.plot(scale * sign * v, sign * force, label=label or None, linewidth=1.2, **STYLES[source])
     return True
 
 
@@ -163,6 +167,7 @@ def over_rpm_figure(found: Identification, spec: FigureTable) -> Figure:
                 fmt=marker(number),
                 color=COLOURS[number],
                 capsize=2.0,
+                clip_on=False,
                 label=f"{direction}, found",
             )
             for table in found.experiment.published:
@@ -174,10 +179,12 @@ def over_rpm_figure(found: Identification, spec: FigureTable) -> Figure:
                         "x+"[number],
                         color=COLOURS[number],
                         markersize=8.0,
+                        clip_on=False,
                         label=f"{direction}, published",
                     )
         axes.set_xlabel("rotation (rpm)")
-        axes.set_ylabel(f"{name.replace('_', ' ')} ({unit_shown(name)})")
+        what = name.replace("_", " ") + ("" if name in ("stribeck_velocity",) or "bristle" in name else " friction")
+        axes.set_ylabel(f"{what} ({unit_shown(name)})")
         axes.set_ylim(bottom=0.0)
         axes.legend(loc="best")
     return figure
@@ -200,7 +207,9 @@ def record_figures(found: Identification) -> dict[str, Figure]:
         path = str(record.path)
         time = fit.times[path]
         with figure_style():
-            figure, panels = _figure(f"Simulated against measured: {record.label}", 2 * len(fit.measured[path]))
+            alike = [other for other in found.records if other.label == record.label]
+            which = f"{record.label}, record 1 of {len(alike)}" if len(alike) > 1 else record.label
+            figure, panels = _figure(f"Simulated against measured\n{which}", 2 * len(fit.measured[path]), 0.55)
             for i, (output, measured) in enumerate(fit.measured[path].items()):
                 label, unit, scale = SHOWN[output]
                 simulated = fit.simulated[path][output]

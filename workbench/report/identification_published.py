@@ -7,7 +7,7 @@ import pandas as pd
 
 from workbench.identify.friction_records import ThesisFit
 from workbench.identify.schema import PUBLISHED, STATIC, SUFFIXES, PublishedTable
-from workbench.identify.thesis_method import Estimate
+from workbench.identify.thesis_method import Estimate, doubt
 from workbench.parameters import known_units
 from workbench.report.tables import shown_number
 from workbench.units import factor
@@ -70,7 +70,15 @@ def _true(truth: Mapping[str, float], name: str, suffix: str) -> float | None:
 
 
 def _found(one: Estimate | None, name: str) -> str:
-    return "" if one is None else _one(one.value, one.std if one.count > 1 else None, name)
+    if one is None:
+        return ""
+    text = _one(one.value, one.std if one.count > 1 else None, name)
+    return f"{text}, {said}" if (said := remark(one)) else text
+
+
+def remark(one: Estimate) -> str:
+    """What to say beside a value that the records do not give."""
+    return "" if not doubt(one) else "none seen" if one.value == 0.0 else "not identified"
 
 
 def _printed(spec: PublishedTable, name: str, i: int) -> str:
@@ -98,7 +106,8 @@ def published_notes(spec: PublishedTable, fit: ThesisFit) -> list[str]:
     counts = {one.count for rpm in spec.rpm for name, one in fit.groups.get(rpm, {}).items() if name == STATIC + suffix}
     repeats = "no" if not counts else f"{min(counts)}" if len(counts) == 1 else f"{min(counts)} to {max(counts)}"
     source = f" Published: {spec.source}." if spec.source else ""
+    means = "Of one run" if counts == {1} else f"Means and, in brackets, standard deviations over {repeats} runs"
     return [
-        f"Means and, in brackets, standard deviations over {repeats} runs, by the thesis's method.{source}",
+        f"{means}, by the thesis's method.{source}",
         *([spec.note] if spec.note else []),
     ]

@@ -7,11 +7,11 @@ import pandas as pd
 from workbench.report.break_even import write_break_even
 from workbench.report.comparison_page import write_comparison
 from workbench.report.figures import write_figure
-from workbench.report.friction_curve_comparison import measured_curves
 from workbench.report.friction_curves import write_friction_curves
 from workbench.report.limit_cycles import write_limit_cycles
 from workbench.report.tables import write_table
 from workbench.study.document import Study
+from workbench.study.friction_curves import curves_of
 from workbench.study.runner import Plan
 
 
@@ -24,7 +24,7 @@ def write_tables(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
 
 def write_figures(study: Study, frame: pd.DataFrame, folder: Path) -> list[list[Path]]:
     """Draw all figures but those of a comparison or of friction curves; returns the paths of each."""
-    measured = measured_curves(study)
+    measured = curves_of(study)
     return [write_figure(spec, frame, folder, measured) for spec in study.file.figures]
 
 

@@ -18,6 +18,7 @@ from workbench.metrics.window import whole_periods
 from workbench.parameters import FLOW_SHARE
 from workbench.simulation.simulate import memory_names
 from workbench.study.document import Case, Study, located, named
+from workbench.study.friction_curves import check_friction_curves
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
 from workbench.study.resolve import Resolved
 from workbench.study.schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
@@ -63,6 +64,7 @@ class Checks:
         self._probes()
         for i, name in enumerate(self.study.file.records):
             self._signal(("records", i), name, range(len(self.cases)))
+        check_friction_curves(self.study)
         for kind in ("tables", "figures", "break_even"):
             names = [item.name for item in getattr(self.study.file, kind)]
             for i, name in enumerate(names):
@@ -159,9 +161,6 @@ class Checks:
 
     def _figure(self, key: Key, figure: FigureSpec) -> None:
         for i, panel in enumerate(figure.panels):
-            if panel.measured_rpm is not None and self.study.file.friction_curves is None:
-                message = "there is no [friction_curves] with a file of measured curves"
-                raise self.study.error((*key, "panels", i, "measured_rpm"), message)
             for j, curve in enumerate(panel.curves):
                 place = (*key, "panels", i, "curves", j)
                 if panel.x in self.columns:
