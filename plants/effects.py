@@ -146,8 +146,8 @@ def gap_rate(velocity: Scalar, gap: Scalar, width: Scalar) -> Scalar:
     backlash: a loose coupling between rod and sensor (Nordin and Gutman 2002). Looks like a position that rests at each
     reversal while oil flows; presliding looks alike, but the pressure then follows the position.
     """
-    carried = ((gap >= 0.5 * width) & (velocity < 0.0)) | ((gap <= -0.5 * width) & (velocity > 0.0))
-    return select(carried, 0.0, -velocity)
+    behind = select(gap <= -0.5 * width, np.minimum(velocity, 0.0), velocity)  # a flank carries the sensor forward
+    return -select(gap >= 0.5 * width, np.maximum(behind, 0.0), behind)
 
 
 FREE = 1e300
@@ -158,9 +158,9 @@ FREE = 1e300
 class Effect:
     """An effect by name: the balance on which it shows, and the parameters by which it acts.
 
-    `numbers` has for each parameter (canonical name) its bounds, and a size (SI) that is felt: where a search starts; 0 for
-    one that starts from the declared value of the other direction. `variants` are the sets of them that may act alone, the
-    smallest first. `needs` are the channels without which it cannot be told.
+    `numbers` has for each parameter (canonical name) its bounds, and a size (SI) that is felt: where a search starts; 0
+    for one that starts from the declared value of the other direction. `variants` are the sets of them that may act
+    alone, the smallest first. `needs` are the channels without which it cannot be told.
     """
 
     name: str

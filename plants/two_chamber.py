@@ -225,11 +225,11 @@ def measure(state: State, p: Parameters) -> Measurement:
 
 
 def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
-    """At rest in mid-stroke, the load held by the oil: P1 A1 - P2 A2 = F_load with P1 + P2 = P_s + P_T."""
+    """At rest for long in mid-stroke, the load held by the oil: P1 A1 - P2 A2 = F_load with P1 + P2 = P_s + P_T."""
     h = p.hydraulics
     total, area_2 = h.supply_pressure + h.tank_pressure, p.area_ratio * h.piston_area_2
     pressure_1 = (p.body.load_force + total * area_2) / (h.piston_area_1 + area_2)
-    return State(0.0, 0.0, pressure_1, total - pressure_1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), Inputs(0.0, 0.0)
+    return State(0.0, 0.0, pressure_1, total - pressure_1, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), Inputs(0.0, 0.0)
 
 
 TWO_CHAMBER = Plant(

@@ -94,7 +94,7 @@ def diagnose(path: Path) -> Diagnosis:
     baseline = dict(declared)
     first = dict(values)
     for balance in balances:
-        first |= {name: one for name, one in fit(balance, first, balance.free, experiment.bounds).values.items()}
+        first |= fit(balance, first, balance.free, experiment.bounds).values
     balances = floored(balances, first, experiment.flow)
     for balance in balances:
         after, steps = select(balance, values, experiment.bounds)

@@ -26,8 +26,9 @@ WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
 
 ANCHOR = 0.003
-"""Weight of a factor of e by which a positive parameter leaves its start, against the square of one sample at the floor:
-nothing where the record knows better, enough to keep two that it cannot tell apart from running away together."""
+"""Weight of a factor of e by which a positive parameter leaves its start, against the square of one sample at the
+floor: nothing where the record knows better, enough to keep two that it cannot tell apart from running away
+together."""
 
 NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
 """Values of the effects' parameters at which they do nothing."""

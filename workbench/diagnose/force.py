@@ -43,11 +43,12 @@ def friction_along(
 ) -> Any:
     """Friction (N) along a motion; bristle, memory and rest advance by the exact solution for a velocity that is held.
 
-    Below `creep` (m/s) a velocity is noise, and the bristle slips only at its full deflection. While the contact is `resting` friction is what holds it: `held` (N). The bristle is bent by that, and starts from
-    there: simulated from a velocity that is noise it would relax as if it crept.
+    Below `creep` (m/s) a velocity is noise, and the bristle slips only at its full deflection. While the contact is
+    `resting` friction is what holds it: `held` (N). The bristle is bent by that, and starts from there: simulated
+    from a velocity that is noise it would relax as if it crept.
     """
     out = np.empty(time.size)
-    bristle, lagged, rested = 0.0, velocity[0], 0.0
+    bristle, lagged, rested = 0.0, velocity[0], 1.0 if abs(velocity[0]) < fx.RESTING else 0.0
     stiffness = friction.positive.bristle_stiffness
     for k in range(time.size):
         v = velocity[k]

@@ -74,7 +74,9 @@ class Motion:
 
 
 def with_backlash(motion: Motion, width: float) -> Motion:
-    """The motion of the rod behind a backlash of a `width` (m): position and velocity with what the sensor does not see."""
+    """The motion of the rod behind a backlash of a `width` (m): position and velocity with what the sensor
+    does not see.
+    """
     if width == 0.0:
         return motion
     hidden, rate, bend = motion.slack
@@ -172,7 +174,9 @@ def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], poi
 
 
 def _slack(velocity: np.ndarray, creep: float, step: float) -> np.ndarray:
-    """Where the rod is in a backlash: with the side that it pushes while it moves, crossing before it pushes the other."""
+    """Where the rod is in a backlash: with the side that it pushes while it moves, crossing before it pushes
+    the other.
+    """
     moving = np.flatnonzero(np.abs(velocity) > creep)
     if moving.size == 0:
         return np.zeros(velocity.size)

@@ -1,8 +1,8 @@
-"""What a balance's residual would be if nothing were missing: the fitted plant simulated along the record, its sensors' noise
-added, and judged as the record is.
+"""What a balance's residual would be if nothing were missing: the fitted plant simulated along the record, its
+sensors' noise added, and judged as the record is.
 
-Smoothing, a bristle that follows a noisy velocity, contacts that break away between samples: all of it leaves a residual on
-records without any effect, and more of it than the sensors' noise alone.
+Smoothing, a bristle that follows a noisy velocity, contacts that break away between samples: all of it leaves a
+residual on records without any effect, and more of it than the sensors' noise alone.
 """
 
 from collections.abc import Sequence
@@ -74,8 +74,8 @@ def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion 
 
 
 SPOILT = 1.3
-"""Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where the record
-did not."""
+"""Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where
+the record did not."""
 
 
 def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:

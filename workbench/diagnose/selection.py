@@ -73,10 +73,11 @@ def gain(before: Fit, after: Fit) -> tuple[float, float]:
 def candidates_for(
     balance: Balance, before: Fit, names: Sequence[str], taken: Sequence[str], bounds: Mapping[str, tuple[float, float]]
 ) -> list[Candidate]:
-    """Every effect of the balance that is not there yet, or not with all its parameters, its best variant, from the best.
+    """Every effect of the balance that is not there yet, or not with all its parameters, its best variant, from the
+    best.
 
-    One step of a fit says what each variant promises; the `FITTED` most promising effects are fitted whole, with those of
-    their variants that promise about as much as their best.
+    One step of a fit says what each variant promises; the `FITTED` most promising effects are fitted whole, with
+    those of their variants that promise about as much as their best.
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
