@@ -6,15 +6,19 @@ from typing import Any
 import numpy as np
 
 from plants.effects import EFFECTS
-from plants.equation import NEGATIVE
+from plants.equation import NEGATIVE, fields
 from workbench.diagnose import flow, force
 from workbench.diagnose.fitting import Balance
 from workbench.diagnose.motion import Motion
+from workbench.parameters import SIGNED
 
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 FLOW = ("valve_flow_gain", "bulk_modulus")
 PUMP = ("pump_displacement",)
 """What the baseline may move on each balance where an experiment does not say."""
+
+FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain"}
+"""What it may move on the force balance where an experiment does."""
 
 
 def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Sequence[str] | None) -> list[Balance]:
@@ -58,19 +62,19 @@ def _balance(
     sharp: bool = False,
 ) -> Balance:
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
-    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in own]
-    known = [one for one in chosen if values.get(one, 0.0) > 0.0]
+    chosen = [one for one in (own if free is None else free) if one in FORCE or one.removesuffix(f"_{NEGATIVE}") in own]
+    known = [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
     kinds = ("force",) if name == "force" else ("flow", "valve")
     effects = tuple(
         effect.name
         for effect in EFFECTS.values()
-        if effect.balance in kinds and motions[0].has(*effect.needs) and _possible(effect.numbers, values)
+        if effect.balance in kinds and motions[0].has(*effect.needs) and _possible(effect.numbers, values, known)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
 
 
-def _possible(numbers: Mapping[str, Any], values: Mapping[str, float]) -> bool:
-    """Whether the plant is declared without the effect, and with what it would change."""
-    return all(
+def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:
+    """Whether the plant is declared without the effect, with what it would change, and the baseline has it not."""
+    return not any(name in free for name in numbers) and all(
         values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
     ) and not any(name.endswith(NEGATIVE) and name in values for name in numbers)

@@ -178,7 +178,7 @@ def _baseline_data(results: Sequence[BalanceResult]) -> dict[str, Any]:
                 "value": value,
                 "unit": units.get(name, "1"),
                 "std": std,
-                "identified": std < 0.5 * abs(value),
+                "identified": bool(std < 0.5 * abs(value)),
             }
     return data
 

@@ -35,9 +35,9 @@ from workbench.units import QuantityError, factor, si
 
 @dataclass(frozen=True)
 class ChannelSpec:
-    """Where a channel stands in a file, and how its numbers become SI: factor * number + offset."""
+    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI: factor * number + offset."""
 
-    column: str
+    column: str | int
     factor: float
     offset: float
     anti_alias: float
@@ -51,6 +51,7 @@ class RecordSpec:
     use: str
     label: str
     rpm: float | str
+    skip: int = 0
 
 
 @dataclass(frozen=True)
@@ -248,5 +249,8 @@ def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
         pattern = any(mark in table.file for mark in "*?[")
         paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
         # A pattern without a file stays: whoever reads the records says that there is none.
-        specs += [RecordSpec(p, table.use, table.label or p.stem, table.rpm) for p in paths or [folder / table.file]]
+        specs += [
+            RecordSpec(p, table.use, table.label or p.stem, table.rpm, table.skip)
+            for p in paths or [folder / table.file]
+        ]
     return tuple(specs)

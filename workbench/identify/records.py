@@ -75,7 +75,7 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
     Raises:
         UserError: unreadable, a missing column, or numbers that cannot be what they are called.
     """
-    table = _table(spec.path)
+    table = _table(spec.path).iloc[spec.skip :]
     columns = {name: _column(spec.path, table, name, channel) for name, channel in experiment.channels.items()}
     time, places, step = _grid(spec.path, columns.pop("time"))
     rpm = _rpm(spec, table)
@@ -111,9 +111,16 @@ def _table(path: Path) -> pd.DataFrame:
             return pd.read_parquet(path)
         if path.suffix == ".mat":
             return _mat(path)
-        return pd.read_csv(path, sep=None, engine="python", skipinitialspace=True)
-    except (OSError, ValueError, csv.Error, NotImplementedError) as error:
+        return _text(path)
+    except (OSError, EOFError, ValueError, csv.Error, NotImplementedError) as error:
         raise UserError(f"{path}: cannot be read as a table ({' '.join(str(error).split())})") from None
+
+
+def _text(path: Path) -> pd.DataFrame:
+    """A text file of any separator, also compressed (.gz); a first row of numbers alone is no header, but data."""
+    first = pd.read_csv(path, sep=None, engine="python", skipinitialspace=True, header=None, nrows=1).iloc[0]
+    header = None if pd.to_numeric(first, errors="coerce").notna().all() else 0
+    return pd.read_csv(path, sep=None, engine="python", skipinitialspace=True, header=header)
 
 
 def _mat(path: Path) -> pd.DataFrame:
@@ -126,13 +133,31 @@ def _mat(path: Path) -> pd.DataFrame:
 
 def _column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> np.ndarray:
     """A channel in SI; text that is no number becomes NaN."""
-    headers = {str(column).strip(): column for column in table.columns}
-    if channel.column not in headers:
-        raise UserError(f'{path}: no column "{channel.column}" for {name}; {nearest(channel.column, headers)}')
-    numbers = pd.to_numeric(table[headers[channel.column]], errors="coerce").to_numpy(dtype=float)
+    numbers = pd.to_numeric(table.iloc[:, _place(path, table, name, channel)], errors="coerce").to_numpy(dtype=float)
     if not np.any(np.isfinite(numbers)):
         raise UserError(f'{path}: column "{channel.column}" ({name}) holds no numbers')
     return numbers * channel.factor + channel.offset
+
+
+def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> int:
+    """The number, from 0, of a channel's column."""
+    count = table.shape[1]
+    if isinstance(channel.column, int):
+        if channel.column >= count:
+            raise UserError(
+                f"{path}: no column {channel.column} for {name}: it has {count} columns, and they count from 0 to "
+                f"{count - 1}"
+            )
+        return channel.column
+    headers = [str(column).strip() for column in table.columns]
+    if channel.column in headers:
+        return headers.index(channel.column)
+    if isinstance(table.columns, pd.RangeIndex):
+        raise UserError(
+            f'{path}: no column "{channel.column}" for {name}: the file has no header; give the number of the column '
+            f"from 0 to {count - 1}, such as column = 0"
+        )
+    raise UserError(f'{path}: no column "{channel.column}" for {name}; {nearest(channel.column, headers)}')
 
 
 def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictFloat, model_validator
+from pydantic import Field, StrictFloat, StrictInt, model_validator
 
 from plants.equation import NEGATIVE, ROTARY
 from workbench import files
@@ -93,10 +93,10 @@ class FitTable(files.Strict):
 class ChannelTable(files.Strict):
     """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
 
-    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
+    `column` is a name, or a number from 0. `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
     """
 
-    column: str
+    column: str | Annotated[StrictInt, Field(ge=0)]
     unit: str = "1"
     scale: float = 1.0
     offset: float = 0.0
@@ -106,12 +106,13 @@ class ChannelTable(files.Strict):
 class RecordTable(files.Strict):
     """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
 
-    `rpm` is the speed of rotation that was set, or the name of the column that holds it.
+    `skip` rows at the start of each file are left out. `rpm` is the speed of rotation that was set, or the name of the column that holds it.
     """
 
     file: str
     use: Literal["fit", "held_out"] = "fit"
     label: str = ""
+    skip: Annotated[StrictInt, Field(ge=0)] = 0
     rpm: Annotated[StrictFloat, Field(ge=0.0)] | str = 0.0
 
 
