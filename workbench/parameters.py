@@ -21,7 +21,7 @@ FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
 SIGNED = {"load_force"}
-UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
+UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit"}
 MAY_BE_ZERO = {
     "hose_volume",
     "tank_pressure",

@@ -62,7 +62,8 @@ def _balance(
     sharp: bool = False,
 ) -> Balance:
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
-    chosen = [one for one in (own if free is None else free) if one in FORCE or one.removesuffix(f"_{NEGATIVE}") in own]
+    admitted = FORCE if name == "force" else set(own)
+    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
     known = [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
     kinds = ("force",) if name == "force" else ("flow", "valve")
     effects = tuple(

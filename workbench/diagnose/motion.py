@@ -83,9 +83,14 @@ def _kernel(points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray
 
 
 def white_noise(values: np.ndarray) -> float:
-    """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks."""
-    third = np.diff(values[np.isfinite(values)], 3)
-    return float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)) if third.size else 0.0
+    """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks.
+
+    It is at least that of the steps in which a converter counts, uniform over one step: a slow signal rests on them.
+    """
+    known = values[np.isfinite(values)]
+    third, levels = np.diff(known, 3), np.diff(np.unique(known))
+    step = float(np.min(levels)) if levels.size else 0.0
+    return max(float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)), step / np.sqrt(12.0)) if third.size else 0.0
 
 
 def motion_of(record: Record) -> Motion:

@@ -31,6 +31,9 @@ SATURATED_SHARE = 0.05
 BEYOND = 1.05
 """A position or pressure beyond its range by more than a sensor's error: 5 %."""
 
+ARRIVAL = 10
+"""Samples before a channel rests at its extreme, in which one that was held there creeps, and one cut off still moves."""
+
 FEWEST = 50
 """Samples below which there is nothing to identify."""
 
@@ -226,12 +229,14 @@ def _check_alive(path: Path, name: str, values: np.ndarray) -> None:
         return
     for extreme, word in ((high, "largest"), (low, "smallest")):
         at = values == extreme
-        longest = max((b - a for a, b in spans(at)), default=0)
+        first, last = max(spans(at), key=lambda span: span[1] - span[0])
+        longest = last - first
         beside = np.unique(known)
+        held = abs(values[max(first - ARRIVAL, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
         next_to = float(beside[-2] if extreme == high else beside[1])
         # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
-        if longest > SATURATED_SHARE * values.size and crowded:
+        if longest > SATURATED_SHARE * values.size and crowded and not held:
             raise UserError(
                 f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
                 "use a sensor or an amplifier of larger range, or cut the record"
