@@ -14,8 +14,11 @@ from workbench.parameters import SIGNED
 
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 FLOW = ("valve_flow_gain", "bulk_modulus")
-PUMP = ("pump_displacement",)
+PUMP = ("pump_displacement", "bulk_modulus")
 """What the baseline may move on each balance where an experiment does not say."""
+
+PUMP_EFFECTS = ("unequal_areas", "internal_leakage", "command_delay")
+"""What a pump without a valve may have."""
 
 FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain"}
 """What it may move on the force balance where an experiment does."""
@@ -28,7 +31,7 @@ def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Se
     if first.has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
         found.append(_balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s"))
     elif first.has("pump_speed", "position") and "pump_displacement" in values:
-        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s"))
+        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s", only=PUMP_EFFECTS))
     if first.has("position") and force.driving_force(first, values) is not None:
         found.append(_balance("force", motions, _force, force.force_noise, values, FRICTION, free, "N", sharp=True))
     return found
@@ -60,7 +63,9 @@ def _balance(
     unit: str,
     *,
     sharp: bool = False,
+    only: Sequence[str] = tuple(EFFECTS),
 ) -> Balance:
+    channels = set(motions[0].channels) | ({"valve_voltage"} if "pump_speed" in motions[0].channels else set())
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
     admitted = FORCE if name == "force" else set(own)
     chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
@@ -69,7 +74,10 @@ def _balance(
     effects = tuple(
         effect.name
         for effect in EFFECTS.values()
-        if effect.balance in kinds and motions[0].has(*effect.needs) and _possible(effect.numbers, values, known)
+        if effect.balance in kinds
+        and effect.name in only
+        and set(effect.needs) <= channels
+        and _possible(effect.numbers, values, known)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
 

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from plants import effects as fx
-from plants.equation import select
 from plants.hydraulics import internal_leakage
+from plants.pump_cylinder import filling_area
 from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
 from workbench.diagnose.motion import Motion, smoothed, window_points
 from workbench.parameters import build
@@ -71,14 +71,21 @@ def pressure_sum(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
 
 
 def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
-    """Pump's flow less what the piston takes (m^3/s): D n - A v - C P_L, A that of the chamber which fills.
+    """Pump's flow (m^3/s) less what the piston and the oil take: D n - A v - C P_L - (V/beta) dP_L/dt.
 
-    D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s).
+    As in `plants.pump_cylinder`: D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s) after its delay, A the area of
+    the chamber which fills. Without both pressures leakage and compression are left out.
     """
-    area = select(
-        motion.velocity >= 0.0, values["piston_area_1"], values["piston_area_2"] * values.get("area_ratio", 1.0)
+    speed = motion.channels["pump_speed"]
+    if delay := values.get("command_delay", 0.0):
+        speed = np.interp(motion.time - delay, motion.time, speed)
+    area = filling_area(
+        motion.velocity, values["piston_area_1"], values["piston_area_2"], values.get("area_ratio", 1.0)
     )
-    leakage = values.get("leakage_coefficient", 0.0) * (
-        motion.channels.get("pressure_1", 0.0) - motion.channels.get("pressure_2", 0.0)
-    )
-    return np.asarray(values["pump_displacement"] * motion.channels["pump_speed"] - area * motion.velocity - leakage)
+    net = values["pump_displacement"] * speed - area * motion.velocity
+    if motion.has("pressure_1", "pressure_2"):
+        leakage = values.get("leakage_coefficient", 0.0)
+        volume = values["hose_volume"] + 0.5 * values["piston_area_1"] * values["stroke"]
+        net = net - leakage * (motion.channels["pressure_1"] - motion.channels["pressure_2"])
+        net = net - volume / values["bulk_modulus"] * (motion.rates["pressure_1"] - motion.rates["pressure_2"])
+    return np.asarray(net)
