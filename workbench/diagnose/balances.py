@@ -20,7 +20,7 @@ PUMP = ("pump_displacement", "bulk_modulus")
 PUMP_EFFECTS = ("unequal_areas", "internal_leakage", "command_delay")
 """What a pump without a valve may have."""
 
-FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain"}
+FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain", "piston_area_1"}
 """What it may move on the force balance where an experiment does."""
 
 

@@ -11,6 +11,7 @@ from plants.effects import EFFECTS
 from workbench.diagnose.balances import balances_of
 from workbench.diagnose.fitting import Balance, Fit, Values
 from workbench.diagnose.flow import pressure_sum
+from workbench.diagnose.force import load_pressure
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.selection import Step, gain, select
 from workbench.diagnose.unexplained import Dependence, dependence, strongest
@@ -26,6 +27,9 @@ WORSE = 1.02
 OFFSET_SHARE = 0.5
 """Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
 
+CONFOUNDED = 0.2
+"""Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+
 OFFSET_SURE = 4.0
 """Noise deviations (smoothed) that it has to exceed."""
 
@@ -39,6 +43,7 @@ class Found:
     numbers: Mapping[str, tuple[float, float]]
     alternatives: Sequence[str]
     evidence: Mapping[str, float]
+    remarks: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +155,24 @@ def _found(balance: Balance, step: Step) -> Found:
     share, sure = gain(step.before, added.fit)
     numbers = {name: (added.fit.values[name], added.fit.deviations[name]) for name in added.variant}
     evidence = {"left_out_gain": share, "standard_errors": sure}
-    return Found(added.effect, EFFECTS[added.effect].balance, numbers, step.alternatives, evidence)
+    remarks = []
+    if added.effect == "pressure_dependent_friction":
+        evidence["correlation_with_speed"] = together = _speed_and_pressure(balance.motions)
+        if abs(together) > CONFOUNDED:
+            word = "falls" if together < 0.0 else "rises"
+            remarks.append(
+                f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said "
+                "to depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
+            )
+    return Found(added.effect, EFFECTS[added.effect].balance, numbers, step.alternatives, evidence, remarks)
+
+
+def _speed_and_pressure(motions: Sequence[Motion]) -> float:
+    """Correlation between |v| and |P_L| where something moves."""
+    moving = [motion.valid & ~motion.resting for motion in motions]
+    speed = np.concatenate([np.abs(motion.velocity)[at] for motion, at in zip(motions, moving, strict=True)])
+    pressure = np.concatenate([np.abs(load_pressure(motion))[at] for motion, at in zip(motions, moving, strict=True)])
+    return float(np.corrcoef(speed, pressure)[0, 1])
 
 
 def _effect_data(one: Found) -> dict[str, Any]:
@@ -164,6 +186,7 @@ def _effect_data(one: Found) -> dict[str, Any]:
         },
         "alternatives": list(one.alternatives),
         "evidence": dict(one.evidence),
+        "remarks": list(one.remarks),
     }
 
 

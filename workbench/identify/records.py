@@ -31,6 +31,9 @@ SATURATED_SHARE = 0.05
 BEYOND = 1.05
 """A position or pressure beyond its range by more than a sensor's error: 5 %."""
 
+FAR = 3.0
+"""Steps of an even grid between two samples beyond which nothing is known there."""
+
 ARRIVAL = 10
 """Samples before a channel rests at its extreme, in which one that was held there creeps, and one cut off still moves."""
 
@@ -78,8 +81,11 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
     Raises:
         UserError: unreadable, a missing column, or numbers that cannot be what they are called.
     """
-    table = _table(spec.path).iloc[spec.skip :]
+    table = _table(spec.path)
+    table = table.iloc[spec.skip : None if spec.rows is None else spec.skip + spec.rows]
     columns = {name: _column(spec.path, table, name, channel) for name, channel in experiment.channels.items()}
+    if spec.sample_time is not None:
+        columns = _resampled(spec.path, columns, spec.sample_time)
     time, places, step = _grid(spec.path, columns.pop("time"))
     rpm = _rpm(spec, table)
     channels = {}
@@ -163,8 +169,26 @@ def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> 
     raise UserError(f'{path}: no column "{channel.column}" for {name}; {nearest(channel.column, headers)}')
 
 
-def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """An even grid (s, from 0) that spans the record, the place of each row on it, and its step."""
+def _resampled(path: Path, columns: Mapping[str, np.ndarray], step: float) -> dict[str, np.ndarray]:
+    """Channels on an even grid, linearly between their samples; NaN where samples are more than `FAR` steps apart."""
+    time = columns["time"]
+    _check_time(path, time)
+    grid = time[0] + step * np.arange(int((time[-1] - time[0]) / step) + 1)
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    far = (time[after] - time[after - 1] > FAR * step) & (time[after] != grid)
+    resampled = {name: np.where(far, np.nan, np.interp(grid, time, values)) for name, values in columns.items()}
+    gaps = np.diff(time)
+    if np.any(gaps > LONGEST_GAP):
+        row = int(np.argmax(gaps > LONGEST_GAP))
+        raise UserError(
+            f"{path}: the time jumps by {gaps[row]:g} s after {row + 1} rows of those taken; cut the record there, into "
+            "two, by skip and rows of [[records]]"
+        )
+    return {**resampled, "time": grid}
+
+
+def _check_time(path: Path, time: np.ndarray) -> None:
+    """Raise UserError where times are too few, no numbers, or do not go on."""
     if time.size < FEWEST:
         raise UserError(f"{path}: holds {time.size} samples, expected at least {FEWEST}")
     if not np.all(np.isfinite(time)):
@@ -174,6 +198,12 @@ def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         row = int(np.argmax(steps <= 0.0)) + 3
         word = "goes back" if steps[row - 3] < 0.0 else "stands still"
         raise UserError(f"{path}: row {row}: the time {word}, from {time[row - 3]:g} s to {time[row - 2]:g} s")
+
+
+def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """An even grid (s, from 0) that spans the record, the place of each row on it, and its step."""
+    _check_time(path, time)
+    steps = np.diff(time)
     step = float(np.median(steps))
     inside = steps < (1.0 + JITTER) * step
     step = float(np.mean(steps[inside]))  # the median is quantised where the times are rounded

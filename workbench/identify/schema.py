@@ -106,13 +106,16 @@ class ChannelTable(files.Strict):
 class RecordTable(files.Strict):
     """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
 
-    `skip` rows at the start of each file are left out. `rpm` is the speed of rotation that was set, or the name of the column that holds it.
+    Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
+    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was set, or the name of the column that holds it.
     """
 
     file: str
     use: Literal["fit", "held_out"] = "fit"
     label: str = ""
     skip: Annotated[StrictInt, Field(ge=0)] = 0
+    rows: Annotated[StrictInt, Field(gt=0)] | None = None
+    sample_time: Raw | None = None
     rpm: Annotated[StrictFloat, Field(ge=0.0)] | str = 0.0
 
 
