@@ -158,9 +158,9 @@ FREE = 1e300
 class Effect:
     """An effect by name: the balance on which it shows, and the parameters by which it acts.
 
-    `numbers` has for each parameter (canonical name) its bounds, and a size (SI) that is felt: where a search starts; 0 for
-    one that starts from the declared value of the other direction. `variants` are the sets of them that may act alone, the
-    smallest first. `needs` are the channels without which it cannot be told.
+    `numbers` has for each parameter (canonical name) its bounds, and a size (SI) that is felt: where a search starts; 0
+    for one that starts from the declared value of the other direction. `variants` are the sets of them that may act
+    alone, the smallest first. `needs` are the channels without which it cannot be told.
     """
 
     name: str

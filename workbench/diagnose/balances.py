@@ -84,6 +84,10 @@ def _balance(
 
 def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:
     """Whether the plant is declared without the effect, with what it would change, and the baseline has it not."""
-    return not any(name in free for name in numbers) and all(
-        values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
-    ) and not any(name.endswith(NEGATIVE) and name in values for name in numbers)
+    return (
+        not any(name in free for name in numbers)
+        and all(
+            values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
+        )
+        and not any(name.endswith(NEGATIVE) and name in values for name in numbers)
+    )

@@ -99,7 +99,7 @@ def diagnose(path: Path) -> Diagnosis:
     for balance in balances:
         after, steps = select(balance, values, experiment.bounds)
         results.append(BalanceResult(balance, steps[0].before, after, steps))
-        found += [_found(balance, step) for step in steps if step.added is not None]
+        found += [_found(balance, step, after) for step in steps if step.added is not None]
         baseline |= {name: steps[0].before.values[name] for name in balance.free}
         values |= {name: after.values[name] for name in after.names}
     dependences = [dependence(result.balance, result.after.values) for result in results]
@@ -149,11 +149,12 @@ def _offset(motions: Sequence[Motion], values: Values) -> Found | None:
     )
 
 
-def _found(balance: Balance, step: Step) -> Found:
+def _found(balance: Balance, step: Step, after: Fit) -> Found:
+    """An effect with its numbers as they are in the end, fitted jointly with all others; evidence is of its round."""
     added = step.added
     assert added is not None
     share, sure = gain(step.before, added.fit)
-    numbers = {name: (added.fit.values[name], added.fit.deviations[name]) for name in added.variant}
+    numbers = {name: (after.values[name], after.deviations[name]) for name in added.variant}
     evidence = {"left_out_gain": share, "standard_errors": sure}
     remarks = []
     if added.effect == "pressure_dependent_friction":
@@ -161,8 +162,9 @@ def _found(balance: Balance, step: Step) -> Found:
         if abs(together) > CONFOUNDED:
             word = "falls" if together < 0.0 else "rises"
             remarks.append(
-                f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said "
-                "to depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
+                f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is "
+                "said to depend on pressure may in part depend on speed; records at one pressure and several speeds "
+                "would tell"
             )
     return Found(added.effect, EFFECTS[added.effect].balance, numbers, step.alternatives, evidence, remarks)
 

@@ -107,7 +107,7 @@ def motion_of(record: Record) -> Motion:
     zeros = np.zeros(record.time.size)
     position = bridged.get("position", zeros)
     channels = {name: smoothed(values, points) for name, values in bridged.items()}
-    rates = {name: smoothed(bridged[name], points, 1, step) for name in ("pressure_1", "pressure_2") if name in bridged}
+    rates = {name: smoothed(values, points, 1, step) for name, values in bridged.items() if name.startswith("pressure")}
     smooth = tuple(float(np.linalg.norm(_kernel(points, order, step))) for order in range(3))
     noise = {name: white_noise(values) for name, values in record.channels.items()}
     velocity = smoothed(position, points, 1, step)

@@ -35,7 +35,10 @@ from workbench.units import QuantityError, factor, si
 
 @dataclass(frozen=True)
 class ChannelSpec:
-    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI: factor * number + offset."""
+    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
+
+    SI value = factor * number + offset.
+    """
 
     column: str | int
     factor: float

@@ -35,7 +35,7 @@ FAR = 3.0
 """Steps of an even grid between two samples beyond which nothing is known there."""
 
 ARRIVAL = 10
-"""Samples before a channel rests at its extreme, in which one that was held there creeps, and one cut off still moves."""
+"""Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
 
 FEWEST = 50
 """Samples below which there is nothing to identify."""
@@ -161,7 +161,7 @@ def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> 
     headers = [str(column).strip() for column in table.columns]
     if channel.column in headers:
         return headers.index(channel.column)
-    if isinstance(table.columns, pd.RangeIndex):
+    if not any(isinstance(column, str) for column in table.columns):
         raise UserError(
             f'{path}: no column "{channel.column}" for {name}: the file has no header; give the number of the column '
             f"from 0 to {count - 1}, such as column = 0"
@@ -181,8 +181,8 @@ def _resampled(path: Path, columns: Mapping[str, np.ndarray], step: float) -> di
     if np.any(gaps > LONGEST_GAP):
         row = int(np.argmax(gaps > LONGEST_GAP))
         raise UserError(
-            f"{path}: the time jumps by {gaps[row]:g} s after {row + 1} rows of those taken; cut the record there, into "
-            "two, by skip and rows of [[records]]"
+            f"{path}: the time jumps by {gaps[row]:g} s after {row + 1} rows of those taken; cut the record there, "
+            "into two, by skip and rows of [[records]]"
         )
     return {**resampled, "time": grid}
 

@@ -93,7 +93,8 @@ class FitTable(files.Strict):
 class ChannelTable(files.Strict):
     """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
 
-    `column` is a name, or a number from 0. `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
+    `column` is a name, or a number from 0, as a file without a header needs it. `anti_alias` (Hz) is the cutoff of a
+    first-order filter before the converter: the simulated reading passes it too.
     """
 
     column: str | Annotated[StrictInt, Field(ge=0)]
@@ -107,7 +108,8 @@ class RecordTable(files.Strict):
     """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
 
     Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
-    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was set, or the name of the column that holds it.
+    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was
+    set, or the name of the column that holds it.
     """
 
     file: str
