@@ -14,7 +14,7 @@ from workbench.parameters import SIGNED
 
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 FLOW = ("valve_flow_gain", "bulk_modulus")
-PUMP = ("pump_displacement", "bulk_modulus")
+PUMP = ("pump_displacement",)
 """What the baseline may move on each balance where an experiment does not say."""
 
 PUMP_EFFECTS = ("unequal_areas", "internal_leakage", "command_delay")
