@@ -13,7 +13,6 @@ from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
 from workbench.diagnose.motion import Motion, smoothed, window_points
 from workbench.parameters import build
 
-
 PLATEAU = 0.3
 """s over which a pump's speed has to be steady."""
 
