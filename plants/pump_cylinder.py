@@ -19,7 +19,6 @@ class State(NamedTuple):
     velocity: Annotated[float, "m/s", 1e-1]
     load_pressure: Annotated[float, "Pa", 1e6]
     bristle_deflection: Annotated[float, "m", 1e-4]
-    delayed_speed: Annotated[float, "rad/s", 1e2]
 
 
 class Inputs(NamedTuple):
@@ -39,7 +38,6 @@ class Parameters(NamedTuple):
     tank_pressure: Annotated[float, "Pa"] = 0.0
     leakage_coefficient: Annotated[float, "m^3/(s Pa)"] = 0.0
     area_ratio: Annotated[float, "1"] = 1.0
-    command_delay: Annotated[float, "s"] = 0.0
     pump_speed_limit: Annotated[float, "rad/s"] = np.inf
 
 
@@ -63,12 +61,6 @@ def filling_area(velocity: Scalar, piston_area_1: Scalar, piston_area_2: Scalar,
 
 
 @equation
-def flowing_speed(state: State, inputs: Inputs, p: Parameters) -> Scalar:
-    """Speed (rad/s) that makes the flow: the pump's, or that behind a lag of first order where there is a delay."""
-    return select(p.command_delay > 0.0, state.delayed_speed, inputs.pump_speed)
-
-
-@equation
 def chamber_pressures(load_pressure: Scalar, p: Parameters) -> tuple[Scalar, Scalar]:
     """P1 and P2 (Pa): the one fed stands above the tank's pressure, the other at it."""
     return p.tank_pressure + np.maximum(load_pressure, 0.0), p.tank_pressure + np.maximum(-load_pressure, 0.0)
@@ -88,15 +80,13 @@ def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> St
     total = force + stop - friction - p.body.load_force - inputs.disturbance_force
     area = filling_area(state.velocity, p.piston_area_1, p.piston_area_2, p.area_ratio)
     taken = area * state.velocity + p.leakage_coefficient * state.load_pressure
-    flow = p.pump_displacement * flowing_speed(state, inputs, p) - taken
-    lag = (inputs.pump_speed - state.delayed_speed) / np.maximum(p.command_delay, 1e-6)
+    flow = p.pump_displacement * inputs.pump_speed - taken
     volume = p.hose_volume + 0.5 * p.piston_area_1 * p.stroke
     return State(
         state.velocity,
         total / p.body.mass,
         flow * p.bulk_modulus / volume,
         bristle_rate,
-        select(p.command_delay > 0.0, lag, 0.0),
     )
 
 
@@ -105,7 +95,7 @@ def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signal
     """What is worth plotting; power is the pump's, P_L D n."""
     friction, _ = lugre(state.velocity, state.bristle_deflection, p.friction)
     pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
-    flow = p.pump_displacement * flowing_speed(state, inputs, p)
+    flow = p.pump_displacement * inputs.pump_speed
     return Signals(
         state.position,
         state.velocity,
@@ -133,7 +123,7 @@ def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
     load = p.body.load_force - tank
     pressure = load / (p.piston_area_1 if load >= 0.0 else p.area_ratio * p.piston_area_2)
     leaking = p.leakage_coefficient * pressure / p.pump_displacement
-    return State(0.0, 0.0, pressure, 0.0, leaking), Inputs(leaking, 0.0)
+    return State(0.0, 0.0, pressure, 0.0), Inputs(leaking, 0.0)
 
 
 def pump_speed_limit(p: Parameters) -> float:

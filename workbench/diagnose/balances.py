@@ -17,8 +17,8 @@ FLOW = ("valve_flow_gain", "bulk_modulus")
 PUMP = ("pump_displacement",)
 """What the baseline may move on each balance where an experiment does not say."""
 
-PUMP_EFFECTS = ("unequal_areas", "internal_leakage", "command_delay")
-"""What a pump without a valve may have."""
+PUMP_EFFECTS = ("unequal_areas", "internal_leakage")
+"""What a pump without a valve may have that shows while its speed is steady."""
 
 FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain", "piston_area_1"}
 """What it may move on the force balance where an experiment does."""
@@ -65,7 +65,6 @@ def _balance(
     sharp: bool = False,
     only: Sequence[str] = tuple(EFFECTS),
 ) -> Balance:
-    channels = set(motions[0].channels) | ({"valve_voltage"} if "pump_speed" in motions[0].channels else set())
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
     admitted = FORCE if name == "force" else set(own)
     chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
@@ -76,7 +75,7 @@ def _balance(
         for effect in EFFECTS.values()
         if effect.balance in kinds
         and effect.name in only
-        and set(effect.needs) <= channels
+        and motions[0].has(*effect.needs)
         and _possible(effect.numbers, values, known)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)

@@ -89,16 +89,13 @@ def on_plateau(motion: Motion) -> np.ndarray:
 def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     """Pump's flow (m^3/s) less what the piston and the oil take, on plateaus: D n - A v - C P_L - (V/beta) dP_L/dt.
 
-    As in `plants.pump_cylinder`: D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s) after its delay, A the area of
+    As in `plants.pump_cylinder`: D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s), A the area of
     the chamber which fills. Without both pressures leakage and compression are left out.
     """
-    speed = motion.channels["pump_speed"]
-    if delay := values.get("command_delay", 0.0):
-        speed = np.interp(motion.time - delay, motion.time, speed)
     area = filling_area(
         motion.velocity, values["piston_area_1"], values["piston_area_2"], values.get("area_ratio", 1.0)
     )
-    net = values["pump_displacement"] * speed - area * motion.velocity
+    net = values["pump_displacement"] * motion.channels["pump_speed"] - area * motion.velocity
     if motion.has("pressure_1", "pressure_2"):
         leakage = values.get("leakage_coefficient", 0.0)
         volume = values["hose_volume"] + 0.5 * values["piston_area_1"] * values["stroke"]
