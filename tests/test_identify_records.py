@@ -119,7 +119,7 @@ def test_an_uneven_clock_is_put_on_a_grid_and_a_long_gap_is_told(tmp_path: Path)
     assert record.time.size == pytest.approx(150, abs=1)
     start = 0.1 * (10.0 + jitter[10])
     assert record.channels["position"] * 1e3 == pytest.approx(start + 0.2 * np.arange(record.time.size))
-    with pytest.raises(UserError, match="the time jumps by 0.5.* s after 91 rows of those taken"):
+    with pytest.raises(UserError, match=r"the time jumps by 0.5.* s after 91 rows of those taken"):
         record_of(tmp_path, spoiled(t=table()["t"] + 500.0 * (table()["t"] > 100.0)), text)
 
 
