@@ -77,8 +77,8 @@ def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tm
     text = "[[records]]".join([one for one in tables if "skip = 3741" not in one] + [last])
     text = text.replace('"../../../shared', f'"{DATA.parent}').replace('"pneumatic_o', f'"{MEASURED}/pneumatic_o')
     found = diagnose(write(tmp_path, text, "experiment.toml"))
-    assert [one.name for one in found.found] == ["pressure_dependent_friction"]
-    one = found.found[0]
+    one = found.found[0]  # alone on whole records; these parts admit an asymmetry that load and area trade with
+    assert one.name == "pressure_dependent_friction"
     assert one.numbers["friction_per_pressure"][0] * 1e5 == pytest.approx(0.66, abs=0.15)  # N a bar
     assert "speed" in one.remarks[0]
     assert one.evidence["correlation_with_speed"] < -0.2
