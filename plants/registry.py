@@ -5,6 +5,7 @@ from plants.equation import fields
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
 from plants.plugins import Registry
+from plants.pump_cylinder import PUMP_CYLINDER
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
 from plants.two_chamber import TWO_CHAMBER
@@ -18,6 +19,7 @@ _OURS = (
     ANISOTROPIC,
     ANISOTROPIC_IDEAL,
     TWO_CHAMBER,
+    PUMP_CYLINDER,
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
 )

@@ -1,5 +1,6 @@
 """Experiment files and records: what is read, and what is said of a record that cannot be used."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,49 @@ def times(*changes: tuple[int, float]) -> np.ndarray:
     for place, value in changes:
         values[place] = value
     return values
+
+
+COUNTED = re.sub('column = "(.*?)"', lambda found: f"column = {list(table()).index(found[1])}", EXPERIMENT)
+"""The same channels by the numbers of their columns."""
+
+
+def test_a_compressed_file_without_a_header_by_column_numbers(tmp_path: Path) -> None:
+    table().to_csv(tmp_path / "record.csv.gz", sep=";", header=False, index=False)
+    path = write(tmp_path, COUNTED.replace("record.csv", "record.csv.gz"), "experiment.toml")
+    record, reference = read_records(read_experiment(path))[0], record_of(tmp_path, table())
+    for name, values in reference.channels.items():
+        assert record.channels[name] == pytest.approx(values)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("column = 3", "column = 4", "no column 4 for pressure_1: it has 4 columns, and they count from 0 to 3"),
+        ("column = 3", 'column = "pA"', 'no column "pA" for pressure_1: the file has no header; give the number of'),
+    ],
+)
+def test_a_column_that_a_file_without_a_header_lacks(tmp_path: Path, old: str, new: str, said: str) -> None:
+    with pytest.raises(UserError, match=re.escape(said)):
+        record_of(tmp_path, table(), COUNTED.replace(old, new), header=False)
+
+
+def test_an_uneven_clock_is_put_on_a_grid_and_a_long_gap_is_told(tmp_path: Path) -> None:
+    jitter = np.random.default_rng(3).uniform(-0.4, 0.4, 400)
+    data = spoiled(t=table()["t"] + jitter, x=10.0 + 0.1 * (table()["t"] + jitter))
+    text = EXPERIMENT.replace('"record.csv"', '"record.csv"\nskip = 10\nrows = 300\nsample_time = "2 ms"')
+    record = record_of(tmp_path, data, text)
+    assert record.sample_time == pytest.approx(2e-3)
+    assert record.time.size == pytest.approx(150, abs=1)
+    start = 0.1 * (10.0 + jitter[10])
+    assert record.channels["position"] * 1e3 == pytest.approx(start + 0.2 * np.arange(record.time.size))
+    with pytest.raises(UserError, match=r"the time jumps by 0.5.* s after 91 rows of those taken"):
+        record_of(tmp_path, spoiled(t=table()["t"] + 500.0 * (table()["t"] > 100.0)), text)
+
+
+def test_a_position_that_is_held_at_its_end_is_not_saturated(tmp_path: Path) -> None:
+    """A converter's counts that creep to where a servo holds them for a third of the record."""
+    counts = np.rint(100.0 * (1.0 - np.exp(-table()["t"] / 40.0)))
+    assert record_of(tmp_path, spoiled(x=counts)).channels["position"].max() == pytest.approx(0.09)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ SIGNED = {
     "spring_stiffness",
     "pressure_1_offset",
 }
-UNBOUNDED = {"stroke", "force_limit", "voltage_limit"}
+UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit"}
 MAY_BE_ZERO = {
     "hose_volume",
     "tank_pressure",

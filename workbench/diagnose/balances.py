@@ -6,15 +6,22 @@ from typing import Any
 import numpy as np
 
 from plants.effects import EFFECTS
-from plants.equation import NEGATIVE
+from plants.equation import NEGATIVE, fields
 from workbench.diagnose import flow, force
 from workbench.diagnose.fitting import Balance
 from workbench.diagnose.motion import Motion
+from workbench.parameters import SIGNED
 
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 FLOW = ("valve_flow_gain", "bulk_modulus")
 PUMP = ("pump_displacement",)
 """What the baseline may move on each balance where an experiment does not say."""
+
+PUMP_EFFECTS = ("unequal_areas", "internal_leakage")
+"""What a pump without a valve may have that shows while its speed is steady."""
+
+FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain", "piston_area_1"}
+"""What it may move on the force balance where an experiment does."""
 
 
 def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Sequence[str] | None) -> list[Balance]:
@@ -24,7 +31,7 @@ def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Se
     if first.has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
         found.append(_balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s"))
     elif first.has("pump_speed", "position") and "pump_displacement" in values:
-        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s"))
+        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s", only=PUMP_EFFECTS))
     if first.has("position") and force.driving_force(first, values) is not None:
         found.append(_balance("force", motions, _force, force.force_noise, values, FRICTION, free, "N", sharp=True))
     return found
@@ -56,23 +63,30 @@ def _balance(
     unit: str,
     *,
     sharp: bool = False,
+    only: Sequence[str] = tuple(EFFECTS),
 ) -> Balance:
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
-    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in own]
-    known = [one for one in chosen if values.get(one, 0.0) > 0.0]
+    admitted = FORCE if name == "force" else set(own)
+    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
+    known = [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
     kinds = ("force",) if name == "force" else ("flow", "valve")
     effects = tuple(
         effect.name
         for effect in EFFECTS.values()
         if (effect.balance in kinds or (name == "flow" and effect.name == "backlash"))
+        and effect.name in only
         and motions[0].has(*effect.needs)
-        and _possible(effect.numbers, values)
+        and _possible(effect.numbers, values, known)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
 
 
-def _possible(numbers: Mapping[str, Any], values: Mapping[str, float]) -> bool:
-    """Whether the plant is declared without the effect, and with what it would change."""
-    return all(
-        values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
-    ) and not any(name.endswith(NEGATIVE) and name in values for name in numbers)
+def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:
+    """Whether the plant is declared without the effect, with what it would change, and the baseline has it not."""
+    return (
+        not any(name in free for name in numbers)
+        and all(
+            values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
+        )
+        and not any(name.endswith(NEGATIVE) and name in values for name in numbers)
+    )

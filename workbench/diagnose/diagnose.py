@@ -11,6 +11,7 @@ from plants.effects import EFFECTS
 from workbench.diagnose.balances import balances_of
 from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.flow import pressure_sum
+from workbench.diagnose.force import load_pressure
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import Step, gain, select
@@ -27,6 +28,9 @@ WORSE = 1.02
 OFFSET_SHARE = 0.5
 """Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
 
+CONFOUNDED = 0.2
+"""Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+
 OFFSET_SURE = 4.0
 """Noise deviations (smoothed) that it has to exceed."""
 
@@ -40,6 +44,7 @@ class Found:
     numbers: Mapping[str, tuple[float, float]]
     alternatives: Sequence[str]
     evidence: Mapping[str, float]
+    remarks: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,10 +168,37 @@ def _found_on(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[Found
         names = dict.fromkeys([*(first.numbers if first else ()), *added.variant])
         numbers = {name: (after.values[name], after.deviations[name]) for name in names}
         share, sure = gain(step.before, added.fit)
-        evidence = first.evidence if first else {"left_out_gain": share, "standard_errors": sure}
+        evidence: dict[str, float] = (
+            dict(first.evidence) if first else {"left_out_gain": share, "standard_errors": sure}
+        )
         alternatives = first.alternatives if first else step.alternatives
-        found[added.effect] = Found(added.effect, EFFECTS[added.effect].balance, numbers, alternatives, evidence)
+        remarks = first.remarks if first else _remarks(balance, added.effect, evidence)
+        found[added.effect] = Found(
+            added.effect, EFFECTS[added.effect].balance, numbers, alternatives, evidence, remarks
+        )
     return list(found.values())
+
+
+def _remarks(balance: Balance, effect: str, evidence: dict[str, float]) -> list[str]:
+    """What a reader has to know of an effect that goes together with something else in these records."""
+    if effect != "pressure_dependent_friction":
+        return []
+    evidence["correlation_with_speed"] = together = _speed_and_pressure(balance.motions)
+    if abs(together) <= CONFOUNDED:
+        return []
+    word = "falls" if together < 0.0 else "rises"
+    return [
+        f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said to "
+        "depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
+    ]
+
+
+def _speed_and_pressure(motions: Sequence[Motion]) -> float:
+    """Correlation between |v| and |P_L| where something moves."""
+    moving = [motion.valid & ~motion.resting for motion in motions]
+    speed = np.concatenate([np.abs(motion.velocity)[at] for motion, at in zip(motions, moving, strict=True)])
+    pressure = np.concatenate([np.abs(load_pressure(motion))[at] for motion, at in zip(motions, moving, strict=True)])
+    return float(np.corrcoef(speed, pressure)[0, 1])
 
 
 def _effect_data(one: Found) -> dict[str, Any]:
@@ -180,6 +212,7 @@ def _effect_data(one: Found) -> dict[str, Any]:
         },
         "alternatives": list(one.alternatives),
         "evidence": dict(one.evidence),
+        "remarks": list(one.remarks),
     }
 
 
@@ -194,7 +227,7 @@ def _baseline_data(results: Sequence[BalanceResult]) -> dict[str, Any]:
                 "value": value,
                 "unit": units.get(name, "1"),
                 "std": std,
-                "identified": std < 0.5 * abs(value),
+                "identified": bool(std < 0.5 * abs(value)),
             }
     return data
 

@@ -19,6 +19,9 @@ THINNED = 0.01
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
 
+LEAST_BLOCKS = 4
+"""Parts of each record at least: blocks of several records must not be so few that none can be sure."""
+
 STEP = 1e-4
 """Relative step of difference quotients; the residuals are exact functions of the parameters."""
 
@@ -251,7 +254,7 @@ def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice])
 
 def _blocks(balance: Balance, values: Values) -> list[np.ndarray]:
     """Rows of each block: pieces of time, with all residuals of a record in them."""
-    per_record = max(BLOCKS // len(balance.motions), 2)
+    per_record = max(BLOCKS // len(balance.motions), LEAST_BLOCKS)
     blocks: list[np.ndarray] = []
     slices, place = balance.series(values), 0
     for motion in balance.motions:

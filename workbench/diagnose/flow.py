@@ -3,14 +3,21 @@
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import lfilter
 
 from plants import effects as fx
-from plants.equation import select
 from plants.hydraulics import internal_leakage
+from plants.pump_cylinder import filling_area
 from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
 from workbench.diagnose.motion import Motion, smoothed, window_points, with_backlash
 from workbench.parameters import build
+
+PLATEAU = 0.3
+"""s over which a pump's speed has to be steady."""
+
+STEADY = 0.08
+"""Share of its largest speed by which it may vary over that time."""
 
 
 def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
@@ -73,15 +80,28 @@ def pressure_sum(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     return np.asarray(total - values["supply_pressure"] - values["tank_pressure"])
 
 
-def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
-    """Pump's flow less what the piston takes (m^3/s): D n - A v - C P_L, A that of the chamber which fills.
-
-    D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s).
+def on_plateau(motion: Motion) -> np.ndarray:
+    """Where the pump's speed is steady. While it runs up, what fills lines and turns valves is no flow of the balance:
+    fitted with that, the displacement of a measured pump comes out 9 % too small.
     """
-    area = select(
-        motion.velocity >= 0.0, values["piston_area_1"], values["piston_area_2"] * values.get("area_ratio", 1.0)
+    speed, points = motion.channels["pump_speed"], max(round(PLATEAU / motion.sample_time), 1)
+    span = maximum_filter1d(speed, points) - minimum_filter1d(speed, points)
+    return np.asarray(span < STEADY * np.max(np.abs(speed)))
+
+
+def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """Pump's flow (m^3/s) less what the piston and the oil take, on plateaus: D n - A v - C P_L - (V/beta) dP_L/dt.
+
+    As in `plants.pump_cylinder`: D `pump_displacement` (m^3/rad), n `pump_speed` (rad/s), A the area of
+    the chamber which fills. Without both pressures leakage and compression are left out.
+    """
+    area = filling_area(
+        motion.velocity, values["piston_area_1"], values["piston_area_2"], values.get("area_ratio", 1.0)
     )
-    leakage = values.get("leakage_coefficient", 0.0) * (
-        motion.channels.get("pressure_1", 0.0) - motion.channels.get("pressure_2", 0.0)
-    )
-    return np.asarray(values["pump_displacement"] * motion.channels["pump_speed"] - area * motion.velocity - leakage)
+    net = values["pump_displacement"] * motion.channels["pump_speed"] - area * motion.velocity
+    if motion.has("pressure_1", "pressure_2"):
+        leakage = values.get("leakage_coefficient", 0.0)
+        volume = values["hose_volume"] + 0.5 * values["piston_area_1"] * values["stroke"]
+        net = net - leakage * (motion.channels["pressure_1"] - motion.channels["pressure_2"])
+        net = net - volume / values["bulk_modulus"] * (motion.rates["pressure_1"] - motion.rates["pressure_2"])
+    return np.where(on_plateau(motion), net, 0.0)

@@ -122,9 +122,13 @@ def load_pressure(motion: Motion) -> np.ndarray:
 def driving_force(motion: Motion, values: Mapping[str, float]) -> np.ndarray | None:
     """What drives the mass (N): a measured force, the pressures on their areas, or a drive's command; None
     without any.
+
+    Beside a force one pressure alone drives too, on `piston_area_1` if that is declared: the force is the rod's then.
     """
     channels = motion.channels
     if "force" in channels:
+        if motion.has("pressure_1") and not motion.has("pressure_2") and "piston_area_1" in values:
+            return np.asarray(channels["force"] + channels["pressure_1"] * values["piston_area_1"])
         return channels["force"]
     if motion.has("pressure_1", "pressure_2") and "piston_area_1" in values:
         area_2 = values["piston_area_2"] * values.get("area_ratio", 1.0)
@@ -142,6 +146,8 @@ def force_noise(motion: Motion, values: Mapping[str, float]) -> float:
     parts.append(values.get("viscous", 0.0) * slope * motion.noise.get("position", 0.0))
     if "force" in motion.channels:
         parts.append(flat * motion.noise["force"])
+        if "pressure_1" in motion.channels:
+            parts.append(flat * values.get("piston_area_1", 0.0) * motion.noise["pressure_1"])
     elif motion.has("pressure_1", "pressure_2"):
         parts += [flat * values[f"piston_area_{i}"] * motion.noise[f"pressure_{i}"] for i in (1, 2)]
     elif "command" in motion.channels:

@@ -29,6 +29,9 @@ FITTED = 4
 AT_FLOOR = 1.05
 """Floors at which a residual is what it would be if nothing were missing."""
 
+FEWEST = 3
+"""Blocks in which something moves, below which nothing is sure."""
+
 MOST = 4
 """Effects that are added to one balance."""
 
@@ -61,7 +64,10 @@ class Step:
 def _sure(before: Fit, after: Fit) -> float:
     """Standard errors, over blocks, by which the logarithm of the left-out squares falls: a block counts as one, loud
     or quiet."""
-    ratio = np.log(before.block_squares / after.block_squares)
+    loud = (before.block_squares > 0.0) & (after.block_squares > 0.0)  # a machine at rest leaves none
+    if np.sum(loud) < FEWEST:
+        return 0.0
+    ratio = np.log(before.block_squares[loud] / after.block_squares[loud])
     return float(np.mean(ratio)) / max(float(np.std(ratio, ddof=1)) / np.sqrt(ratio.size), 1e-12)
 
 

@@ -36,9 +36,12 @@ from workbench.units import QuantityError, factor, nearest_unit, si
 
 @dataclass(frozen=True)
 class ChannelSpec:
-    """Where a channel stands in a file, and how its numbers become SI: factor * number + offset."""
+    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
 
-    column: str
+    SI value = factor * number + offset.
+    """
+
+    column: str | int
     factor: float
     offset: float
     anti_alias: float
@@ -46,12 +49,18 @@ class ChannelSpec:
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One file of a record; `rpm` is a number, or the column that holds it."""
+    """One file of a record; `rpm` is a number, or the column that holds it.
+
+    `skip` rows are left out and `rows` taken (None: all); `sample_time` (s) of the grid that uneven samples are put on.
+    """
 
     path: Path
     use: str
     label: str
     rpm: float | str
+    skip: int = 0
+    rows: int | None = None
+    sample_time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -129,7 +138,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         content.plant.flow,
         content.plant.parameters,
         values,
-        None if content.fit.free is None else _free(content.fit.free, names, values),
+        None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
         _bounds(content.fit.bounds, names, values),
         content.fit.method,
         _channels(content.channels, plant),
@@ -262,9 +271,18 @@ def _sensors(table: Mapping[str, Any], place: files.Key) -> dict[str, float]:
 
 def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
-    for table in tables:
+    for i, table in enumerate(tables):
+        try:
+            step = None if table.sample_time is None else si(table.sample_time, "s")
+        except QuantityError as error:
+            raise files.SchemaError(("records", i, "sample_time"), str(error)) from None
+        if step is not None and step <= 0.0:
+            raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
         pattern = any(mark in table.file for mark in "*?[")
         paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
         # A pattern without a file stays: whoever reads the records says that there is none.
-        specs += [RecordSpec(p, table.use, table.label or p.stem, table.rpm) for p in paths or [folder / table.file]]
+        specs += [
+            RecordSpec(p, table.use, table.label or p.stem, table.rpm, table.skip, table.rows, step)
+            for p in paths or [folder / table.file]
+        ]
     return tuple(specs)

@@ -40,6 +40,12 @@ BEYOND = 1.05
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
 
+FAR = 3.0
+"""Steps of an even grid between two samples beyond which nothing is known there."""
+
+ARRIVAL = 10
+"""Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
+
 FEWEST = 50
 """Samples below which there is nothing to identify."""
 
@@ -85,7 +91,10 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
         UserError: unreadable, a missing column, or numbers that cannot be what they are called.
     """
     table = _table(spec.path)
+    table = table.iloc[spec.skip : None if spec.rows is None else spec.skip + spec.rows]
     columns = {name: _column(spec.path, table, name, channel) for name, channel in experiment.channels.items()}
+    if spec.sample_time is not None:
+        columns = _resampled(spec.path, columns, spec.sample_time)
     time, places, step = _grid(spec.path, columns.pop("time"))
     rpm = _rpm(spec, table)
     channels = {}
@@ -120,11 +129,18 @@ def _table(path: Path) -> pd.DataFrame:
             return pd.read_parquet(path)
         if path.suffix == ".mat":
             return _mat(path)
-        if separator := _european(path):
-            return pd.read_csv(path, sep=separator, decimal=",", skipinitialspace=True)
-        return pd.read_csv(path, sep=None, engine="python", skipinitialspace=True)
-    except (OSError, ValueError, csv.Error, NotImplementedError) as error:
+        return _text(path)
+    except (OSError, EOFError, ValueError, csv.Error, NotImplementedError) as error:
         raise UserError(f"{path}: cannot be read as a table ({' '.join(str(error).split())})") from None
+
+
+def _text(path: Path) -> pd.DataFrame:
+    """A text file of any separator, also compressed (.gz); a first row of numbers alone is no header, but data."""
+    if path.suffix != ".gz" and (separator := _european(path)):
+        return pd.read_csv(path, sep=separator, decimal=",", skipinitialspace=True)
+    first = pd.read_csv(path, sep=None, engine="python", skipinitialspace=True, header=None, nrows=1).iloc[0]
+    header = None if pd.to_numeric(first, errors="coerce").notna().all() else 0
+    return pd.read_csv(path, sep=None, engine="python", skipinitialspace=True, header=header)
 
 
 def _european(path: Path) -> str:
@@ -151,17 +167,53 @@ def _mat(path: Path) -> pd.DataFrame:
 
 def _column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> np.ndarray:
     """A channel in SI; text that is no number becomes NaN."""
-    headers = {str(column).strip(): column for column in table.columns}
-    if channel.column not in headers:
-        raise UserError(f'{path}: no column "{channel.column}" for {name}; {nearest(channel.column, headers)}')
-    numbers = pd.to_numeric(table[headers[channel.column]], errors="coerce").to_numpy(dtype=float)
+    numbers = pd.to_numeric(table.iloc[:, _place(path, table, name, channel)], errors="coerce").to_numpy(dtype=float)
     if not np.any(np.isfinite(numbers)):
         raise UserError(f'{path}: column "{channel.column}" ({name}) holds no numbers')
     return numbers * channel.factor + channel.offset
 
 
-def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """An even grid (s, from 0) that spans the record, the place of each row on it, and its step."""
+def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> int:
+    """The number, from 0, of a channel's column."""
+    count = table.shape[1]
+    if isinstance(channel.column, int):
+        if channel.column >= count:
+            raise UserError(
+                f"{path}: no column {channel.column} for {name}: it has {count} columns, and they count from 0 to "
+                f"{count - 1}"
+            )
+        return channel.column
+    headers = [str(column).strip() for column in table.columns]
+    if channel.column in headers:
+        return headers.index(channel.column)
+    if not any(isinstance(column, str) for column in table.columns):
+        raise UserError(
+            f'{path}: no column "{channel.column}" for {name}: the file has no header; give the number of the column '
+            f"from 0 to {count - 1}, such as column = 0"
+        )
+    raise UserError(f'{path}: no column "{channel.column}" for {name}; {nearest(channel.column, headers)}')
+
+
+def _resampled(path: Path, columns: Mapping[str, np.ndarray], step: float) -> dict[str, np.ndarray]:
+    """Channels on an even grid, linearly between their samples; NaN where samples are more than `FAR` steps apart."""
+    time = columns["time"]
+    _check_time(path, time)
+    grid = time[0] + step * np.arange(int((time[-1] - time[0]) / step) + 1)
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    far = (time[after] - time[after - 1] > FAR * step) & (time[after] != grid)
+    resampled = {name: np.where(far, np.nan, np.interp(grid, time, values)) for name, values in columns.items()}
+    gaps = np.diff(time)
+    if np.any(gaps > LONGEST_GAP):
+        row = int(np.argmax(gaps > LONGEST_GAP))
+        raise UserError(
+            f"{path}: the time jumps by {gaps[row]:g} s after {row + 1} rows of those taken; cut the record there, "
+            "into two, by skip and rows of [[records]]"
+        )
+    return {**resampled, "time": grid}
+
+
+def _check_time(path: Path, time: np.ndarray) -> None:
+    """Raise UserError where times are too few, no numbers, or do not go on."""
     if time.size < FEWEST:
         raise UserError(f"{path}: holds {time.size} samples, expected at least {FEWEST}")
     if not np.all(np.isfinite(time)):
@@ -171,6 +223,12 @@ def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         row = int(np.argmax(steps <= 0.0)) + 3
         word = "goes back" if steps[row - 3] < 0.0 else "stands still"
         raise UserError(f"{path}: row {row}: the time {word}, from {time[row - 3]:g} s to {time[row - 2]:g} s")
+
+
+def _grid(path: Path, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """An even grid (s, from 0) that spans the record, the place of each row on it, and its step."""
+    _check_time(path, time)
+    steps = np.diff(time)
     step = float(np.median(steps))
     inside = steps < (1.0 + JITTER) * step
     step = float(np.mean(steps[inside]))  # the median is quantised where the times are rounded
@@ -226,12 +284,14 @@ def _check_alive(path: Path, name: str, values: np.ndarray) -> None:
         return
     for extreme, word in ((high, "largest"), (low, "smallest")):
         at = values == extreme
-        longest = max((b - a for a, b in spans(at)), default=0)
+        first, last = max(spans(at), key=lambda span: span[1] - span[0])
+        longest = last - first
         beside = np.unique(known)
+        held = abs(values[max(first - ARRIVAL, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
         next_to = float(beside[-2] if extreme == high else beside[1])
         # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
-        if longest > SATURATED_SHARE * values.size and crowded:
+        if longest > SATURATED_SHARE * values.size and crowded and not held:
             raise UserError(
                 f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
                 "use a sensor or an amplifier of larger range, or cut the record"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictFloat, model_validator
+from pydantic import Field, StrictFloat, StrictInt, model_validator
 
 from plants.equation import NEGATIVE, ROTARY
 from workbench import files
@@ -93,10 +93,11 @@ class FitTable(files.Strict):
 class ChannelTable(files.Strict):
     """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
 
-    `anti_alias` (Hz) is the cutoff of a first-order filter before the converter: the simulated reading passes it too.
+    `column` is a name, or a number from 0, as a file without a header needs it. `anti_alias` (Hz) is the cutoff of a
+    first-order filter before the converter: the simulated reading passes it too.
     """
 
-    column: str
+    column: str | Annotated[StrictInt, Field(ge=0)]
     unit: str = "1"
     scale: float = 1.0
     offset: float = 0.0
@@ -106,12 +107,17 @@ class ChannelTable(files.Strict):
 class RecordTable(files.Strict):
     """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
 
-    `rpm` is the speed of rotation that was set, or the name of the column that holds it.
+    Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
+    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was
+    set, or the name of the column that holds it.
     """
 
     file: str
     use: Literal["fit", "held_out"] = "fit"
     label: str = ""
+    skip: Annotated[StrictInt, Field(ge=0)] = 0
+    rows: Annotated[StrictInt, Field(gt=0)] | None = None
+    sample_time: Raw | None = None
     rpm: Annotated[StrictFloat, Field(ge=0.0)] | str = 0.0
 
 
