@@ -68,7 +68,8 @@ def test_every_set_builds_the_plants_that_it_is_meant_for(name: str) -> None:
             built.add(plant.name)
             assert plant.command_limit(parameters) > 0.0
     rotating = {f"rotating_{law}{kind}" for law in ("helical", "isotropic", "anisotropic") for kind in ("", "_ideal")}
-    expected = {"drive_force"} if name == "canudas1995" else {"drive_force", "non_rotating"} | rotating
+    hydraulic = {"drive_force", "non_rotating", "two_chamber"}
+    expected = {"drive_force"} if name == "canudas1995" else hydraulic | rotating
     assert built == expected
 
 

@@ -211,8 +211,7 @@ def _effect_data(one: Found) -> dict[str, Any]:
             for name, (value, std) in one.numbers.items()
         },
         "alternatives": list(one.alternatives),
-        "evidence": dict(one.evidence),
-        "remarks": list(one.remarks),
+        "evidence": {**dict(one.evidence), **({"remarks": list(one.remarks)} if one.remarks else {})},
     }
 
 

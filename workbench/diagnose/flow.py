@@ -26,7 +26,7 @@ def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
 
     The voltage holds from sample to sample, so the lag is solved exactly.
     """
-    step, voltage = motion.sample_time, motion.voltage
+    step, voltage = motion.record.sample_time, motion.voltage
     if voltage is None:
         raise ValueError("a record without the valve's voltage has no spool")
     delay = values.get("command_delay", 0.0)

@@ -65,8 +65,8 @@ class Motion:
 
     @property
     def sample_time(self) -> float:
-        """Time between samples (s)."""
-        return self.record.sample_time
+        """Time (s) between the instants of the arrays."""
+        return float(self.time[1] - self.time[0])
 
     def has(self, *names: str) -> bool:
         """Whether these channels were measured; position is one of them."""
