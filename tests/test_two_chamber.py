@@ -1,4 +1,4 @@
-"""The actuator with a pressure in each chamber: without effects the load-pressure one; each effect by its own equation."""
+"""The actuator with a pressure in each chamber: without effects the load-pressure one, and what each effect does."""
 
 from dataclasses import replace
 
@@ -59,7 +59,7 @@ def test_every_effect_acts_by_parameters_that_the_plant_has_neutral() -> None:
         ("leakage_coefficient", 2e-12),
         ("droop_resistance", 3e9),
         ("air_fraction", 0.01),
-        ("area_ratio", 0.95),
+        ("area_ratio", 0.8),
         ("command_delay", 0.01),
         ("backlash_width", 5e-5),
         ("pressure_1_offset", 5e4),
@@ -68,7 +68,7 @@ def test_every_effect_acts_by_parameters_that_the_plant_has_neutral() -> None:
 )
 def test_every_effect_shows_in_what_a_rig_measures(name: str, value: float) -> None:
     with_it, without = run("two_chamber", 2.0, **{name: value}), run("two_chamber", 2.0)
-    assert with_it.outcome == "completed"
+    assert not with_it.diverged
     difference = np.abs(with_it.measurements - without.measurements)
     assert np.max(difference[:, 0]) > 1e-6 or np.max(difference[:, 1:3]) > 1e3
 
