@@ -1,7 +1,7 @@
 """The whole diagnosis of an experiment: honest baseline, flow before force, selection, held-out records, verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from workbench.diagnose.balances import balances_of
 from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.flow import pressure_sum
 from workbench.diagnose.force import load_pressure
+from workbench.diagnose.free_run import free_run
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import Step, gain, select
@@ -241,38 +242,23 @@ def _errors(
     after: Values,
     held_out: Sequence[Motion],
 ) -> dict[str, Any]:
-    """Residual rms of each balance, with the baseline and with what was found, on fit and held-out records."""
+    """Rms of each balance's residual and of free-run simulation, with the baseline and with what was found."""
     errors: dict[str, Any] = {}
-    for use, motions in (("fit", None), ("held_out", held_out)):
+    for use, motions in (("fit", results[0].balance.motions), ("held_out", held_out)):
         sides: dict[str, dict[str, float]] = {"before": {}, "after": {}}
-        for result in results:
-            balance = result.balance
-            over = (
-                balance
-                if motions is None
-                else Balance(
-                    balance.name,
-                    motions,
-                    balance.residual,
-                    balance.floor,
-                    balance.unit,
-                    balance.free,
-                    (),
-                    balance.sharp,
-                )
-            )
-            if not over.motions:
-                continue
-            for side, values in (("before", baseline), ("after", after)):
-                rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * balance.floor
-                sides[side][KEYS[balance.name]] = rms
+        for side, values in (("before", baseline), ("after", after)) if motions else ():
+            for result in results:
+                over = replace(result.balance, motions=motions, thin={})
+                rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
+                sides[side][KEYS[over.name]] = rms
+            sides[side] |= free_run(experiment, [motion.record for motion in motions], values)
         errors[use] = sides
     return errors
 
 
 def _verdict(found: Sequence[Found], unexplained: Dependence | None, errors: Mapping[str, Any]) -> str:
     before, after = errors["held_out"]["before"], errors["held_out"]["after"]
-    if found and any(after[key] > WORSE * before[key] for key in before):
+    if found and any(after[key] > WORSE * before[key] for key in KEYS.values() if key in before):
         return "rejected_on_held_out"
     if any(one.alternatives for one in found):
         return "ambiguous"
