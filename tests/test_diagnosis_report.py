@@ -268,7 +268,7 @@ def test_what_is_not_identified_is_marked(found: Diagnosis) -> None:
 
 def test_tables_show_readable_units(found: Diagnosis) -> None:
     errors = error_table(found).set_index("error (rms)")
-    assert list(errors["unit"]) == ["cm^3/s", "N"]
+    assert list(errors["unit"]) == ["cm^3/s", "N", "mm", "kPa"]
     flow = found.report["error"]["fit"]["before"]["flow_rms_m3_per_s"]
     assert float(errors.loc["residual of the flow balance", "fit, before"]) == pytest.approx(1e6 * flow, rel=1e-2)
     evidence = evidence_table(found)
