@@ -23,9 +23,6 @@ NEAR = 1.1
 PRICE = 0.01
 """Share of the left-out rms that every further parameter has to take away."""
 
-FITTED = 4
-"""Effects that are fitted whole in a round."""
-
 AT_FLOOR = 1.05
 """Floors at which a residual is what it would be if nothing were missing."""
 
@@ -82,8 +79,8 @@ def candidates_for(
     """Every effect of the balance that is not there yet, or not with all its parameters, its best variant, from the
     best.
 
-    One step of a fit says what each variant promises; the `FITTED` most promising effects are fitted whole, with
-    those of their variants that promise about as much as their best.
+    One step of a fit says what each variant promises; those that promise about as much as an effect's best are fitted
+    whole.
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
@@ -91,7 +88,7 @@ def candidates_for(
         if more:
             promises[name] = {variant: promise(before, variant, bounds) for variant in more}
     found = []
-    for name in sorted(promises, key=lambda one: min(promises[one].values()))[:FITTED]:
+    for name in promises:
         best = min(promises[name].values())
         tried = []
         for variant, promised in promises[name].items():
