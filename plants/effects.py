@@ -160,7 +160,8 @@ class Effect:
 
     `numbers` has for each parameter (canonical name) its bounds, and a size (SI) that is felt: where a search starts; 0
     for one that starts from the declared value of the other direction. `variants` are the sets of them that may act
-    alone, the smallest first. `needs` are the channels without which it cannot be told.
+    alone, the smallest first. `needs` are the channels without which it cannot be told. A `circular` one
+    is made of what it is to explain: the pressure carries every force that is not known.
     """
 
     name: str
@@ -169,6 +170,7 @@ class Effect:
     numbers: dict[str, tuple[float, float, float]]
     variants: tuple[tuple[str, ...], ...]
     needs: tuple[str, ...] = ()
+    circular: bool = False
 
 
 def _effect(
@@ -178,8 +180,9 @@ def _effect(
     numbers: dict[str, tuple[float, float, float]],
     variants: tuple[tuple[str, ...], ...] = (),
     needs: tuple[str, ...] = (),
+    circular: bool = False,
 ) -> Effect:
-    return Effect(name, balance, source, numbers, variants or (tuple(numbers),), needs)
+    return Effect(name, balance, source, numbers, variants or (tuple(numbers),), needs, circular)
 
 
 _ALL = (
@@ -214,6 +217,7 @@ _ALL = (
         "Bonchis, Corke and Rye 1999",
         {"friction_per_pressure": (0.0, 1e-2, 2e-5)},
         needs=("pressure_1",),
+        circular=True,
     ),
     _effect("frictional_memory", "force", "Hess and Soom 1990", {"memory_time": (0.0, 0.5, 5e-3)}),
     _effect(

@@ -26,6 +26,15 @@ from workbench.parameters import known_units
 WORSE = 1.02
 """Held-out error, after over before, beyond which what was found is rejected."""
 
+LEFT_OVER = 1.5
+"""Floors above which a residual is not explained by the effects that were added."""
+
+TAKEN = 0.3
+"""Share of the residual that effects may leave, however much that is over the floor, and still be named."""
+
+PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
+"""Signals that no force makes, and the share of a residual's variance from which it is theirs."""
+
 OFFSET_SHARE = 0.5
 """Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
 
@@ -104,6 +113,8 @@ def diagnose(path: Path) -> Diagnosis:
     balances = floored(balances, first, experiment.flow)
     for balance in balances:
         after, steps = select(balance, values, experiment.bounds)
+        if _leaves_too_much(steps[0].before, after, steps):
+            after, steps = steps[0].before, [replace(steps[0], added=None, alternatives=[])]
         results.append(BalanceResult(balance, steps[0].before, after, steps))
         found += _found_on(balance, after, steps)
         baseline |= {name: steps[0].before.values[name] for name in balance.free}
@@ -132,6 +143,22 @@ def diagnose(path: Path) -> Diagnosis:
         "baseline": _baseline_data(results),
     }
     return Diagnosis(experiment, results, found, unexplained, declared, baseline, values, report)
+
+
+def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
+    """Whether effects take a part of a residual that goes on to depend on a signal: then they stand in for another.
+
+    A circular one takes its part of any residual: it is not believed either where the residual depends on place or time.
+    """
+    if after is before:
+        return False
+    if any(step.added is not None and EFFECTS[step.added.effect].circular for step in steps):
+        first = dependence(before.balance, before.values)
+        if first is not None and any(first.shares.get(name, 0.0) > PLACED for name in PLACES):
+            return True
+    if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:
+        return False
+    return dependence(after.balance, after.values) is not None
 
 
 def _offset(motions: Sequence[Motion], values: Values) -> Found | None:

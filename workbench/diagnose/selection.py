@@ -11,6 +11,9 @@ from workbench.diagnose.fitting import Balance, Fit, Values, fit, promise
 LEAST_GAIN = 0.04
 """Share of the left-out rms that an effect must take away."""
 
+CIRCULAR_GAIN = 0.15
+"""The same of an effect that is made of what it is to explain."""
+
 SURE = 2.5
 """Standard errors, over blocks, by which the left-out squares must fall."""
 
@@ -126,7 +129,8 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
 
 def _passes(before: Fit, one: Candidate) -> bool:
     share, sure = gain(before, one.fit)
-    return share > LEAST_GAIN + PRICE * len(one.variant) and sure > SURE
+    least = CIRCULAR_GAIN if EFFECTS[one.effect].circular else LEAST_GAIN
+    return share > least + PRICE * len(one.variant) and sure > SURE
 
 
 def _level(best: Candidate, other: Candidate) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 
 from plants.effects import EFFECTS
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.selection import LEAST_GAIN, PRICE, SURE
+from workbench.diagnose.selection import CIRCULAR_GAIN, LEAST_GAIN, PRICE, SURE
 from workbench.parameters import known_units
 from workbench.report.tables import shown_number
 from workbench.units import factor
@@ -133,7 +133,8 @@ def sureness(found: Diagnosis) -> list[str]:
     for one in found.found:
         text = f"{plain(one.name).capitalize()}: {PLAIN.get(one.name, 'see its source')} ({EFFECTS[one.name].source})."
         if "left_out_gain" in one.evidence:
-            least = LEAST_GAIN + PRICE * len(one.numbers)
+            asked = CIRCULAR_GAIN if EFFECTS[one.name].circular else LEAST_GAIN
+            least = asked + PRICE * len(one.numbers)
             share, sure = one.evidence["left_out_gain"], one.evidence["standard_errors"]
             text += (
                 f" It lowers the residual on data that its fit has not seen by {100 * share:.0f} %"
