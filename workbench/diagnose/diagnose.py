@@ -15,7 +15,7 @@ from workbench.diagnose.force import load_pressure
 from workbench.diagnose.free_run import free_run
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
-from workbench.diagnose.selection import Step, gain, select
+from workbench.diagnose.selection import Step, gain, is_circular, select
 from workbench.diagnose.unexplained import Dependence, dependence, strongest
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
@@ -148,11 +148,11 @@ def diagnose(path: Path) -> Diagnosis:
 def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
     """Whether effects take a part of a residual that goes on to depend on a signal: then they stand in for another.
 
-    A circular one takes its part of any residual: it is not believed either where the residual depends on place or time.
+    A circular one takes its part of any residual: it is not believed where the residual depends on place or time.
     """
-    if after is before:
+    if after is before or not after.balance.simulated:  # without such a floor nobody knows what is too much
         return False
-    if any(step.added is not None and EFFECTS[step.added.effect].circular for step in steps):
+    if any(step.added is not None and is_circular(step.added.effect, after.balance) for step in steps):
         first = dependence(before.balance, before.values)
         if first is not None and any(first.shares.get(name, 0.0) > PLACED for name in PLACES):
             return True

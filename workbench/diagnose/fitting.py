@@ -48,6 +48,7 @@ Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 class Balance:
     """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
 
+    The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect. A `sharp`
     balance cannot be told where smoothing blurs what happened.
     """
@@ -60,6 +61,7 @@ class Balance:
     free: tuple[str, ...]
     effects: tuple[str, ...] = ()
     sharp: bool = False
+    simulated: bool = False
     thin: dict[int, Motion] = field(default_factory=dict, repr=False)
 
     def stacked(self, values: Values) -> np.ndarray:

@@ -127,9 +127,14 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
     return current, steps
 
 
+def is_circular(effect: str, balance: Balance) -> bool:
+    """Whether an effect is made of what it is to explain: of the pressures, where they are what drives the mass."""
+    return EFFECTS[effect].circular and not balance.motions[0].has("force")
+
+
 def _passes(before: Fit, one: Candidate) -> bool:
     share, sure = gain(before, one.fit)
-    least = CIRCULAR_GAIN if EFFECTS[one.effect].circular else LEAST_GAIN
+    least = CIRCULAR_GAIN if is_circular(one.effect, before.balance) else LEAST_GAIN
     return share > least + PRICE * len(one.variant) and sure > SURE
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from plants.effects import EFFECTS
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.selection import CIRCULAR_GAIN, LEAST_GAIN, PRICE, SURE
+from workbench.diagnose.selection import CIRCULAR_GAIN, LEAST_GAIN, PRICE, SURE, is_circular
 from workbench.parameters import known_units
 from workbench.report.tables import shown_number
 from workbench.units import factor
@@ -133,7 +133,8 @@ def sureness(found: Diagnosis) -> list[str]:
     for one in found.found:
         text = f"{plain(one.name).capitalize()}: {PLAIN.get(one.name, 'see its source')} ({EFFECTS[one.name].source})."
         if "left_out_gain" in one.evidence:
-            asked = CIRCULAR_GAIN if EFFECTS[one.name].circular else LEAST_GAIN
+            circular = any(is_circular(one.name, result.balance) for result in found.results)
+            asked = CIRCULAR_GAIN if circular else LEAST_GAIN
             least = asked + PRICE * len(one.numbers)
             share, sure = one.evidence["left_out_gain"], one.evidence["standard_errors"]
             text += (
