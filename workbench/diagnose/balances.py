@@ -29,7 +29,9 @@ def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Se
     first = motions[0]
     found = []
     if first.has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
-        found.append(_balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s"))
+        found.append(
+            _balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s", parts=2)
+        )
     elif first.has("pump_speed", "position") and "pump_displacement" in values:
         found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s", only=PUMP_EFFECTS))
     if first.has("position") and force.driving_force(first, values) is not None:
@@ -62,6 +64,7 @@ def _balance(
     free: Sequence[str] | None,
     unit: str,
     *,
+    parts: int = 1,
     sharp: bool = False,
     only: Sequence[str] = tuple(EFFECTS),
 ) -> Balance:
@@ -78,7 +81,7 @@ def _balance(
         and motions[0].has(*effect.needs)
         and _possible(effect.numbers, values, known)
     )
-    return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, sharp)
+    return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, parts, sharp)
 
 
 def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:

@@ -11,9 +11,8 @@ from plants.effects import EFFECTS
 from workbench.diagnose.balances import balances_of
 from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.flow import pressure_sum
-from workbench.diagnose.force import load_pressure
 from workbench.diagnose.free_run import free_run
-from workbench.diagnose.motion import Motion, motion_of
+from workbench.diagnose.motion import Motion, load_pressure, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import Step, gain, is_circular, select
 from workbench.diagnose.unexplained import Dependence, dependence, strongest
@@ -72,6 +71,7 @@ class Diagnosis:
     """All that a diagnosis finds; `report` is the content of report.json."""
 
     experiment: Experiment
+    held_out: Sequence[Motion]
     results: Sequence[BalanceResult]
     found: Sequence[Found]
     unexplained: Dependence | None
@@ -142,7 +142,7 @@ def diagnose(path: Path) -> Diagnosis:
         },
         "baseline": _baseline_data(results),
     }
-    return Diagnosis(experiment, results, found, unexplained, declared, baseline, values, report)
+    return Diagnosis(experiment, held_out, results, found, unexplained, declared, baseline, values, report)
 
 
 def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
@@ -275,7 +275,7 @@ def _errors(
         sides: dict[str, dict[str, float]] = {"before": {}, "after": {}}
         for side, values in (("before", baseline), ("after", after)) if motions else ():
             for result in results:
-                over = replace(result.balance, motions=motions, thin={})
+                over = replace(result.balance, motions=motions)
                 rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
                 sides[side][KEYS[over.name]] = rms
             sides[side] |= free_run(experiment, [motion.record for motion in motions], values)

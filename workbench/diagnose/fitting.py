@@ -1,7 +1,8 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -9,12 +10,9 @@ from scipy.optimize import least_squares
 from plants.effects import EFFECTS, FREE
 from plants.equation import NEGATIVE, fields
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.motion import Motion, thinned
+from workbench.diagnose.motion import Motion
 from workbench.identify.covariance import long_run_length, sandwich
 from workbench.parameters import SIGNED
-
-THINNED = 0.01
-"""s between the samples that a fit sees: smoothed channels hold no more."""
 
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
@@ -49,8 +47,9 @@ class Balance:
     """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
 
     The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
-    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. A `sharp`
-    balance cannot be told where smoothing blurs what happened.
+    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. `parts` is the
+    number of residuals that each motion gives. A `sharp` balance cannot be told where smoothing blurs what happened,
+    and follows a contact from sample to sample; any other is evaluated on thinned motions alone.
     """
 
     name: str
@@ -60,48 +59,58 @@ class Balance:
     unit: str
     free: tuple[str, ...]
     effects: tuple[str, ...] = ()
+    parts: int = 1
     sharp: bool = False
     simulated: bool = False
-    thin: dict[int, Motion] = field(default_factory=dict, repr=False)
+
+    def known(self, motion: Motion) -> np.ndarray:
+        """At which of a motion's thinned instants the residual says something."""
+        thin = motion.thinned
+        return thin.valid & ~thin.blurred if self.sharp else thin.valid
+
+    def residuals(self, motion: Motion, values: Values) -> list[np.ndarray]:
+        """Residuals (in `unit`) of a motion at its thinned instants."""
+        if self.sharp:
+            return [part[:: motion.thinning] for part in self.residual(motion, values)]
+        return list(self.residual(motion.thinned, values))
 
     def stacked(self, values: Values) -> np.ndarray:
-        """Residuals of all records over the floor, thinned, 0 where a record is not valid."""
-        return np.concatenate([part for motion in self.motions for part in self._parts(motion, values)])
+        """Residuals of all records over the floor, 0 where nothing is known."""
+        return np.concatenate(
+            [
+                np.where(self.known(motion), part, 0.0) / self.floor
+                for motion in self.motions
+                for part in self.residuals(motion, values)
+            ]
+        )
 
-    def _parts(self, motion: Motion, values: Values) -> list[np.ndarray]:
-        every = thinning(motion)
-        known = (motion.valid & ~(self.sharp & motion.blurred))[::every]
-        if self.sharp:
-            return [np.where(known, part[::every], 0.0) / self.floor for part in self.residual(motion, values)]
-        return [np.where(known, part, 0.0) / self.floor for part in self.residual(self._thin(motion, every), values)]
+    @cached_property
+    def series(self) -> list[list[slice]]:
+        """Where the residuals of each record stand in the stack."""
+        sizes = [motion.thinned.time.size for motion in self.motions for _ in range(self.parts)]
+        ends = np.cumsum(sizes).tolist()
+        slices = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
+        return [slices[i : i + self.parts] for i in range(0, len(slices), self.parts)]
 
-    def _thin(self, motion: Motion, every: int) -> Motion:
-        key = id(motion)
-        if key not in self.thin:
-            self.thin[key] = thinned(motion, every)
-        return self.thin[key]
-
-    def series(self, values: Values) -> list[slice]:
-        """Where each residual of each record stands in the stack."""
-        slices, first = [], 0
-        for motion in self.motions:
-            for part in self._parts(motion, values):
-                slices.append(slice(first, first + part.size))
-                first += part.size
-        return slices
-
-
-def thinning(motion: Motion) -> int:
-    """Every how many samples a fit looks at."""
-    return max(round(THINNED / motion.sample_time), 1)
+    @cached_property
+    def blocks(self) -> list[np.ndarray]:
+        """Rows of each block of the stack: pieces of time, with all residuals of a record in them."""
+        per_record = max(BLOCKS // len(self.motions), LEAST_BLOCKS)
+        return [
+            np.concatenate(pieces)
+            for slices in self.series
+            for pieces in zip(
+                *(np.array_split(np.arange(one.start, one.stop), per_record) for one in slices), strict=True
+            )
+        ]
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A balance at its best over some free parameters.
 
-    `residual` is over the floor; `validated` the same as predicted for each block by a fit without it; `covariance` of
-    the unknowns in `names`, in the units of their scales.
+    `residual` is over the floor; `validated` the same as predicted for each block by a fit without it; `jacobian`
+    that of the residual by the `unknowns`.
     """
 
     balance: Balance
@@ -110,7 +119,6 @@ class Fit:
     deviations: dict[str, float]
     residual: np.ndarray
     validated: np.ndarray
-    blocks: Sequence[np.ndarray]
     jacobian: np.ndarray
     unknowns: Sequence["Unknown"]
 
@@ -127,7 +135,7 @@ class Fit:
     @property
     def block_squares(self) -> np.ndarray:
         """Mean square of the left-out residual of each block."""
-        return np.array([np.mean(self.validated[block] ** 2) for block in self.blocks])
+        return np.array([np.mean(self.validated[block] ** 2) for block in self.balance.blocks])
 
 
 @dataclass(frozen=True)
@@ -205,16 +213,14 @@ def fit(
     else:
         x, r = start, residual(start)
         j = np.zeros((r.size, 0))
-    blocks = _blocks(balance, values)
-    deviations = _deviations(j, r, balance.series(values))
+    deviations = _deviations(j, r, [place for slices in balance.series for place in slices])
     return Fit(
         balance,
         tuple(names),
         at(x),
         {u.name: abs(u.slope(one)) * d for u, one, d in zip(unknowns, x, deviations, strict=True)},
         r,
-        _validated(j, r, blocks),
-        blocks,
+        _validated(j, r, balance.blocks),
         j,
         unknowns,
     )
@@ -252,19 +258,6 @@ def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice])
     length = long_run_length([residual[place] for place in series])
     cov = sandwich(jacobian, residual, series, length, np.zeros(jacobian.shape[1]))
     return np.asarray(np.sqrt(np.maximum(np.diag(cov), 0.0)))
-
-
-def _blocks(balance: Balance, values: Values) -> list[np.ndarray]:
-    """Rows of each block: pieces of time, with all residuals of a record in them."""
-    per_record = max(BLOCKS // len(balance.motions), LEAST_BLOCKS)
-    blocks: list[np.ndarray] = []
-    slices, place = balance.series(values), 0
-    for motion in balance.motions:
-        count = len(balance.residual(motion, values))
-        parts = [np.array_split(np.arange(one.start, one.stop), per_record) for one in slices[place : place + count]]
-        blocks += [np.concatenate(pieces) for pieces in zip(*parts, strict=True)]
-        place += count
-    return blocks
 
 
 def _validated(jacobian: np.ndarray, residual: np.ndarray, blocks: Sequence[np.ndarray]) -> np.ndarray:

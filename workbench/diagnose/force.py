@@ -11,7 +11,7 @@ from plants.effects import FrictionEffects
 from plants.friction import Friction
 from plants.hydraulics import Mass
 from plants.two_chamber import friction_rates
-from workbench.diagnose.motion import Motion, with_backlash
+from workbench.diagnose.motion import Motion, load_pressure, with_backlash
 from workbench.parameters import build
 
 UNBOUNDED_STROKE = 1e3
@@ -111,12 +111,6 @@ def force_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
         motion.sample_time,
     )
     return np.asarray(held - friction)
-
-
-def load_pressure(motion: Motion) -> np.ndarray:
-    """P1 - P2 (Pa); the one pressure where there is one; 0 without any."""
-    zeros = np.zeros(motion.time.size)
-    return np.asarray(motion.channels.get("pressure_1", zeros) - motion.channels.get("pressure_2", zeros))
 
 
 def driving_force(motion: Motion, values: Mapping[str, float]) -> np.ndarray | None:

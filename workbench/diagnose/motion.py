@@ -1,5 +1,4 @@
-"""A record as the balances see it: every channel smoothed alike, the position differentiated twice, the spool
-simulated.
+"""A record as the balances see it: every channel smoothed alike, the position differentiated twice.
 
 All channels pass one filter, a Hann window, and derivatives are differences of what it leaves: none is late or sharper
 than another, and a linear balance that holds for the raw signals holds for these too. Local polynomials (Savitzky and
@@ -9,6 +8,7 @@ mass comes out 6.6 % too large.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter1d
@@ -18,6 +18,9 @@ from workbench.identify.records import Record
 
 WINDOW = 0.06
 """s over which channels are smoothed: 61 points at 1 kHz."""
+
+THINNED = 0.01
+"""s between the samples that a fit sees: smoothed channels hold no more."""
 
 CREEP = 3.0
 """Standard deviations of the velocity's noise below which nothing is known to move."""
@@ -37,7 +40,9 @@ class Motion:
     """A record's smoothed channels (SI) over time; `valid` is False near its ends and gaps.
 
     `resting` is True where the noise of the velocity hides any motion, `blurred` where something happened too fast
-    for the smoothing: a contact that breaks away in a few milliseconds.
+    for the smoothing: a contact that breaks away in a few milliseconds. `slack` is the side of a backlash on which
+    the rod is, from -1/2 to 1/2 of its width, with two derivatives: it changes at reversals, while the sensor rests.
+    `voltage` is the valve's as it was held from sample to sample (V), at every instant of the record.
 
     `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
     the position's derivatives: factors in 1, 1/s, 1/s^2.
@@ -68,9 +73,49 @@ class Motion:
         """Time (s) between the instants of the arrays."""
         return float(self.time[1] - self.time[0])
 
+    @property
+    def thinning(self) -> int:
+        """Every how many samples a fit looks at."""
+        return max(round(THINNED / self.record.sample_time), 1)
+
+    @cached_property
+    def thinned(self) -> "Motion":
+        """The motion at the instants at which a fit looks; the voltage keeps all."""
+        every = self.thinning
+        return replace(
+            self,
+            time=self.time[::every],
+            position=self.position[::every],
+            velocity=self.velocity[::every],
+            acceleration=self.acceleration[::every],
+            channels={name: values[::every] for name, values in self.channels.items()},
+            rates={name: values[::every] for name, values in self.rates.items()},
+            valid=self.valid[::every],
+            resting=self.resting[::every],
+            blurred=self.blurred[::every],
+            slack=(self.slack[0][::every], self.slack[1][::every], self.slack[2][::every]),
+        )
+
     def has(self, *names: str) -> bool:
         """Whether these channels were measured; position is one of them."""
         return all(name in self.channels for name in names)
+
+
+def load_pressure(motion: Motion) -> np.ndarray:
+    """P1 - P2 (Pa); the one pressure where there is one; 0 without any."""
+    zeros = np.zeros(motion.time.size)
+    return np.asarray(motion.channels.get("pressure_1", zeros) - motion.channels.get("pressure_2", zeros))
+
+
+def signals_of(motion: Motion) -> dict[str, np.ndarray]:
+    """All on which a residual may depend, by name (SI)."""
+    signals = {name: getattr(motion, name) for name in ("position", "velocity", "acceleration", "time")}
+    for name in ("pressure_1", "pressure_2", "valve_voltage", "rotation_angle"):
+        if name in motion.channels:
+            signals[name] = motion.channels[name]
+    if motion.has("pressure_1", "pressure_2"):
+        signals["load_pressure"] = load_pressure(motion)
+    return signals
 
 
 def with_backlash(motion: Motion, width: float) -> Motion:
@@ -85,23 +130,6 @@ def with_backlash(motion: Motion, width: float) -> Motion:
         position=motion.position + width * hidden,
         velocity=motion.velocity + width * rate,
         acceleration=motion.acceleration + width * bend,
-    )
-
-
-def thinned(motion: Motion, every: int) -> Motion:
-    """Every so many-th instant of a motion; the voltage keeps all."""
-    return replace(
-        motion,
-        time=motion.time[::every],
-        position=motion.position[::every],
-        velocity=motion.velocity[::every],
-        acceleration=motion.acceleration[::every],
-        channels={name: values[::every] for name, values in motion.channels.items()},
-        rates={name: values[::every] for name, values in motion.rates.items()},
-        valid=motion.valid[::every],
-        resting=motion.resting[::every],
-        blurred=motion.blurred[::every],
-        slack=(motion.slack[0][::every], motion.slack[1][::every], motion.slack[2][::every]),
     )
 
 

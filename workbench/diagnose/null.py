@@ -81,9 +81,9 @@ the record did not."""
 def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:
     """The balance with the residual of motions on which nothing is missing as its floor, where that is larger."""
     null = replace(balance, motions=motions)
-    return replace(
-        balance, floor=max(balance.floor, balance.floor * float(np.sqrt(np.mean(null.stacked(values) ** 2))))
-    )
+    floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
+    floor = balance.floor * max(floors if balance.sharp else min(floors, SPOILT), 1.0)
+    return replace(balance, floor=floor, simulated=True)
 
 
 def floored(balances: Sequence[Balance], values: Values, flow: str) -> list[Balance]:

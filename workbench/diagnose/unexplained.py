@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.diagnose.fitting import BLOCKS, Balance, Values, thinning
+from workbench.diagnose.fitting import BLOCKS, Balance, Values
+from workbench.diagnose.motion import signals_of
 
 BINS = 24
 """Of equal count, over each signal."""
@@ -35,22 +36,12 @@ class Dependence:
 def dependence(balance: Balance, values: Values) -> Dependence | None:
     """The signals on which a balance's residual depends; None where it is at its floor or depends on none."""
     parts: dict[str, list[np.ndarray]] = {}
-    residuals, weights = [], []
+    residuals = []
     for motion in balance.motions:
-        every = thinning(motion)
-        known = (motion.valid & ~motion.resting & ~(balance.sharp & motion.blurred))[::every]
-        residual = balance.residual(motion, values)[0][::every] / balance.floor
-        residuals.append(residual[known])
-        signals = {"position": motion.position, "velocity": motion.velocity, "time": motion.time}
-        signals |= {"acceleration": motion.acceleration}
-        for name in ("pressure_1", "pressure_2", "valve_voltage", "rotation_angle"):
-            if name in motion.channels:
-                signals[name] = motion.channels[name]
-        if motion.has("pressure_1", "pressure_2"):
-            signals["load_pressure"] = motion.channels["pressure_1"] - motion.channels["pressure_2"]
-        for name, values_of in signals.items():
-            parts.setdefault(name, []).append(values_of[::every][known])
-        weights.append(known)
+        moving = balance.known(motion) & ~motion.thinned.resting
+        residuals.append(balance.residuals(motion, values)[0][moving] / balance.floor)
+        for name, signal in signals_of(motion.thinned).items():
+            parts.setdefault(name, []).append(signal[moving])
     residual = np.concatenate(residuals)
     if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
         return None

@@ -17,7 +17,6 @@ from workbench.report.diagnosis_series import (
     Part,
     autocorrelation,
     binned,
-    held_out_motions,
     is_changed,
     parts_of,
     scale_of,
@@ -37,11 +36,10 @@ HEIGHT = 2.0
 
 def pictures_of(found: Diagnosis) -> dict[str, Picture]:
     """All figures by name."""
-    held_out = held_out_motions(found)
     pictures: dict[str, Picture] = {}
     after = "with what was rejected" if found.report["verdict"] == REJECTED else "after, with what was found"
     for result in found.results:
-        name, parts = result.balance.name, parts_of(found, result.balance, held_out)
+        name, parts = result.balance.name, parts_of(found, result.balance)
         drawn = _Drawn(result, parts, is_changed(parts), after)
         known = any(np.isfinite(part.after).any() for part in parts if part.use == "fit")
         if known:

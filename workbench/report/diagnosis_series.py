@@ -1,14 +1,13 @@
 """Residuals of a diagnosis as figures show them: before and after, over time or a signal, and how white they are."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.fitting import THINNED, Balance, Values, thinning
-from workbench.diagnose.motion import Motion, motion_of
-from workbench.identify.records import read_records
+from workbench.diagnose.fitting import Balance, Values
+from workbench.diagnose.motion import THINNED, Motion, signals_of
 from workbench.units import factor
 
 BINS = 24
@@ -39,8 +38,8 @@ class Part:
 
     def signal(self, name: str) -> np.ndarray | None:
         """A signal at the residual's times, as it is shown; None where it was not measured."""
-        values = SIGNALS[name].values(self.motion)
-        return None if values is None else SIGNALS[name].scale * values[:: thinning(self.motion)]
+        values = signals_of(self.motion.thinned).get(name)
+        return None if values is None else SIGNALS[name].scale * values
 
 
 @dataclass(frozen=True)
@@ -49,22 +48,15 @@ class Signal:
 
     label: str
     scale: float
-    values: Callable[[Motion], np.ndarray | None]
-
-
-def _load(motion: Motion) -> np.ndarray | None:
-    if not motion.has("pressure_1", "pressure_2"):
-        return None
-    return np.asarray(motion.channels["pressure_1"] - motion.channels["pressure_2"])
 
 
 SIGNALS: Mapping[str, Signal] = {
-    "position": Signal("position (mm)", 1e3, lambda motion: motion.position),
-    "velocity": Signal("velocity (mm/s)", 1e3, lambda motion: motion.velocity),
-    "load_pressure": Signal("load pressure (kPa)", 1e-3, _load),
-    "valve_voltage": Signal("valve voltage (V)", 1.0, lambda motion: motion.channels.get("valve_voltage")),
-    "rotation_angle": Signal("angle (rad)", 1.0, lambda motion: motion.channels.get("rotation_angle")),
-    "time": Signal("time (s)", 1.0, lambda motion: motion.time),
+    "position": Signal("position (mm)", 1e3),
+    "velocity": Signal("velocity (mm/s)", 1e3),
+    "load_pressure": Signal("load pressure (kPa)", 1e-3),
+    "valve_voltage": Signal("valve voltage (V)", 1.0),
+    "rotation_angle": Signal("angle (rad)", 1.0),
+    "time": Signal("time (s)", 1.0),
 }
 
 
@@ -78,29 +70,22 @@ def scale_of(balance: Balance) -> float:
     return balance.floor * factor(balance.unit, unit_of(balance))
 
 
-def held_out_motions(found: Diagnosis) -> list[Motion]:
-    """The held-out records, read again to be shown; the verdict has been given by then."""
-    return [motion_of(record) for record in read_records(found.experiment, "held_out")]
-
-
-def parts_of(found: Diagnosis, balance: Balance, held_out: Sequence[Motion]) -> list[Part]:
+def parts_of(found: Diagnosis, balance: Balance) -> list[Part]:
     """Every residual of a balance on every record, the fit's first."""
     parts = []
-    for use, motions in (("fit", balance.motions), ("held-out", held_out)):
+    for use, motions in (("fit", balance.motions), ("held-out", found.held_out)):
         for motion in motions:
-            every = thinning(motion)
-            moving = ~motion.resting if balance.sharp else np.ones(motion.time.size, dtype=bool)
+            thin, label = motion.thinned, motion.record.label
+            moving = ~thin.resting if balance.sharp else np.ones(thin.time.size, dtype=bool)
             sides = [_residuals(balance, motion, values) for values in (found.baseline, found.corrected)]
             for number, (before, after) in enumerate(zip(*sides, strict=True)):
-                label = motion.record.label
-                parts.append(Part(label, use, number, motion, motion.time[::every], before, after, moving[::every]))
+                parts.append(Part(label, use, number, motion, thin.time, before, after, moving))
     return parts
 
 
 def _residuals(balance: Balance, motion: Motion, values: Values) -> list[np.ndarray]:
-    known = motion.valid & ~(balance.sharp & motion.blurred)
     scale = factor(balance.unit, unit_of(balance))
-    return [np.where(known, scale * one, np.nan)[:: thinning(motion)] for one in balance.residual(motion, values)]
+    return [np.where(balance.known(motion), scale * one, np.nan) for one in balance.residuals(motion, values)]
 
 
 def is_changed(parts: Sequence[Part]) -> bool:
