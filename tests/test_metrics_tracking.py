@@ -1,0 +1,98 @@
+"""Lag, gain, errors and settling of analytic positions."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from made_up_runs import STEP, figures_of
+
+from workbench.metrics.tracking import phase_lag_and_gain
+from workbench.simulation.references import Multisine, Ramp, Sine, Steps
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    lag=st.floats(-179.9, 179.9),
+    gain=st.floats(0.01, 10.0),
+    frequency=st.floats(0.5, 20.0),
+    phase=st.floats(-7.0, 7.0),
+    offset=st.floats(-1.0, 1.0),
+)
+def test_lag_and_gain_of_a_sine(lag: float, gain: float, frequency: float, phase: float, offset: float) -> None:
+    reference = Sine(0.03, frequency, 0.01, phase)
+    angle = 2.0 * np.pi * frequency
+
+    def position(time: np.ndarray) -> np.ndarray:
+        return offset + gain * 0.03 * np.sin(angle * time + phase - math.radians(lag))
+
+    figures = figures_of(position, reference, 5.0, 1.0)
+    assert figures["phase_lag_deg"] == pytest.approx(lag, abs=1e-6)
+    assert figures["gain_ratio"] == pytest.approx(gain, rel=1e-9)
+
+
+def test_harmonics_do_not_move_the_lag() -> None:
+    reference = Sine(0.03, 1.0)
+    plain = figures_of(lambda t: 0.02 * np.sin(2.0 * np.pi * t - 0.5), reference, 5.0, 1.0)
+    rich = figures_of(
+        lambda t: 0.02 * np.sin(2.0 * np.pi * t - 0.5) + 0.01 * np.cos(6.0 * np.pi * t + 1.0), reference, 5.0, 1.0
+    )
+    assert rich["phase_lag_deg"] == pytest.approx(plain["phase_lag_deg"], abs=1e-9)
+    assert rich["gain_ratio"] == pytest.approx(2.0 / 3.0, rel=1e-12)
+
+
+def test_lag_of_opposite_phase_and_of_a_position_at_rest() -> None:
+    time = STEP * np.arange(1000)
+    sine = np.sin(2.0 * np.pi * time)
+    lag, gain = phase_lag_and_gain(time, sine, -2.0 * sine, 1.0)
+    assert abs(lag or 0.0) == pytest.approx(180.0)
+    assert gain == pytest.approx(2.0)
+    assert phase_lag_and_gain(time, sine, 0.0 * sine, 1.0) == (None, pytest.approx(0.0, abs=1e-15))
+    assert phase_lag_and_gain(time, 0.0 * sine, sine, 1.0) == (None, None)
+
+
+def test_errors_over_the_window() -> None:
+    # Error 0.1 sin: rms 0.1 / sqrt 2, largest 0.1; the multisine has a period but no fundamental.
+    reference = Multisine(0.02, 0.5, (1, 3, 5))
+    figures = figures_of(lambda t: reference(t)[0] - 0.1 * np.sin(np.pi * t), reference, 9.0, 0.7)
+    assert figures["rms_error_m"] == pytest.approx(0.1 / math.sqrt(2.0), rel=1e-9)
+    assert figures["max_error_m"] == pytest.approx(0.1, rel=1e-5)
+    assert figures["phase_lag_deg"] is None
+
+
+@settings(max_examples=50, deadline=None)
+@given(time_constant=st.floats(0.02, 0.2), height=st.floats(-0.05, 0.05).filter(lambda h: abs(h) > 1e-4))
+def test_settling_of_a_first_order_lag(time_constant: float, height: float) -> None:
+    reference = Steps((height,), 2.0)
+    figures = figures_of(lambda t: height * (1.0 - np.exp(-t / time_constant)), reference, 2.0, 0.5)
+    assert figures["settling_time_s"] == pytest.approx(time_constant * math.log(50.0), abs=1.01 * STEP)
+    # Mean of exp(-t / T) over the last 20 % of 2 s.
+    expected = abs(height) * time_constant / 0.4 * (math.exp(-1.6 / time_constant) - math.exp(-2.0 / time_constant))
+    assert figures["steady_state_error_m"] == pytest.approx(expected, rel=0.05, abs=1e-12)
+
+
+def test_the_worst_dwell_counts_for_settling_and_steady_state() -> None:
+    reference = Steps((1.0, -1.0, 0.0), 1.0)
+
+    def position(time: np.ndarray) -> np.ndarray:
+        target, since = reference(time)[0], np.mod(time, 1.0)
+        offset = np.select([time < 1.0, time < 2.0], [0.5, -0.003], 0.002)
+        slow = np.where((time >= 1.0) & (time < 2.0), 0.1, 0.05)
+        return target - offset - 2.0 * np.exp(-since / slow) * (time < 3.0)
+
+    figures = figures_of(position, reference, 3.0, 1.5)
+    # The first dwell, with 0.5 m, ends in the transient. Jumps of 2 m and 1 m: 2 exp(-t/0.1) = 0.04 + 0.003.
+    assert figures["steady_state_error_m"] == pytest.approx(0.003, rel=0.2)
+    assert figures["settling_time_s"] == pytest.approx(0.1 * math.log(2.0 / 0.043), abs=1.01 * STEP)
+
+
+def test_what_does_not_settle_or_does_not_jump_has_no_settling_time() -> None:
+    reference = Steps((1.0, 2.0), 1.0)
+    never = figures_of(lambda t: np.where(t < 1.0, 1.0, 1.9), reference, 2.0, 0.1)
+    assert never["settling_time_s"] is None
+    assert never["steady_state_error_m"] == pytest.approx(0.1)
+    ramp = Ramp(0.02, 0.0, 1.0)
+    turned = figures_of(lambda t: ramp(t)[0] + 1e-3 * np.exp(-t), ramp, 3.0, 0.5)
+    assert turned["settling_time_s"] is None
+    assert turned["limit_cycle"] == "none"
