@@ -1,15 +1,17 @@
 """Small plants with known solutions, defined as another package would define its own, and how tests start them."""
 
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from controllers.pid import PID
 from plants.equation import Scalar, equation
 from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Measurement, Plant
 from plants.registry import plants
 from workbench.parameters import build, named_sets, read_parameters
-from workbench.simulation.simulate import Setup
+from workbench.simulation.simulate import Loop, Setup
 
 
 class State(NamedTuple):
@@ -126,3 +128,17 @@ def registered(
     parameters = build(plant.Parameters, numbers, flow)
     state, inputs = plant.equilibrium(parameters, rpm * 2.0 * np.pi / 60.0 * numbers.get("piston_radius", 0.0))
     return Setup(plant, parameters, state, inputs, **options)
+
+
+def hydraulic(loop_gain: float = 500.0, duration: float = 2.0, friction: bool = True, **changes: Any) -> Setup:
+    """The non-rotating actuator under P control, with changes of its hydraulics and of its load force."""
+    setup = registered("non_rotating", duration=duration)
+    p = setup.parameters
+    body = p.body._replace(load_force=changes.pop("load_force", 0.0))
+    contact = p.friction
+    if not friction:
+        none = contact.positive._replace(coulomb=0.0, stribeck=0.0, bristle_stiffness=0.0)
+        contact = contact._replace(positive=none, negative=none)
+    truth = p._replace(hydraulics=p.hydraulics._replace(**changes), body=body, friction=contact)
+    gains = PID.design(PID.Settings(kp=loop_gain), p, setup.sample_time)
+    return replace(setup, parameters=truth, loop=Loop(PID, gains))

@@ -1,14 +1,17 @@
-"""Sensors against their definitions: noise statistics, converter steps, analogue filter, delay."""
+"""Sensors against their definitions: noise statistics, converter steps, analogue filter, delay, systematic errors."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from support import OSCILLATOR, registered, start
+from support import OSCILLATOR, hydraulic, registered, start
 
+from controllers.pid import PID
 from plants.interface import Measurement
-from workbench.simulation.sensors import Channel, Sensors
-from workbench.simulation.simulate import Integrator, Run, simulate
+from workbench.simulation.references import Steps
+from workbench.simulation.sensors import Channel, Sensors, systematic_error
+from workbench.simulation.simulate import Integrator, Loop, Run, simulate
 
 FREQUENCY = 7.0
 OMEGA = 2.0 * np.pi * FREQUENCY
@@ -150,3 +153,62 @@ def test_a_filter_on_a_sensor_that_is_not_there_harms_nothing() -> None:
     run = simulate(replace(registered("rotating_helical_ideal", rpm=60.0, duration=0.01), sensors=sensors))
     assert run.outcome == "completed"
     assert np.all(np.isnan(measured(run, "rotation_speed")))
+
+
+# --- in the loop, and systematic errors ---
+
+
+def moving(channels: dict[str, Channel], **options: Any) -> Run:
+    return simulate(replace(hydraulic(), reference=Steps((8e-3, -8e-3), 0.5), sensors=Sensors(channels), **options))
+
+
+def test_offset_and_gain_of_a_sensor() -> None:
+    """The sensor reads (1 + g) y + b; the loop brings what it reads, not the position, to the reference."""
+    offset, gain = 0.2e-3, 0.01
+    run = moving({"position": Channel(offset=offset, gain_error=gain), "pressure_1": Channel(offset=5e4)})
+    assert measured(run) == pytest.approx((1.0 + gain) * run.state("position") + offset, abs=1e-15)
+    assert measured(run, "pressure_1") == pytest.approx(run.signals["pressure_1"] + 5e4, rel=1e-14)
+    assert np.array_equal(measured(run, "pressure_2"), run.signals["pressure_2"])
+    assert run.state("position")[499] == pytest.approx((8e-3 - offset) / (1.0 + gain), abs=2e-6)
+
+
+def curve(peak: float, travel: float, seed: int, at: np.ndarray) -> np.ndarray:
+    channel = Channel(calibration_error=peak, calibration_travel=travel, calibration_seed=seed)
+    return systematic_error(at, Sensors({"position": channel}).errors()[0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_calibration_curve_is_smooth_has_its_peak_and_repeats(seed: int) -> None:
+    """Peak within 1e-4; a wave of n periods and amplitude a has slopes up to 2 pi n a / travel; no mean."""
+    peak, travel = 0.07e-3, 0.2
+    at = np.linspace(-0.5, 0.5, 7001) * travel
+    errors = curve(peak, travel, seed, at)
+    assert np.max(np.abs(errors)) == pytest.approx(peak, rel=1e-4)
+    spectrum = np.abs(np.fft.rfft(errors[:-1])) / 3500.0
+    assert spectrum[1:5] == pytest.approx(spectrum[1] / np.arange(1, 5), rel=1e-9)
+    assert np.max(np.delete(spectrum, [1, 2, 3, 4])) < 1e-9 * peak
+    assert np.array_equal(errors, curve(peak, travel, seed, at))
+    assert np.max(np.abs(errors - curve(peak, travel, seed + 1, at))) > 0.2 * peak
+
+
+def test_calibration_error_is_what_the_engine_adds_before_noise_and_converter() -> None:
+    """What a noisy, quantised channel shows: rint((y + e(y) + noise) / q) q, noise as without calibration error."""
+    seed, step = 11, 2.0**-18
+    channel = Channel(
+        noise=1e-5, resolution=step, calibration_error=0.07e-3, calibration_travel=0.2, calibration_seed=3
+    )
+    run = moving({"position": channel}, seed=seed)
+    position = run.state("position")
+    noise = Sensors({"position": Channel(noise=1e-5)}).noise(position.size, seed)[:, 0]
+    analogue = position + curve(0.07e-3, 0.2, 3, position) + noise
+    assert np.max(np.abs(measured(run) - analogue)) <= 0.5 * step + 1e-12
+    assert np.max(np.abs(measured(run) - position - noise)) > 1e-5
+
+
+def test_controller_starts_from_what_the_sensor_shows() -> None:
+    """An offset alone is no motion: the filtered velocity starts at 0 and a derivative gain has nothing to act on."""
+    setup = registered("non_rotating", duration=0.05)
+    gains = PID.design(PID.Settings(kp=0.0, kd=50.0), setup.parameters, setup.sample_time)
+    sensors = Sensors({"position": Channel(offset=1e-3)})
+    run = simulate(replace(setup, loop=Loop(PID, gains), reference=Steps((0.0,), 1.0), sensors=sensors))
+    assert np.max(np.abs(run.command)) < 1e-12

@@ -1,0 +1,52 @@
+"""A small study with scenarios, as tests of them write and resolve it."""
+
+from pathlib import Path
+
+from command import STUDIES
+
+from workbench.study.document import read_study, unfold
+from workbench.study.resolve import Resolved, resolve
+
+FOLDER = STUDIES / "scenarios"
+FILES = sorted(FOLDER.glob("*.toml"))
+FILE_HEAD = 'title = "t"\nsource = "s"\n'
+
+STUDY = """\
+title = "a study for tests"
+[plant]
+model = "non_rotating"
+parameters = "owen2001_simulation"
+[axes]
+scenario = {scenarios}
+controller = ["p", "inverse"]
+[controllers.p]
+type = "pid"
+kp = "500 V/m"
+feedforward = 1
+[controllers.inverse]
+type = "lugre"
+law = "valve_inversion"
+[references.sine]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "5 Hz"
+[simulation]
+duration = "0.4 s"
+transient = "0.1 s"
+seed = 3
+"""
+
+
+def study_file(folder: Path, scenarios: list[str], extra: str = "", **beside: str) -> Path:
+    """A study in `folder` with these scenarios on its axis, and the scenario files `beside` it."""
+    (folder / "scenarios").mkdir(exist_ok=True)
+    for name, text in beside.items():
+        (folder / "scenarios" / f"{name}.toml").write_text(text, encoding="utf-8")
+    path = folder / "study.toml"
+    path.write_text(STUDY.format(scenarios=scenarios) + extra, encoding="utf-8")
+    return path
+
+
+def resolved(path: Path) -> list[Resolved]:
+    study = read_study(path)
+    return [resolve(study, case) for case in unfold(study)]
