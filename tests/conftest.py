@@ -8,6 +8,8 @@ from plants.interface import Plant
 from plants.registry import plants
 from workbench.parameters import build, named_sets, read_parameters
 
+pytest.register_assert_rewrite("command", "mistakes")
+
 FORCE_GAIN = {"force_gain": 100.0, "pump_displacement": 2e-7}
 """N/V and m^3/rad. The thesis's actuator has neither; a drive that a voltage moves and a pump need them."""
 
