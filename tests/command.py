@@ -93,6 +93,14 @@ def changed(old: str, new: str, study: str = STUDY) -> str:
     return study.replace(old, new)
 
 
+def fails(answer: Answer, *said: str) -> None:
+    """One line of error that says this, and nothing else."""
+    assert (answer.code, answer.out) == (2, ""), answer
+    for part in said:
+        assert part in answer.err
+    assert answer.err.count("\n") == 1
+
+
 def ran(folder: Path, text: str, *options: str) -> Path:
     """The folder of results of a study that runs without complaint."""
     out = folder / "results"

@@ -10,15 +10,15 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-import pandas as pd
 import pytest
-from command import Answer, workbench, write
+from command import Answer, changed, workbench, write
+from experiments import CHANNELS, TRUTH, save_record
 
 from plants.non_rotating import Inputs
 from plants.two_chamber import TWO_CHAMBER
 from workbench.diagnose.diagnose import Diagnosis, diagnose
 from workbench.diagnose.unexplained import Dependence
-from workbench.parameters import build, named_sets, read_deviations, read_parameters
+from workbench.parameters import build, read_deviations, read_parameters
 from workbench.report import diagnosis
 from workbench.report.diagnosis_series import autocorrelation, binned
 from workbench.report.diagnosis_tables import error_table, evidence_table, parameter_table
@@ -27,56 +27,34 @@ from workbench.report.figures import save
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Setup, simulate
 
-TRUTH = dict(read_parameters(named_sets()["owen2001_experiment"]))
 OVERLAP = 1e-5
 """m. Half of what the valve's voltage moves the spool by in these records."""
 
-EXPERIMENT = """\
+EXPERIMENT = f"""\
 title = "a valve with overlap"
 [plant]
 model = "non_rotating"
 parameters = "owen2001_experiment"
-[channels]
-time = { column = "time", unit = "s" }
-valve_voltage = { column = "valve_voltage", unit = "V" }
-position = { column = "position", unit = "m" }
-pressure_1 = { column = "pressure_1", unit = "Pa" }
-pressure_2 = { column = "pressure_2", unit = "Pa" }
-[[records]]
+{CHANNELS}[[records]]
 file = "fit.parquet"
 [[records]]
 file = "other.parquet"
 use = "held_out"
 """
 
-STUDY = """\
-title = "a study of the corrected plant"
-[plant]
-model = "two_chamber"
-parameters = "out/plant.toml"
-[controllers.p]
-type = "pid"
-kp = "500 V/m"
-[references.sine]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "2 Hz"
-[simulation]
-duration = "1 s"
-"""
+STUDY = changed(
+    'model = "by_rpm"\nparameters = "owen2001_simulation"\n\n[axes]\nrpm = [0, 460]\n',
+    'model = "two_chamber"\nparameters = "out/plant.toml"\n',
+)
 
 
 def make_record(folder: Path, name: str, effect: Mapping[str, float], amplitude: float, seed: int) -> None:
-    """15 s in both directions, with white noise: 5 um and 2 kPa."""
+    """15 s in both directions, with white noise."""
     parameters = build(TWO_CHAMBER.Parameters, {**TRUTH, **effect})
     state, _ = TWO_CHAMBER.equilibrium(parameters, 0.0)
     feed = Feed("valve_voltage", Multisine(amplitude, 0.2, (1, 2, 3, 5)))
     run = simulate(Setup(TWO_CHAMBER, parameters, state, Inputs(0.0, 0.0), 15.0, feeds=(feed,)))
-    noise = np.random.default_rng(seed).standard_normal((3, run.time.size))
-    deviations = {"position": 5e-6, "pressure_1": 2e3, "pressure_2": 2e3}
-    noisy = {name: run.state(name) + std * e for (name, std), e in zip(deviations.items(), noise, strict=True)}
-    frame = pd.DataFrame({"time": run.time, "valve_voltage": run.command, **noisy})
-    frame.to_parquet(folder / f"{name}.parquet")
+    save_record(folder / f"{name}.parquet", run, seed)
 
 
 @pytest.fixture(scope="module")

@@ -8,61 +8,17 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import workbench, write
+from experiments import TRUTH, experiment_text, make_record
 
-from plants.hydraulics import chamber_pressures
 from plants.non_rotating import NON_ROTATING, Inputs
 from workbench.identify import covariance, thesis_method
 from workbench.identify.experiment import read_experiment
 from workbench.identify.records import read_records
 from workbench.identify.simulation_method import SimulationFit, identify_by_simulation
 from workbench.identify.thesis_method import Slow
-from workbench.parameters import build, named_sets, read_parameters
-from workbench.simulation.references import Multisine, Sine
+from workbench.parameters import build, read_parameters
+from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Setup, simulate
-
-TRUTH = dict(read_parameters(named_sets()["owen2001_experiment"]))
-
-EXPERIMENT = """\
-title = "a simulated record"
-[plant]
-model = "non_rotating"
-parameters = "owen2001_experiment"
-[plant.scale]
-SCALE
-[fit]
-free = [FREE]
-[channels]
-time = { column = "time", unit = "s" }
-valve_voltage = { column = "valve_voltage", unit = "V" }
-position = { column = "position", unit = "m" }
-pressure_1 = { column = "pressure_1", unit = "Pa" }
-pressure_2 = { column = "pressure_2", unit = "Pa" }
-[[records]]
-file = "record.parquet"
-[truth]
-parameters = "owen2001_experiment"
-"""
-
-
-def make_record(folder: Path, *, amplitude: float = 0.6, duration: float = 4.0, seed: int = 7) -> None:
-    """A record of both directions at up to 0.012 m/s, with white noise: 5 um and 2 kPa."""
-    parameters = build(NON_ROTATING.Parameters, TRUTH)
-    state, _ = NON_ROTATING.equilibrium(parameters, 0.0)
-    voltage = Multisine(amplitude, 0.25, (1, 2, 3))
-    setup = Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), duration, feeds=(Feed("valve_voltage", voltage),))
-    run = simulate(setup)
-    noise = np.random.default_rng(seed).standard_normal((3, run.time.size))
-    p1, p2 = chamber_pressures(run.state("load_pressure"), parameters.hydraulics)
-    columns = {"position": (run.state("position"), 5e-6), "pressure_1": (p1, 2e3), "pressure_2": (p2, 2e3)}
-    noisy = {name: values + std * e for (name, (values, std)), e in zip(columns.items(), noise, strict=True)}
-    frame = pd.DataFrame({"time": run.time, "valve_voltage": run.command, **noisy})
-    frame.to_parquet(folder / "record.parquet")
-
-
-def experiment_text(scale: Mapping[str, float], free: list[str]) -> str:
-    """The experiment with a declared plant that is wrong by these factors."""
-    lines = "\n".join(f"{name} = {value}" for name, value in scale.items())
-    return EXPERIMENT.replace("SCALE", lines).replace("FREE", ", ".join(f'"{name}"' for name in free))
 
 
 def fitted(folder: Path, scale: Mapping[str, float], free: list[str]) -> SimulationFit:
@@ -206,9 +162,9 @@ def test_the_thesis_method_alone_on_a_quasi_static_record(tmp_path: Path) -> Non
     state = NON_ROTATING.equilibrium(parameters, 0.0)[0]._replace(position=-0.07)
     feed = Feed("valve_voltage", Sine(1.0, 0.005, 1.0, -np.pi / 2))
     run = simulate(Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), 35.0, feeds=(feed,)))
-    p1, p2 = chamber_pressures(run.state("load_pressure"), parameters.hydraulics)
-    columns = {"valve_voltage": run.command, "position": run.state("position"), "pressure_1": p1, "pressure_2": p2}
-    pd.DataFrame({"time": run.time, **columns}).to_parquet(tmp_path / "record.parquet")
+    columns = {name: run.signals[name] for name in ("position", "pressure_1", "pressure_2")}
+    frame = pd.DataFrame({"time": run.time, "valve_voltage": run.command, **columns})
+    frame.to_parquet(tmp_path / "record.parquet")
     path = write(tmp_path, experiment_text({"coulomb": 0.5}, ["coulomb"]), "experiment.toml")
     assert workbench("identify", path, "--out", tmp_path / "out", "--method", "thesis").code == 0
     data = json.loads((tmp_path / "out" / "identified.json").read_text())["parameters"]

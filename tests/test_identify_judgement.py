@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from command import STUDY, Answer, workbench, write
-from test_identify import experiment_text, make_record
-from test_identify_rotation import AXIAL, CURVE, LINE, axial_record
+from command import STUDY, Answer, fails, workbench, write
+from experiments import AXIAL, CURVE, LINE, axial_record, experiment_text, identify, make_record
 
 from workbench.identify import thesis_method
 from workbench.identify.experiment import read_experiment
@@ -17,24 +16,10 @@ from workbench.identify.thesis_method import Estimate
 from workbench.parameters import read_parameters
 
 
-def identify(folder: Path, text: str, method: str = "simulation") -> Answer:
-    """The command on an experiment of this text."""
-    path = write(folder, text, "experiment.toml")
-    return workbench("identify", path, "--out", folder / "out", "--method", method)
-
-
-def fails(answer: Answer, *said: str) -> None:
-    """One line of error that says this, and nothing else."""
-    assert (answer.code, answer.out) == (2, ""), answer
-    for part in said:
-        assert part in answer.err
-    assert answer.err.count("\n") == 1
-
-
 def test_a_single_parameter_without_effect(tmp_path: Path) -> None:
     """A table that says so, without a warning and without a plant.toml."""
     make_record(tmp_path, duration=1.0)
-    answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["end_stop_stiffness"]))
+    answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["end_stop_stiffness"]), "simulation")
     assert (answer.code, answer.err) == (0, "")
     assert "not identified" in answer.out
     assert "end_stop_stiffness cannot be identified from these records" in answer.out
@@ -51,7 +36,7 @@ def test_a_wrong_sign_is_an_error_and_no_result(tmp_path: Path) -> None:
     frame = pd.read_parquet(tmp_path / "record.parquet")
     frame["valve_voltage"] *= -1.0
     frame.to_parquet(tmp_path / "record.parquet")
-    answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]))
+    answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]), "simulation")
     fails(answer, "plant non_rotating does not follow ", "record.parquet: position is off by", "is a sign or a unit in")
     assert not (tmp_path / "out").exists()
 
@@ -62,7 +47,7 @@ def test_a_bound_that_is_hit_is_told(tmp_path: Path) -> None:
     text = experiment_text({"coulomb": 0.7}, ["coulomb"]).replace(
         "[fit]", '[fit]\ncoulomb = { min = "0 N", max = "300 N" }'
     )
-    answer = identify(tmp_path, text)
+    answer = identify(tmp_path, text, "simulation")
     assert (answer.code, answer.err) == (0, "")
     assert "300.0, at its bound" in answer.out
     assert "coulomb is at its bound of 300 N, and has no deviation there" in answer.out
@@ -77,7 +62,10 @@ def test_a_bound_that_is_hit_is_told(tmp_path: Path) -> None:
 
 def test_a_declared_value_outside_its_bounds(tmp_path: Path) -> None:
     text = experiment_text({"coulomb": 0.7}, ["coulomb"]).replace("[fit]", '[fit]\ncoulomb = { max = "100 N" }')
-    fails(identify(tmp_path, text), "fit.coulomb: the declared value 231 N is outside these bounds; widen them")
+    fails(
+        identify(tmp_path, text, "simulation"),
+        "fit.coulomb: the declared value 231 N is outside these bounds; widen them",
+    )
 
 
 @pytest.mark.parametrize("method", ["thesis", "simulation"])
@@ -107,7 +95,7 @@ def test_an_offset_that_nobody_believes_is_told(tmp_path: Path) -> None:
     frame.to_parquet(tmp_path / "record.parquet")
     text = experiment_text({"coulomb": 0.9}, ["coulomb"])
     sensors = '[sensors]\npressure_1_offset = "20 kPa"\npressure_2_offset = "20 kPa"\n'
-    answer = identify(tmp_path, text.replace("[[records]]", f"{sensors}[[records]]").replace("[truth]", "[truth]"))
+    answer = identify(tmp_path, text.replace("[[records]]", f"{sensors}[[records]]"), "simulation")
     assert answer.code == 0
     assert "pressure_1_offset is 10 times the standard deviation that [sensors] gives it (2e+04 Pa)" in answer.out
     assert "take for right all that was declared and not fitted" in answer.out
@@ -263,4 +251,4 @@ def test_an_interrupted_identification_leaves_nothing(tmp_path: Path, monkeypatc
 def test_a_file_in_the_place_of_the_folder(tmp_path: Path) -> None:
     axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
     write(tmp_path, "mine", "out")
-    fails(identify(tmp_path, AXIAL), "out: is a file; give --out a folder")
+    fails(identify(tmp_path, AXIAL, "simulation"), "out: is a file; give --out a folder")

@@ -2,11 +2,13 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from command import workbench, write
+from command import fails, write
+from experiments import identify
 from scipy.io import savemat
 
 from workbench.errors import UserError
@@ -37,9 +39,9 @@ def table(samples: int = 400) -> pd.DataFrame:
     return pd.DataFrame({"t": time, "u": 0.0, "x": 10.0 + 0.1 * time, "pA": 40.0 + 0.01 * time})
 
 
-def record_of(folder: Path, data: pd.DataFrame, experiment: str = EXPERIMENT, **options: object) -> Record:
+def record_of(folder: Path, data: pd.DataFrame, experiment: str = EXPERIMENT, **options: Any) -> Record:
     """The record that the program makes of `data`."""
-    data.to_csv(folder / "record.csv", index=False, **options)  # type: ignore[call-overload]
+    data.to_csv(folder / "record.csv", index=False, **options)
     return read_records(read_experiment(write(folder, experiment, "experiment.toml")))[0]
 
 
@@ -193,9 +195,5 @@ def test_a_record_that_cannot_be_used(tmp_path: Path, data: pd.DataFrame, said: 
 )
 def test_a_wrong_experiment_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert EXPERIMENT.count(old) == 1
-    path = write(tmp_path, EXPERIMENT.replace(old, new), "experiment.toml")
-    answer = workbench("identify", path, "--out", tmp_path / "out", "--method", "simulation")
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
+    fails(identify(tmp_path, EXPERIMENT.replace(old, new), "simulation"), said)
     assert not (tmp_path / "out").exists()

@@ -1,13 +1,14 @@
 """Identification over speeds of rotation: groups, rotary records, printed tables, figures; the shipped experiments."""
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from command import STUDIES, Answer, workbench, write
+from command import STUDIES, fails, workbench
+from experiments import AXIAL, CURVE, LINE, TIME, axial_record, identify
 
 from workbench.identify import thesis_method
 from workbench.identify.nuisance import columns
@@ -16,45 +17,7 @@ from workbench.simulation.simulate import simulate
 from workbench.study.document import read_study
 from workbench.study.runner import plan
 
-AREA, RADIUS, TORQUE = 2.66e-3, 31.75e-3, 0.77
-TIME = 1e-3 * np.arange(30_000)
-CURVE = {"coulomb": 330.0, "stribeck": 150.0, "viscous": 22800.0, "stribeck_velocity": 0.0024}
-LINE = {"coulomb": 40.0, "stribeck": 0.0, "viscous": 30000.0, "stribeck_velocity": 1.0}
-
-AXIAL = """\
-title = "two speeds"
-[plant]
-model = "non_rotating"
-parameters = "owen2001_experiment"
-[fit]
-method = "thesis"
-[channels]
-time = { column = "time", unit = "s" }
-valve_voltage = { column = "valve_voltage", unit = "V" }
-position = { column = "position", unit = "m" }
-pressure_1 = { column = "pressure_1", unit = "Pa" }
-pressure_2 = { column = "pressure_2", unit = "Pa" }
-[[records]]
-file = "run_*.parquet"
-rpm = "rpm"
-[[published]]
-table = "printed"
-title = "printed"
-source = "a book"
-note = "a remark"
-direction = "forward"
-rpm = [0, 25]
-values = { coulomb = [300, 0], static = [450, nan], stribeck_velocity = [0.002, 0.003] }
-std = { coulomb = [30, nan] }
-[[figures]]
-name = "at_25"
-title = "at 25 rpm"
-rpm = 25
-[[figures]]
-name = "over_rpm"
-title = "over rpm"
-parameter = "static"
-"""
+RADIUS, TORQUE = 31.75e-3, 0.77
 
 ROTARY = """\
 title = "around the rod"
@@ -78,20 +41,6 @@ values = { coulomb = [34.7], static = [49.3] }
 name = "friction"
 title = "friction"
 """
-
-
-def axial_record(path: Path, law: Mapping[str, float], rpm: float) -> None:
-    """A slow extension on the exact steady curve, with 10 N of noise."""
-    velocity = 0.0114 * (TIME / TIME[-1]) ** 2
-    noise = 10.0 * np.random.default_rng(int(rpm)).standard_normal(TIME.size)
-    load = (thesis_method.steady(velocity, **law) + noise) / AREA
-    position = np.cumsum(velocity) * 1e-3
-    data = {"time": TIME, "valve_voltage": TIME, "position": position, "rpm": rpm}
-    pd.DataFrame({**data, "pressure_1": 2.4e6 + load / 2.0, "pressure_2": 2.4e6 - load / 2.0}).to_parquet(path)
-
-
-def identify(folder: Path, text: str, *options: str) -> Answer:
-    return workbench("identify", write(folder, text, "experiment.toml"), "--out", folder / "out", *options)
 
 
 @pytest.fixture
@@ -173,15 +122,12 @@ def test_stribeck_friction_is_told_from_none(stribeck: float) -> None:
 )
 def test_what_does_not_fit_is_one_line(two_speeds: Path, old: str, new: str, said: str) -> None:
     assert AXIAL.count(old) == 1
-    answer = identify(two_speeds, AXIAL.replace(old, new))
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
+    fails(identify(two_speeds, AXIAL.replace(old, new)), said)
     assert not (two_speeds / "out").exists()
 
 
 def test_a_plant_that_stands_cannot_follow_a_record_that_turns(two_speeds: Path) -> None:
-    answer = identify(two_speeds, AXIAL, "--method", "simulation")
+    answer = identify(two_speeds, AXIAL, "simulation")
     assert (answer.code, answer.out) == (2, "")
     assert "plant non_rotating does not rotate, and there are records at 25 rpm; take a rotating plant" in answer.err
 
@@ -196,11 +142,8 @@ class _Position:
 def test_all_records_share_one_calibration_curve() -> None:
     """At equal positions of two records the same column has the same value; each record keeps its own start."""
     there, back = np.linspace(-0.07, 0.07, 200), np.linspace(0.07, -0.07, 200)
-    found, names = columns(
-        [_Position(there), _Position(back)],  # type: ignore[list-item]
-        np.concatenate([there, back]),
-        {"position_calibration": 7e-5},
-    )
+    records: list[Any] = [_Position(there), _Position(back)]
+    found, names = columns(records, np.concatenate([there, back]), {"position_calibration": 7e-5})
     curves = [i for i, name in enumerate(names) if name.startswith("calibration")]
     assert names.count("start_0") == names.count("start_1") == 1
     assert len(curves) > 5

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from command import DRIVE, PROCESS, ROOT, changed, workbench, write
+from command import DRIVE, PROCESS, ROOT, changed, fails, workbench, write
 
 from controllers.interface import Reference
 from controllers.pid import PID
@@ -76,10 +76,7 @@ def test_the_module_alone_is_not_found(tmp_path: Path, monkeypatch: pytest.Monke
     """Nothing but the entry point names it: Python could import it, and a study still cannot name it."""
     visible(site(tmp_path, declared=False), monkeypatch)
     assert find_spec("deadband_p") is not None
-    answer = workbench("check", STUDY)
-    assert (answer.code, answer.out) == (2, "")
-    assert 'controllers.mine.type: unknown controller "deadband_p"; expected one of pid, ' in answer.err
-    assert answer.err.count("\n") == 1
+    fails(workbench("check", STUDY), 'controllers.mine.type: unknown controller "deadband_p"; expected one of pid, ')
 
 
 @pytest.mark.usefixtures("installed")
@@ -108,10 +105,7 @@ def test_the_entry_point_brings_it_in() -> None:
     ],
 )
 def test_its_settings_are_checked_like_ours(tmp_path: Path, old: str, new: str, said: str) -> None:
-    answer = workbench("check", write(tmp_path, changed(old, new, STUDY.read_text(encoding="utf-8"))))
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
+    fails(workbench("check", write(tmp_path, changed(old, new, STUDY.read_text(encoding="utf-8")))), said)
 
 
 def test_the_study_ends_at_the_deadband(tmp_path: Path) -> None:
