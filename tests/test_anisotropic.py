@@ -129,12 +129,16 @@ def power_and_storage(seed: int, film: Film, guide: Guide) -> tuple[np.ndarray, 
     return _integrated(axial, rotary, h, film, guide)
 
 
-def _integrated(axial: np.ndarray, rotary: np.ndarray, h: float, film: Film, guide: Guide) -> Any:
+def _integrated(
+    axial: np.ndarray, rotary: np.ndarray, h: float, film: Film, guide: Guide
+) -> tuple[np.ndarray, np.ndarray]:
     """Heun's method in compiled code."""
     friction, around = MEASURED.friction, MEASURED.rotary
 
     @njit
-    def run(axial, rotary, friction, around, film, guide):  # type: ignore[no-untyped-def]
+    def run(
+        axial: np.ndarray, rotary: np.ndarray, friction: Friction, around: LuGre, film: Film, guide: Guide
+    ) -> tuple[np.ndarray, np.ndarray]:
         z = np.zeros(3)
         work, stored = np.zeros(axial.size), np.zeros(axial.size)
         for k in range(1, axial.size):

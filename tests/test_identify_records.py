@@ -86,7 +86,7 @@ def test_a_small_gap_is_marked_and_never_filled(tmp_path: Path) -> None:
     assert record.notes == ("8 samples in 2 gaps are left out",)
 
 
-def spoiled(**columns: object) -> pd.DataFrame:
+def spoiled(**columns: Any) -> pd.DataFrame:
     """The table with some columns replaced."""
     return table().assign(**columns)
 

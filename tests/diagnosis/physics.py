@@ -116,7 +116,7 @@ def _drawn(gain: float, drop: float, resistance: float) -> float:
 
 
 @njit(cache=True)
-def _rates(y, out, time, voltage, lagged, p):  # type: ignore[no-untyped-def]
+def _rates(y: np.ndarray, out: np.ndarray, time: float, voltage: float, lagged: float, p: Rig) -> None:
     """Rates of the first six states into `out`; `lagged` is the velocity that the friction level sees."""
     x, v, p1, p2, z, spool = y[0], y[1], y[2], y[3], y[4], y[5]
     # friction
@@ -169,7 +169,15 @@ def _rates(y, out, time, voltage, lagged, p):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def run(p, gain, feed, noise, quantum, sample_time, substeps):  # type: ignore[no-untyped-def]
+def run(
+    p: Rig,
+    gain: float,
+    feed: np.ndarray,
+    noise: np.ndarray,
+    quantum: np.ndarray,
+    sample_time: float,
+    substeps: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Simulate one record: sample, P control, hold, integrate by RK4.
 
     Args:
