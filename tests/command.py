@@ -56,6 +56,9 @@ dwell = "1 s"
 duration = "1 s"
 """
 
+FIGURE = '[[figures]]\nname = "f"\ntitle = "f"\n[[figures.panels]]\nx_label = "x"\ny_label = "y"\n'
+"""A figure of one panel, without its curves."""
+
 
 class Answer(NamedTuple):
     """What a command left: its exit code and what it wrote."""

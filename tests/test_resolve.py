@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import DRIVE, STUDY, changed, write
+from command import DRIVE, FIGURE, STUDY, changed, write
 
 from workbench.errors import UserError
 from workbench.study.document import read_study
@@ -331,8 +331,7 @@ def test_conditions_compare_numbers_as_numbers() -> None:
 
 
 def test_only_the_trajectories_that_figures_draw_are_needed(tmp_path: Path) -> None:
-    head = '[[figures]]\nname = "f"\ntitle = "f"\n[[figures.panels]]\nx_label = "x"\ny_label = "y"\n'
-    drawn = TWO_CONTROLLERS + head + 'curves = [{ y = "position", where = { rpm = 460, controller = "pd" } }]\n'
+    drawn = TWO_CONTROLLERS + FIGURE + 'curves = [{ y = "position", where = { rpm = 460, controller = "pd" } }]\n'
     assert needed_trajectories(planned(tmp_path, drawn)) == {3}
-    over_axis = TWO_CONTROLLERS + head + 'x = "rpm"\ncurves = [{ y = "rms_error_m" }]\n'
+    over_axis = TWO_CONTROLLERS + FIGURE + 'x = "rpm"\ncurves = [{ y = "rms_error_m" }]\n'
     assert needed_trajectories(planned(tmp_path, over_axis)) == set()

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from command import DRIVE, PROCESS, STUDY, changed, ran, workbench, write
+from command import DRIVE, FIGURE, PROCESS, STUDY, changed, ran, workbench, write
 
 from workbench.study.probes import decay_rate
 from workbench.study.store import Store, read_results
@@ -114,10 +114,7 @@ def test_noise_is_seeded(tmp_path: Path) -> None:
 
 
 def test_only_what_figures_draw_is_kept(tmp_path: Path) -> None:
-    drawn = STUDY + (
-        '[[figures]]\nname = "f"\ntitle = "f"\n[[figures.panels]]\nx_label = "x"\ny_label = "y"\n'
-        'curves = [{ y = "position", where = { rpm = 460 } }]\n'
-    )
+    drawn = STUDY + FIGURE + 'curves = [{ y = "position", where = { rpm = 460 } }]\n'
     out = ran(tmp_path, drawn)
     assert [path.name for path in (out / "trajectories").iterdir()] == ["case_0001.parquet"]
     out = ran(tmp_path, drawn, "--overwrite", "--keep-trajectories")

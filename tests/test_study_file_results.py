@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
-from command import STUDY
+from command import FIGURE, STUDY
 from mistakes import expect
 
 TABLE = '[[tables]]\nname = "t"\ntitle = "t"\n'
-FIGURE = '[[figures]]\nname = "f"\ntitle = "f"\n[[figures.panels]]\nx_label = "x"\ny_label = "y"\ny_unit = "mm"\n'
+PANEL = FIGURE + 'y_unit = "mm"\n'
 
 MISTAKES = {
     "unknown signal": (
@@ -57,23 +57,23 @@ MISTAKES = {
         '@:25: tables.0.columns.0.published: got "x", expected a number as rpm has them',
     ),
     "curve of no signal": (
-        STUDY + FIGURE + 'curves = [{ y = "motor_current", where = { rpm = 0 } }]\n',
+        STUDY + PANEL + 'curves = [{ y = "motor_current", where = { rpm = 0 } }]\n',
         '@:28: figures.0.panels.0.curves.0.y: unknown signal "motor_current"; ',
     ),
     "curve of two cases": (
-        STUDY + FIGURE + 'curves = [{ y = "position" }]\n',
+        STUDY + PANEL + 'curves = [{ y = "position" }]\n',
         "@:28: figures.0.panels.0.curves.0.where: 2 cases to choose from, expected one",
     ),
     "condition on no axis": (
-        STUDY + FIGURE + 'curves = [{ y = "position", where = { rmp = 0 } }]\n',
+        STUDY + PANEL + 'curves = [{ y = "position", where = { rmp = 0 } }]\n',
         '@:28: figures.0.panels.0.curves.0.where.rmp: unknown axis "rmp"; did you mean "rpm"?',
     ),
     "unit of a panel": (
-        STUDY + FIGURE.replace('"mm"', '"bar"') + 'curves = [{ y = "position", where = { rpm = 0 } }]\n',
+        STUDY + PANEL.replace('"mm"', '"bar"') + 'curves = [{ y = "position", where = { rpm = 0 } }]\n',
         '@:27: figures.0.panels.0.y_unit: "bar" is not a unit of what is in m',
     ),
     "curve of another controller's signal": (
-        STUDY + FIGURE + 'curves = [{ y = "controller_friction", where = { rpm = 0 } }]\n',
+        STUDY + PANEL + 'curves = [{ y = "controller_friction", where = { rpm = 0 } }]\n',
         '@:28: figures.0.panels.0.curves.0.y: no signal "controller_friction" here; controller "p" (type pid) has '
         "controller_integral, controller_command, controller_error, controller_first, controller_second, "
         "controller_third",
@@ -89,7 +89,7 @@ MISTAKES = {
         '@:22: probes.top.signal: no signal "controller_theta" here; controller "p" (type pid) has ',
     ),
     "legend": (
-        STUDY + FIGURE + 'legend = "top"\ncurves = [{ y = "position", where = { rpm = 0 } }]\n',
+        STUDY + PANEL + 'legend = "top"\ncurves = [{ y = "position", where = { rpm = 0 } }]\n',
         "@:28: figures.0.panels.0.legend: got \"top\", expected 'best', ",
     ),
 }
