@@ -8,7 +8,6 @@ from workbench.study.document import read_study, unfold
 from workbench.study.resolve import Resolved, resolve
 
 FOLDER = STUDIES / "scenarios"
-FILES = sorted(FOLDER.glob("*.toml"))
 FILE_HEAD = 'title = "t"\nsource = "s"\n'
 
 STUDY = """\

@@ -33,9 +33,9 @@ def figure(*panels: dict[str, Any]) -> FigureSpec:
     return FigureSpec(name="f", title="a figure", panels=list(panels))
 
 
-def store(folder: Path, index: int = 0, **signals: np.ndarray) -> Path:
+def store(folder: Path, **signals: np.ndarray) -> Path:
     """A folder with the trajectory of one case."""
-    path = trajectory_path(folder, index)
+    path = trajectory_path(folder, 0)
     path.parent.mkdir(parents=True, exist_ok=True)
     pd.DataFrame({"time": TIME[: len(next(iter(signals.values())))], **signals}).to_parquet(path)
     return folder

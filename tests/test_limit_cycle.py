@@ -20,8 +20,8 @@ TIME = STEP * np.arange(20_001)
 BAND = 5e-6
 
 
-def verdict(error: np.ndarray, band: float = BAND, time: np.ndarray = TIME) -> LimitCycle:
-    return judge(time, error, np.gradient(error, time), band)
+def verdict(error: np.ndarray, band: float = BAND) -> LimitCycle:
+    return judge(TIME, error, np.gradient(error, TIME), band)
 
 
 def wave(envelope: np.ndarray | float, period: float = 1.0) -> np.ndarray:

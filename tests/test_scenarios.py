@@ -4,13 +4,15 @@ from pathlib import Path
 
 import pytest
 from command import workbench
-from scenario_study import FILE_HEAD, FILES, resolved, study_file
+from scenario_study import FILE_HEAD, FOLDER, resolved, study_file
 from support import registered
 
 from plants.equation import to_array
 from workbench.errors import UserError
 from workbench.study.document import read_study
 from workbench.study.runner import plan, run_case
+
+FILES = sorted(FOLDER.glob("*.toml"))
 
 
 def test_the_files_of_the_issue_are_there() -> None:

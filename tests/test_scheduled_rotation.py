@@ -67,9 +67,9 @@ def test_motor_voltage_by_hand() -> None:
     assert commands == pytest.approx([first, first + H * servo.integral * 0.05], rel=1e-12)
 
 
-def turned(plant: str, minimum: float, command: Callable[[Setup], Loop] | None, duration: float = 6.0) -> Run:
+def turned(plant: str, minimum: float, command: Callable[[Setup], Loop] | None) -> Run:
     """P 500 V/m on 20 mm at 0.5 Hz while the rod turns: as it started, or by the rotary loop of `command`."""
-    setup = registered(plant, rpm=minimum / RADIUS * 30.0 / np.pi, duration=duration, reference=Sine(20e-3, 0.5))
+    setup = registered(plant, rpm=minimum / RADIUS * 30.0 / np.pi, duration=6.0, reference=Sine(20e-3, 0.5))
     setup = replace(setup, loop=Loop(PID, PID.design(pid.Settings(500.0), setup.parameters, H)))
     if command is not None:
         inputs = setup.inputs._replace(**{str(setup.plant.rotary_command): 0.0})
