@@ -16,12 +16,13 @@ from plants.registry import PLANTS
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.fitting import NEUTRAL
 from workbench.errors import UserError
-from workbench.parameters import FLOW_SHARE, known_units
+from workbench.parameters import FLOW_SHARE
 from workbench.report import diagnosis_tables
 from workbench.report.diagnosis_figures import pictures_of
 from workbench.report.diagnosis_page import Table, page
 from workbench.report.diagnosis_words import REJECTED, plain, sureness, verdict_sentence
 from workbench.report.figures import save
+from workbench.report.parameter_file import Entry, parameter_file
 from workbench.report.style import figure_style
 from workbench.report.tables import write_frame
 
@@ -161,17 +162,12 @@ def plant_file(found: Diagnosis) -> str:
     source = f"workbench diagnose: {experiment.title}; for model {model}"
     if lost:
         source += f"; {model} cannot hold {', '.join(map(plain, lost))}"
-    lines = [f"title = {_text(f'{experiment.declared}, {title}')}", f"source = {_text(source)}"]
-    names = dict.fromkeys([*experiment.values, *(name for name in fitted if name in known)])
-    for name in names:
-        unit = known_units()[name]
+    entries = []
+    for name in dict.fromkeys([*experiment.values, *(name for name in fitted if name in known)]):
         value, std = fitted.get(name, (experiment.values.get(name, 0.0), None))
-        lines += ["", f"[parameters.{name}]", f"value = {_quantity(value, unit)}"]
-        if std is not None and math.isfinite(std):
-            lines.append(f"std = {_quantity(std, unit)}")
         where = f"as declared: {experiment.declared}" if std is None else f"workbench diagnose, {experiment.path.name}"
-        lines.append(f"source = {_text(where)}")
-    return "\n".join(lines) + "\n"
+        entries.append(Entry(name, value, std if std is not None and math.isfinite(std) else None, where))
+    return parameter_file(f"{experiment.declared}, {title}", source, entries)
 
 
 def _fitted(found: Diagnosis) -> dict[str, tuple[float, float | None]]:
@@ -187,13 +183,3 @@ def _fitted(found: Diagnosis) -> dict[str, tuple[float, float | None]]:
 def _acts(name: str, value: float) -> bool:
     """Whether a value is not that at which an effect does nothing; a file cannot hold all of those."""
     return name not in NEUTRAL or value != NEUTRAL[name]
-
-
-def _quantity(value: float, unit: str) -> str:
-    if math.isinf(value):
-        return '"inf"'
-    return f"{value:.10g}" if unit == "1" else f'"{value:.10g} {unit}"'
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)

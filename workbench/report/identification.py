@@ -14,7 +14,6 @@ from workbench.errors import UserError
 from workbench.identify.friction_records import ThesisFit
 from workbench.identify.identification import Identification, as_data
 from workbench.identify.schema import NUISANCES
-from workbench.parameters import UNBOUNDED, known_units
 from workbench.report.figures import save
 from workbench.report.identification_figures import correlation_figure, record_figures, requested_figures
 from workbench.report.identification_published import (
@@ -25,6 +24,7 @@ from workbench.report.identification_published import (
     scale_shown,
     unit_shown,
 )
+from workbench.report.parameter_file import Entry, parameter_file
 from workbench.report.tables import shown_number, write_frame
 from workbench.units import factor
 
@@ -202,29 +202,10 @@ def notes_of(found: Identification) -> list[str]:
 def plant_file(found: Identification) -> str:
     """The corrected plant as a parameter file: what was identified, with its std; the rest as declared."""
     experiment, corrected = found.experiment, found.corrected
-    lines = [
-        f"title = {_text(f'{experiment.declared}, corrected by {experiment.path.name}')}",
-        f"source = {_text(f'workbench identify: {experiment.title}')}",
-    ]
+    declared = f"as declared: {experiment.declared}"
+    entries = []
     for name, value in found.values.items():
-        unit = known_units()[name]
-        spaced = "" if unit == "1" else f" {unit}"
-        lines += ["", f"[parameters.{name}]", f"value = {_quantity(name, value, spaced)}"]
-        if name in corrected:
-            _, std, source = corrected[name]
-            if std is not None:
-                lines.append(f"std = {_quantity(name, std, spaced)}")
-        else:
-            source = f"as declared: {experiment.declared}"
-        lines.append(f"source = {_text(source)}")
-    return "\n".join(lines) + "\n"
-
-
-def _quantity(name: str, value: float, unit: str) -> str:
-    if name in UNBOUNDED and value == float("inf"):
-        return '"inf"'
-    return f'"{value:.10g}{unit}"' if unit else f"{value:.10g}"
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
+        _, std, source = corrected.get(name, (value, None, declared))
+        entries.append(Entry(name, value, std, source))
+    title = f"{experiment.declared}, corrected by {experiment.path.name}"
+    return parameter_file(title, f"workbench identify: {experiment.title}", entries)
