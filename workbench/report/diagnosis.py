@@ -2,9 +2,6 @@
 
 import json
 import math
-import os
-import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +12,7 @@ from plants.equation import fields
 from plants.registry import PLANTS
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.fitting import NEUTRAL
-from workbench.errors import UserError
+from workbench.folders import ResultFolder
 from workbench.parameters import FLOW_SHARE
 from workbench.report import diagnosis_tables
 from workbench.report.diagnosis_figures import pictures_of
@@ -29,62 +26,26 @@ from workbench.report.tables import write_frame
 RESULT = "report.json"
 PAGE = "report.html"
 PLANT = "plant.toml"
-UNFINISHED = ".unfinished_diagnosis"
-WRITTEN = (RESULT, PAGE, PLANT, "tables", "figures")
 
 HYDRAULIC = "non_rotating"
 RICHER = "two_chamber"
 """The plant that holds what a diagnosis of a hydraulic actuator may find."""
 
 
-def check_folder(folder: Path, overwrite: bool) -> None:
-    """Whether a diagnosis may be written there; nothing is changed.
-
-    Raises:
-        UserError: it holds one, or files of the same names that no diagnosis wrote.
-    """
-    if (folder / RESULT).exists() and not overwrite:
-        raise UserError(f"{folder}: holds a diagnosis already; replace it with --overwrite")
-    foreign = [name for name in WRITTEN if (folder / name).exists()]
-    if foreign and not _is_ours(folder):
-        raise UserError(f"{folder}: holds {', '.join(foreign)} that no diagnosis wrote; choose another --out")
-
-
-def _is_ours(folder: Path) -> bool:
-    if (folder / UNFINISHED).exists():
-        return True
+def _is_diagnosis(path: Path) -> bool:
     try:
-        return "verdict" in json.loads((folder / RESULT).read_text(encoding="utf-8"))
+        return "verdict" in json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
 
 
+FOLDER = ResultFolder("diagnosis", (RESULT, PAGE, PLANT, "tables", "figures"), _is_diagnosis)
+check_folder = FOLDER.check
+
+
 def write_diagnosis(found: Diagnosis, folder: Path) -> None:
     """Write everything. Whenever this is stopped, report.json is whole or is not there."""
-    folder = Path(os.path.abspath(folder))
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
-        written = Path(temporary) / "written"
-        written.mkdir()
-        _write(found, written)
-        if folder.exists():
-            _replace(written, folder)
-        else:
-            os.rename(written, folder)
-
-
-def _replace(written: Path, folder: Path) -> None:
-    """Move what was written into a folder that is there; report.json goes first and comes last."""
-    (folder / UNFINISHED).touch()
-    for name in WRITTEN:
-        path = folder / name
-        if path.is_dir():
-            shutil.rmtree(path)
-        else:
-            path.unlink(missing_ok=True)
-    for name in [one for one in reversed(WRITTEN) if (written / one).exists()]:
-        os.replace(written / name, folder / name)
-    (folder / UNFINISHED).unlink()
+    FOLDER.write(folder, lambda beside: _write(found, beside))
 
 
 def _write(found: Diagnosis, folder: Path) -> None:

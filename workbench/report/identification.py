@@ -1,16 +1,13 @@
 """A finished identification as files: identified.json, plant.toml, tables and figures."""
 
 import json
-import os
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 
-from workbench.errors import UserError
+from workbench.folders import ResultFolder
 from workbench.identify.friction_records import ThesisFit
 from workbench.identify.identification import Identification, as_data
 from workbench.identify.schema import NUISANCES
@@ -30,7 +27,8 @@ from workbench.units import factor
 
 RESULT = "identified.json"
 PLANT = "plant.toml"
-WRITTEN = (RESULT, PLANT, "tables", "figures")
+FOLDER = ResultFolder("identification", (RESULT, PLANT, "tables", "figures"))
+check_folder = FOLDER.check
 DIGITS = 4
 
 STAYS = " and stays as declared"
@@ -40,42 +38,13 @@ TAKEN_FOR_RIGHT = (
 )
 
 
-def check_folder(folder: Path, overwrite: bool) -> None:
-    """Whether an identification may be written there; nothing is changed.
-
-    Raises:
-        UserError: it is no folder, holds an identification, or files of the same names that no identification wrote.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise UserError(f"{folder}: is a file; give --out a folder")
-    ours = (folder / RESULT).exists()
-    if ours and not overwrite:
-        raise UserError(f"{folder}: holds an identification already; replace it with --overwrite")
-    foreign = [name for name in WRITTEN if (folder / name).exists()]
-    if foreign and not ours:
-        raise UserError(f"{folder}: holds {', '.join(foreign)} that no identification wrote; choose another --out")
-
-
 def write_identification(found: Identification, folder: Path) -> list[Path]:
-    """Write everything, whole or not at all: into a folder beside, then moved. Returns the Markdown tables' paths."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
-        beside = Path(temporary)
-        paths = _write(found, beside)
-        folder.mkdir(exist_ok=True)
-        for name in WRITTEN:  # the old mark goes first, the new one comes last
-            _remove(folder / name)
-        for name in reversed(WRITTEN):
-            if (beside / name).exists():
-                os.replace(beside / name, folder / name)
-        return [folder / path.relative_to(beside) for path in paths]
+    """Write everything, whole or not at all. Returns the Markdown tables' paths."""
 
+    def write(beside: Path) -> list[Path]:
+        return [path.relative_to(beside) for path in _write(found, beside)]
 
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+    return [folder / path for path in FOLDER.write(folder, write)]
 
 
 def _write(found: Identification, folder: Path) -> list[Path]:

@@ -9,8 +9,6 @@ records/          one Parquet file a case with the signals that the study names 
 """
 
 import json
-import os
-import shutil
 import sqlite3
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError
+from workbench.folders import held, remove, write_whole
 from workbench.simulation.simulate import Run
 from workbench.study.document import Case, Study
 from workbench.study.scenarios import FOLDER as SCENARIOS
@@ -65,17 +64,13 @@ class Store:
         database = folder / DATABASE
         if database.exists() and not overwrite:
             raise UserError(f"{folder}: holds results already; go on with --resume, start anew with --overwrite")
-        foreign = [name for name in OURS if (folder / name).exists()]
+        foreign = held(folder, OURS)
         if foreign and not database.exists():
-            raise UserError(f"{folder}: holds {', '.join(foreign)} that no run wrote; choose another folder with --out")
+            raise UserError(f"{folder}: holds {foreign} that no run wrote; choose another folder with --out")
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in REPLACED:
-                path = folder / name
-                if path.is_dir():
-                    shutil.rmtree(path)
-                else:
-                    path.unlink(missing_ok=True)
+                remove(folder / name)
             connection = sqlite3.connect(database)
             with connection:
                 connection.execute("BEGIN")
@@ -151,20 +146,14 @@ def _quoted(name: str) -> str:
 def export(frame: pd.DataFrame, folder: Path) -> None:
     """Write results.csv and results.parquet, each whole or not at all."""
     cells = frame.map(lambda value: f"{value:.10g}" if isinstance(value, float) and value == value else value)
-    _atomic(folder / "results.csv", lambda path: cells.to_csv(path, index=False, lineterminator="\n"))
-    _atomic(folder / "results.parquet", lambda path: frame.to_parquet(path, index=False))
+    write_whole(folder / "results.csv", lambda path: cells.to_csv(path, index=False, lineterminator="\n"))
+    write_whole(folder / "results.parquet", lambda path: frame.to_parquet(path, index=False))
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file, whole or not at all."""
     text = json.dumps(content, indent=2, sort_keys=True) + "\n"
-    _atomic(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-def _atomic(path: Path, write: Any) -> None:
-    temporary = path.with_name(f".{path.name}.part")
-    write(temporary)
-    os.replace(temporary, path)
+    write_whole(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
 def trajectory_path(folder: Path, index: int) -> Path:
@@ -180,7 +169,7 @@ def write_trajectory(run: Run, path: Path) -> None:
 def _write_signals(signals: Mapping[str, np.ndarray], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     frame = pd.DataFrame(signals)
-    _atomic(path, lambda temporary: frame.to_parquet(temporary, index=False))
+    write_whole(path, lambda temporary: frame.to_parquet(temporary, index=False))
 
 
 def record_path(folder: Path, case: Case) -> Path:

@@ -1,0 +1,91 @@
+"""Folders of results: which files in them are ours to replace, and writing that is whole or not at all."""
+
+import os
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TypeVar
+
+from workbench.errors import UserError
+
+T = TypeVar("T")
+
+
+def remove(path: Path) -> None:
+    """Remove a file, or a folder with all that is in it; nothing happens where there is neither."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, write: Callable[[Path], object]) -> None:
+    """Let `write` make a file beside `path`, then move it there: whenever this is stopped, `path` is whole."""
+    temporary = path.with_name(f".{path.name}.part")
+    write(temporary)
+    os.replace(temporary, path)
+
+
+def held(folder: Path, names: Sequence[str]) -> str:
+    """Which of these names a folder holds, in words; empty if none."""
+    return ", ".join(name for name in names if (folder / name).exists())
+
+
+@dataclass(frozen=True)
+class ResultFolder:
+    """What one command, whose work messages call a `noun`, writes into the folder of its results.
+
+    The first of `names` is the mark that all are there: it goes first and comes last. `is_ours` says of a file of that
+    name whether the command wrote it.
+    """
+
+    noun: str
+    names: tuple[str, ...]
+    is_ours: Callable[[Path], bool] = Path.exists
+
+    def check(self, folder: Path, overwrite: bool) -> None:
+        """Whether they may be written there; nothing is changed.
+
+        Raises:
+            UserError: it is no folder, holds such results, or files of the same names that the command did not write.
+        """
+        if folder.exists() and not folder.is_dir():
+            raise UserError(f"{folder}: is a file; give --out a folder")
+        mark = folder / self.names[0]
+        if mark.exists() and not overwrite:
+            article = "an" if self.noun[0] in "aeiou" else "a"
+            raise UserError(f"{folder}: holds {article} {self.noun} already; replace it with --overwrite")
+        foreign = held(folder, self.names)
+        if foreign and not (self._unfinished(folder).exists() or self.is_ours(mark)):
+            raise UserError(f"{folder}: holds {foreign} that no {self.noun} wrote; choose another --out")
+
+    def write(self, folder: Path, write: Callable[[Path], T]) -> T:
+        """Let `write` fill an empty folder beside, then move all to `folder`; returns what `write` returns.
+
+        Whenever this is stopped, the mark is whole, and all others with it, or is not there.
+        """
+        folder = Path(os.path.abspath(folder))
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
+            written = Path(temporary) / "written"
+            written.mkdir()
+            returned = write(written)
+            if folder.exists():
+                self._replace(written, folder)
+            else:
+                os.rename(written, folder)
+        return returned
+
+    def _replace(self, written: Path, folder: Path) -> None:
+        self._unfinished(folder).touch()
+        for name in self.names:
+            remove(folder / name)
+        for name in reversed(self.names):
+            if (written / name).exists():
+                os.replace(written / name, folder / name)
+        self._unfinished(folder).unlink()
+
+    def _unfinished(self, folder: Path) -> Path:
+        return folder / f".unfinished_{self.noun}"
