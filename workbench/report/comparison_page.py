@@ -7,6 +7,7 @@ from jinja2 import Environment
 
 from workbench.report.comparison import exactness, plain_name, rule, sentences, write_tables
 from workbench.report.comparison_figures import write_figures
+from workbench.report.html import html_environment
 from workbench.study.document import Study
 from workbench.study.scenarios import read_scenario
 
@@ -47,23 +48,8 @@ Tables: {% for scenario in words %}[{{ scenario | plain }}](#tables-{{ scenario 
 {%- endfor %}"""
 
 _HTML = """\
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{{ title }}</title>
-<style>
-body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222; }
-table { border-collapse: collapse; margin: 0.5em 0 1.5em; font-size: 0.85em; }
-caption { text-align: left; font-weight: bold; padding: 0.3em 0; }
-th, td { border-bottom: 1px solid #ccc; padding: 0.15em 0.8em; text-align: right; }
-summary { cursor: pointer; font-weight: bold; margin: 0.5em 0; }
-figure { margin: 1.5em 0; }
-figcaption { font-size: 0.9em; }
-img { max-width: 100%; }
-</style>
-</head>
-<body>
+{% extends "frame" %}
+{% block body -%}
 <h1>{{ title }}</h1>
 <p>{{ question }}</p>
 <p>{{ scope }}</p>
@@ -94,8 +80,7 @@ img { max-width: 100%; }
 {% endfor %}
 </details>
 {% endfor %}
-</body>
-</html>
+{% endblock %}
 """
 
 
@@ -115,8 +100,8 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
         "pivots": write_tables(spec, frame, folder / "tables"),
     }
     pages = []
-    for name, template, escape in (("comparison.md", _MARKDOWN, False), ("comparison.html", _HTML, True)):
-        environment = Environment(autoescape=escape, keep_trailing_newline=True)
+    markdown, html = Environment(autoescape=False, keep_trailing_newline=True), html_environment()
+    for name, template, environment in (("comparison.md", _MARKDOWN, markdown), ("comparison.html", _HTML, html)):
         environment.filters["plain"] = plain_name
         page = folder / name
         page.write_text(environment.from_string(template).render(content), encoding="utf-8")

@@ -4,34 +4,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import pandas as pd
-from jinja2 import Environment
 
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.report.diagnosis_evidence import Picture
 from workbench.report.diagnosis_words import sureness, verdict_sentence
+from workbench.report.html import html_environment
 
 _HTML = """\
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>Diagnosis: {{ title }}</title>
-<style>
-body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222; }
-table { border-collapse: collapse; margin: 0.5em 0 1.5em; font-size: 0.85em; }
-caption { text-align: left; font-weight: bold; padding: 0.3em 0; }
-th, td { border-bottom: 1px solid #ccc; padding: 0.15em 0.6em; text-align: right; }
+{% extends "frame" %}
+{% block title %}Diagnosis: {{ title }}{% endblock %}
+{% block gap %}0.6em{% endblock %}
+{% block style -%}
 td { white-space: nowrap; }
 .wide { overflow-x: auto; }
 th:first-child, td:first-child { text-align: left; }
 .verdict { font-size: 1.2em; font-weight: bold; border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
-summary { cursor: pointer; font-weight: bold; margin: 0.5em 0; }
-figure { margin: 1.5em 0; }
-figcaption { font-size: 0.9em; }
-img { max-width: 100%; }
-</style>
-</head>
-<body>
+{% endblock %}
+{% block body %}
 {%- macro show(table) %}
 <div class="wide"><table>
 <caption>{{ table.title }}</caption>
@@ -42,7 +31,7 @@ img { max-width: 100%; }
 {%- macro draw(name) %}
 <figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">
 <figcaption>{{ pictures[name].caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
-{%- endmacro %}
+{%- endmacro -%}
 <h1>{{ title }}</h1>
 <p class="verdict">{{ verdict }}</p>
 <p>{{ scope }}</p>
@@ -69,8 +58,7 @@ leaves.</p>
 </details>
 <p>Files: <a href="report.json">report.json</a> (SI, for programs), <a href="plant.toml">plant.toml</a>
 ({{ plant }}), tables/, figures/.</p>
-</body>
-</html>
+{% endblock %}
 """
 
 BALANCES = {
@@ -90,7 +78,6 @@ class Table:
 
 def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
     """The page as HTML; it names the figures in `figures/` beside it."""
-    environment = Environment(autoescape=True, keep_trailing_newline=True)
     balances = [
         {
             "title": f"{result.balance.name.capitalize()} balance",
@@ -99,7 +86,8 @@ def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str,
         }
         for result in found.results
     ]
-    return environment.from_string(_HTML).render(
+    template = html_environment().from_string(_HTML)
+    return template.render(
         title=found.experiment.title,
         verdict=verdict_sentence(found),
         scope=_scope(found),
