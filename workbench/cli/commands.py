@@ -1,4 +1,4 @@
-"""The command line. What a command does not need it does not import: help appears at once."""
+"""The commands. What a command does not need it does not import: help appears at once."""
 
 import os
 import sys
@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from workbench.cli.progress import ProgressBar, ProgressLine
 from workbench.errors import UserError, nearest
 
 app = typer.Typer(
@@ -46,6 +47,7 @@ def run(
     ] = False,
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
+    from workbench.cli.plan import say_plan
     from workbench.files import read_toml
     from workbench.identify.experiment import is_experiment
     from workbench.study.document import read_study
@@ -56,11 +58,11 @@ def run(
     if resume and overwrite:
         raise UserError("--resume and --overwrite: choose one")
     planned = plan(read_study(study))
-    _say_plan(planned)
+    say_plan(planned)
     if dry_run:
         return
     try:
-        with _Progress(len(planned.cases)) as progress:
+        with ProgressBar(len(planned.cases)) as progress:
             run_study(
                 planned,
                 out,
@@ -82,31 +84,9 @@ def check(
     file: Annotated[Path, typer.Argument(help="A study, scenario, experiment or parameter set.", metavar="FILE")],
 ) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
-    from workbench.files import read_toml
-    from workbench.identify.experiment import is_experiment
-    from workbench.parameters import read_parameters, serves
-    from workbench.study.document import read_study, scenario_trial
-    from workbench.study.runner import plan
-    from workbench.study.scenarios import is_scenario
+    from workbench.cli.check import check_file
 
-    data, _ = read_toml(file)
-    if "parameters" in data:
-        values = read_parameters(file)
-        print(f"{file}: a parameter set of {len(values)} values, all in order")
-        for line in serves(values):
-            print(f"  {line}")
-        return
-    if is_experiment(data):
-        _check_experiment(file)
-        return
-    if is_scenario(file):
-        trial = plan(scenario_trial(file)).study
-        tables = ", ".join(f"[{name}]" for name in trial.file.scenarios[file.stem]) or "nothing"
-        print(f"{file}: a scenario, in order; it changes {tables}")
-        return
-    planned = plan(read_study(file))
-    print(f"{file}: a study, in order")
-    _say_plan(planned)
+    check_file(file)
 
 
 @app.command()
@@ -133,7 +113,7 @@ def identify(
     content = read_experiment(experiment)
     check_folder(out, overwrite)
     try:
-        with _Doing() as said:
+        with ProgressLine() as said:
             paths = write_identification(identified(content, method, said), out)
     except KeyboardInterrupt:
         print("stopped; nothing is written", file=sys.stderr)
@@ -234,52 +214,6 @@ def plot(
         print("wrote " + ", ".join(str(path) for path in paths))
 
 
-def _check_experiment(file: Path) -> None:
-    """Say what an experiment would do, once it is known to be in order; its records are read where they are there."""
-    from workbench.identify.experiment import read_experiment
-    from workbench.identify.readiness import check_experiment, check_pattern, check_records
-    from workbench.identify.records import read_record
-
-    content = read_experiment(file)
-    check_experiment(content, content.method)
-    check_pattern(content)
-    records = [read_record(spec, content) if spec.path.exists() else None for spec in content.records]
-    there = [record for record in records if record is not None]
-    whole = len(there) == len(records)
-    if whole:
-        check_records(content, [record for record in there if record.use == "fit"], content.method)
-    absent = "its records are not there yet" if not there else "some of its records are not there yet"
-    print(f"{file}: an experiment, in order" if whole else f"{file}: an experiment; {absent}")
-    print(content.title + (f" ({content.source})" if content.source else ""))
-    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
-    print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
-    for spec, record in zip(content.records, records, strict=True):
-        if record is None:
-            print(f"  {spec.path}: is not there yet")
-            continue
-        said = "".join(f"; {note}" for note in record.notes)
-        print(f"  {spec.path}: {spec.use}, {record.time[-1]:g} s at {1.0 / record.sample_time:.6g} Hz{said}")
-
-
-def _say_plan(planned: Any) -> None:
-    file = planned.study.file
-    print(file.title + (f" ({file.source})" if file.source else ""))
-    for name, values in _axes_of(planned).items():
-        print(f"  {name}: {', '.join(values)}")
-    count = len(planned.cases)
-    print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time")
-    for line in planned.warnings:
-        print(f"warning: {line}", file=sys.stderr)
-
-
-def _axes_of(planned: Any) -> dict[str, list[str]]:
-    axes: dict[str, dict[str, None]] = {}
-    for case in planned.cases:
-        for name, value in case.columns.items():
-            axes.setdefault(name, {})[str(value)] = None
-    return {name: list(values) for name, values in axes.items()}
-
-
 def _conditions(where: list[str] | None) -> dict[str, str]:
     conditions = {}
     for item in where or []:
@@ -311,53 +245,6 @@ def _print_tables(paths: list[Path]) -> None:
     for path in paths:
         print()
         print(path.read_text(encoding="utf-8"))
-
-
-class _Progress:
-    """A progress bar with the time left, only on a terminal."""
-
-    def __init__(self, total: int) -> None:
-        self._total = total
-        self._bar: Any = None
-
-    def __enter__(self) -> Any:
-        if not sys.stderr.isatty():
-            return None
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-        self._bar = Progress(*columns, console=Console(stderr=True))
-        self._bar.start()
-        task = self._bar.add_task("", total=self._total)
-        return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-
-
-class _Doing:
-    """A line that says what is being done and since when, only on a terminal."""
-
-    def __init__(self) -> None:
-        self._line: Any = None
-
-    def __enter__(self) -> Any:
-        if not sys.stderr.isatty():
-            return None
-        from rich.console import Console
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-        columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-        self._line = Progress(*columns, console=Console(stderr=True), transient=True)
-        self._line.start()
-        task = self._line.add_task("", total=None)
-        return lambda said: self._line.update(task, description=said)
-
-    def __exit__(self, *_: object) -> None:
-        if self._line is not None:
-            self._line.stop()
 
 
 def main() -> None:
