@@ -9,7 +9,8 @@ from workbench.report.comparison import best, cases_of, cheapest, exactness, piv
 from workbench.report.comparison_figures import non_dominated
 from workbench.report.comparison_page import write_comparison
 from workbench.study.document import Study
-from workbench.study.schema import ComparisonTable, StudyFile
+from workbench.study.report_schema import ComparisonTable
+from workbench.study.schema import StudyFile
 
 SPEC = ComparisonTable(plain=["p"], steps=["steps"], negligible=1e-6)
 

@@ -10,7 +10,7 @@ from command import STUDY, ran, workbench, write
 
 from workbench.errors import UserError
 from workbench.report.figures import draw, quick_plot, write_figure
-from workbench.study.schema import FigureSpec
+from workbench.study.report_schema import FigureSpec
 from workbench.study.store import trajectory_path
 
 FRAME = pd.DataFrame(

@@ -33,7 +33,7 @@ from workbench.report.friction_curve_power import power_table
 from workbench.report.friction_curve_tables import effect_table, error_table, slope_table, verdict
 from workbench.report.friction_curves import TABLES
 from workbench.study.document import read_study
-from workbench.study.schema import BreakEvenTable
+from workbench.study.report_schema import BreakEvenTable
 
 MEASURED = STUDIES / "measured" / "owen2001_friction.toml"
 VALUES = read_parameters(named_sets()["owen2001_experiment"])

@@ -9,7 +9,7 @@ from command import STUDY, ran, workbench
 
 from workbench.errors import UserError
 from workbench.report.tables import make_table, shown_number, write_table
-from workbench.study.schema import TableSpec
+from workbench.study.report_schema import TableSpec
 
 FRAME = pd.DataFrame(
     {

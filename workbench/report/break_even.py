@@ -8,7 +8,7 @@ from workbench.errors import UserError
 from workbench.report.select import rows
 from workbench.report.tables import shown_number, with_unit, write_frame
 from workbench.study.names import in_words, unit_of_column
-from workbench.study.schema import BreakEvenTable
+from workbench.study.report_schema import BreakEvenTable
 
 DIGITS = 4
 

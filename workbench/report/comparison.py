@@ -11,7 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.report.tables import shown_number
-from workbench.study.schema import ComparisonTable
+from workbench.study.report_schema import ComparisonTable
 
 CLOSE = 0.05
 """Errors and powers that differ by less than this share count as the same."""

@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from workbench.report.comparison import MM, Best, beats, best, cases_of, error_column, plain_name
 from workbench.report.figures import save
 from workbench.report.style import PANEL_HEIGHT, WIDTH, figure_style, line_style, marker
-from workbench.study.schema import ComparisonTable
+from workbench.study.report_schema import ComparisonTable
 
 ACROSS = 2
 """Panels side by side."""

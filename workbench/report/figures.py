@@ -19,7 +19,7 @@ from workbench.report.select import rows, trajectory
 from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
 from workbench.report.tables import shown_number, with_unit
 from workbench.study.names import BASE_UNITS, in_words, shown_factor, signal_units, unit_of_column
-from workbench.study.schema import Curve, FigureSpec, Panel
+from workbench.study.report_schema import Curve, FigureSpec, Panel
 
 FORMATS = ("pdf", "svg", "png")
 

@@ -16,7 +16,7 @@ from workbench.identify.friction_curves import (
 from workbench.parameters import parameter_path, parameter_value, read_parameters
 from workbench.study.document import Study, unfold
 from workbench.study.friction_curves import curves_of
-from workbench.study.schema import FrictionCurvesTable
+from workbench.study.report_schema import FrictionCurvesTable
 
 
 @dataclass(frozen=True)

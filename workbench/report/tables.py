@@ -8,7 +8,7 @@ import pandas as pd
 
 from workbench.report.select import one_row, rows
 from workbench.study.names import matches, shown_factor, unit_of_column
-from workbench.study.schema import Column, Row, TableSpec
+from workbench.study.report_schema import Column, Row, TableSpec
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 

@@ -20,8 +20,8 @@ from workbench.simulation.simulate import memory_names
 from workbench.study.document import Case, Study, located, named
 from workbench.study.friction_curves import check_friction_curves
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
+from workbench.study.report_schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.resolve import Resolved
-from workbench.study.schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.store import INDEX
 from workbench.units import QuantityError
 

@@ -12,8 +12,9 @@ from typing import Any
 
 from workbench import files
 from workbench.errors import UserError, nearest
+from workbench.study.quantities import rpm_si
 from workbench.study.scenarios import FOLDER, read_scenario, scenario_files
-from workbench.study.schema import OVERRIDES, StudyFile, rpm_si
+from workbench.study.schema import OVERRIDES, StudyFile
 
 NAMED_AXES = ("rpm", "controller", "reference", "scenario")
 """Axes that are not dotted keys of the file."""

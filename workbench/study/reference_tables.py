@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from workbench import files
 from workbench.errors import UserError, nearest
 from workbench.simulation import references as signals
-from workbench.study.schema import Hertz, Radian, Raw, Second
+from workbench.study.quantities import Hertz, Radian, Raw, Second
 from workbench.units import QuantityError, factor, si
 
 
