@@ -15,16 +15,14 @@ from workbench.identify.friction_curves import (
     CANDIDATES,
     FILM,
     GUIDE,
-    Curve,
     Prediction,
     affordable,
     fit,
     laws,
-    read_curves,
     rms,
     supported,
-    without_rotation,
 )
+from workbench.identify.measured_curves import Curve, read_curves, without_rotation
 from workbench.parameters import named_sets, read_parameters
 from workbench.report.break_even import break_even_table
 from workbench.report.friction_curve_comparison import Comparison, compare

@@ -6,34 +6,23 @@ rod turned and slid. Effects that a law may lack are fitted on some speeds of ro
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import Field
 from scipy.optimize import least_squares
 
 from plants import bristles
 from plants.anisotropic import Guide
 from plants.bristles import BristleLaw
-from plants.friction import Friction, LuGre, steady_friction
-from workbench import files
-from workbench.identify.thesis_method import SLIDING
+from plants.friction import Friction
+from workbench.identify.measured_curves import DIRECTIONS, FASTEST, POINTS, Curve, speeds
 from workbench.parameters import build
-
-FASTEST, POINTS = 11.4e-3, 200
-"""m/s. What the thesis's quasi-static runs reach, from `SLIDING` on; points of a curve."""
 
 INDEPENDENT = 4
 """Independent numbers of a curve: it was drawn from as many parameters, so its points are no measurements each."""
 
-DIRECTIONS = {"forward": 1.0, "backward": -1.0}
-
 NEAR_REST = np.array([1e-9])
 """m/s. In the steady state as good as at rest."""
-
-LARGEST_STRIBECK_VELOCITY = 0.1
-"""m/s. A larger one is in another unit: lubricated contacts have some mm/s."""
 
 UNFELT = 1e-6
 """Share of the residual's norm below which a number that doubles is not felt."""
@@ -49,106 +38,6 @@ AT_BOUND = 1e-3
 
 RESONANT = 100.0
 """rpm at which the thesis reports a resonance."""
-
-
-class DirectionTable(files.Strict):
-    """Means of the static parameters in one direction of motion, in SI, an entry for each speed of rotation."""
-
-    coulomb: list[float]
-    static: list[float]
-    viscous: list[float]
-    viscous_std: list[float]
-    stribeck_velocity: list[float]
-
-
-class CurveFile(files.Strict):
-    """A file of measured static parameters: see studies/measured/owen2001_friction.toml."""
-
-    title: str
-    source: str
-    rpm: list[float] = Field(min_length=1)
-    forward: DirectionTable
-    backward: DirectionTable
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """Friction (N, positive) over speed (m/s) along, at a speed of rotation; `static` is its a0 + a1 (N)."""
-
-    rpm: float
-    direction: str
-    speed: np.ndarray
-    friction: np.ndarray
-    static: float
-
-    def at(self, speed: float) -> float:
-        """Friction (N) at a speed (m/s)."""
-        return float(np.interp(speed, self.speed, self.friction))
-
-
-def _speeds() -> np.ndarray:
-    return np.linspace(SLIDING, FASTEST, POINTS)
-
-
-def read_curves(path: Path) -> list[Curve]:
-    """The measured curves of a file, a0 + a1 exp(-(v/v_s)^2) + a2 v (thesis 4.7).
-
-    Raises:
-        UserError: the file is not one of measured static parameters.
-    """
-    data, text = files.read_toml(path)
-    content = files.validate(CurveFile, data, path, text)
-    found = []
-    _check_rpm(content, path, text)
-    for direction in DIRECTIONS:
-        table: DirectionTable = getattr(content, direction)
-        _check_direction(table, direction, content.rpm, path, text)
-        for i, rpm in enumerate(content.rpm):
-            stribeck = table.static[i] - table.coulomb[i]
-            law = LuGre(table.coulomb[i], stribeck, table.viscous[i], table.stribeck_velocity[i], 0.0, 0.0)
-            found.append(_curve(rpm, direction, law))
-    return found
-
-
-def _check_rpm(content: CurveFile, path: Path, text: str) -> None:
-    """Raise UserError unless the speeds of rotation are above 0 and ascend."""
-    for before, rpm in zip([0.0, *content.rpm], content.rpm, strict=False):
-        if rpm <= before:
-            told = f"got {rpm:g} behind {before:g}" if before else f"got {rpm:g}, what is measured without rotation is"
-            hint = "expected each once, ascending" if before else "in the parameter set: expected more than 0"
-            raise files.at(path, text, ("rpm",), f"{told}{':' if before else ''} {hint}")
-
-
-def _check_direction(table: DirectionTable, direction: str, rpm: Sequence[float], path: Path, text: str) -> None:
-    """Raise UserError for the first entry that a contact cannot have."""
-    for name in DirectionTable.model_fields:
-        values, key = getattr(table, name), (direction, name)
-        if len(values) != len(rpm):
-            message = f"holds {len(values)} values, expected one for each of the {len(rpm)} rpm"
-            raise files.at(path, text, key, message)
-        for speed, value in zip(rpm, values, strict=True):
-            got = f"got {value:g} at {speed:g} rpm, expected"
-            if value < 0.0:
-                raise files.at(path, text, key, f"{got} a value that is not negative")
-            if name == "stribeck_velocity" and not 0.0 < value <= LARGEST_STRIBECK_VELOCITY:
-                fix = f" ({value:g} mm/s is {1e-3 * value:g})" if value else ""
-                raise files.at(path, text, key, f"{got} m/s, above 0 and at most {LARGEST_STRIBECK_VELOCITY:g}{fix}")
-    for speed, static, coulomb in zip(rpm, table.static, table.coulomb, strict=True):
-        if static < coulomb:
-            message = f"got {static:g} N at {speed:g} rpm, below coulomb of {coulomb:g} N: expected at least that"
-            raise files.at(path, text, (direction, "static"), message)
-
-
-def _curve(rpm: float, direction: str, law: LuGre) -> Curve:
-    friction = np.asarray(steady_friction(_speeds(), law))
-    return Curve(rpm, direction, _speeds(), friction, law.coulomb + law.stribeck)
-
-
-def without_rotation(values: Mapping[str, float]) -> list[Curve]:
-    """The curves of the axial set itself, at rpm 0."""
-    friction = build(bristles.ANISOTROPIC.Parameters, values).friction
-    laws = {"forward": friction.positive, "backward": friction.negative}
-    return [_curve(0.0, name, law) for name, law in laws.items()]
 
 
 @dataclass(frozen=True)
@@ -177,8 +66,8 @@ class Prediction:
 
     def curve(self, rpm: float, direction: str) -> Curve:
         """What it predicts in the place of a measured curve; its static friction is that left as v goes to 0."""
-        friction = self.steady(rpm, direction, _speeds())[0]
-        return Curve(rpm, direction, _speeds(), friction, float(self.steady(rpm, direction, NEAR_REST)[0][0]))
+        friction = self.steady(rpm, direction, speeds())[0]
+        return Curve(rpm, direction, speeds(), friction, float(self.steady(rpm, direction, NEAR_REST)[0][0]))
 
     def residual(self, measured: Curve) -> np.ndarray:
         """Measured less predicted friction (N)."""

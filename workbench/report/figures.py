@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.errors import UserError, nearest
-from workbench.identify import friction_curves
+from workbench.identify import measured_curves
 from workbench.report.select import rows, trajectory
 from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
 from workbench.report.tables import shown_number, with_unit
@@ -27,7 +27,7 @@ BELOW_LABELS = 30.0
 """Points below a panel at which its note stands."""
 
 
-def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[friction_curves.Curve] = ()) -> Figure:
+def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[measured_curves.Curve] = ()) -> Figure:
     """Draw a figure from the results and trajectories in `folder`, over `measured` friction where it asks for it.
 
     Raises:
@@ -54,14 +54,14 @@ def save(figure: Figure, name: str, folder: Path, formats: tuple[str, ...] = FOR
 
 
 def write_figure(
-    spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[friction_curves.Curve] = ()
+    spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[measured_curves.Curve] = ()
 ) -> list[Path]:
     """Draw a figure of the results in `folder` and write it to its folder `figures`."""
     return save(draw(spec, frame, folder, measured), spec.name, folder / "figures")
 
 
 def _draw_panel(
-    axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[friction_curves.Curve]
+    axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[measured_curves.Curve]
 ) -> None:
     number = -1
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
@@ -97,10 +97,10 @@ def _draw_panel(
         axes.legend(**placed)
 
 
-def _draw_measured(axes: Axes, panel: Panel, measured: Sequence[friction_curves.Curve]) -> None:
+def _draw_measured(axes: Axes, panel: Panel, measured: Sequence[measured_curves.Curve]) -> None:
     x_scale, y_scale = shown_factor("m/s", panel.x_unit), shown_factor("N", panel.y_unit)
     for number, curve in enumerate(curve for curve in measured if curve.rpm == panel.measured_rpm):
-        sign = friction_curves.DIRECTIONS[curve.direction]
+        sign = measured_curves.DIRECTIONS[curve.direction]
         label = None if number else "measured"
         axes.plot(sign * curve.speed * x_scale, sign * curve.friction * y_scale, label=label, **REFERENCE)
 

@@ -5,14 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.identify.friction_curves import (
-    DIRECTIONS,
-    Curve,
-    Fitted,
-    Prediction,
-    laws,
-    supported,
-)
+from workbench.identify.friction_curves import Fitted, Prediction, laws, supported
+from workbench.identify.measured_curves import DIRECTIONS, Curve
 from workbench.parameters import parameter_path, parameter_value, read_parameters
 from workbench.study.document import Study, unfold
 from workbench.study.friction_curves import curves_of

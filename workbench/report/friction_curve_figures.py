@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.identify.friction_curves import DIRECTIONS, Curve, Prediction
+from workbench.identify.friction_curves import Prediction
+from workbench.identify.measured_curves import DIRECTIONS, Curve
 from workbench.report.friction_curve_comparison import Comparison, hydraulic_power, predicted_power
 from workbench.report.style import REFERENCE, WIDTH, figure_style, line_style, marker
 

@@ -5,17 +5,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 
-from workbench.identify.friction_curves import (
-    DIRECTIONS,
-    FASTEST,
-    SLIDING,
-    Curve,
-    Fitted,
-    affordable,
-    rms,
-    share,
-    unchanged,
-)
+from workbench.identify.friction_curves import Fitted, affordable, rms, share, unchanged
+from workbench.identify.measured_curves import DIRECTIONS, FASTEST, Curve
+from workbench.identify.thesis_method import SLIDING
 from workbench.parameters import known_units
 from workbench.report.friction_curve_comparison import Comparison
 from workbench.report.friction_curve_power import MM, Table, fall, framed, listed

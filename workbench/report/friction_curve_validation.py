@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from workbench.identify.friction_curves import DIRECTIONS, Curve
+from workbench.identify.measured_curves import DIRECTIONS, Curve
 from workbench.report.select import trajectory
 from workbench.report.tables import shown_number
 from workbench.study.document import Study

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 
 from workbench.errors import UserError
 from workbench.files import Key
-from workbench.identify.friction_curves import FASTEST, SLIDING, Curve, read_curves, without_rotation
+from workbench.identify.measured_curves import FASTEST, Curve, read_curves, without_rotation
+from workbench.identify.thesis_method import SLIDING
 from workbench.parameters import parameter_path, read_parameters
 from workbench.study.document import Study
 
