@@ -6,21 +6,19 @@ solver_error(setup, run)         # how far the positions are off (m)
 """
 
 import functools
-import itertools
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from controllers.interface import Controller, compile_commit, compile_step
+from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
 from plants.equation import fields, from_array, to_array
-from plants.interface import Measurement, Plant, compile_derivatives, compile_measure
-from workbench.errors import UserError
+from plants.interface import Measurement, Plant
 from workbench.simulation import engine, steppers
+from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors, systematic_error
 
@@ -35,9 +33,6 @@ TIGHTER = 100.0
 
 STUCK_SPEED = 1e-4
 """m/s. Slower than this counts as not moving."""
-
-NUMBA_FAILED = "Failed in nopython mode pipeline"
-"""What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
 
 MEASURED = "measured_"
 """What stands before the name of a sensor's channel in the signals of a run."""
@@ -171,39 +166,6 @@ class Run:
         return self.outcome in ("diverged", "step too small")
 
 
-@functools.cache
-def _compiled_plant(plant: Plant) -> tuple[Any, Any]:
-    """The plant's C functions; kept, since only their addresses go to the engine."""
-    with _told("plant", plant.name):
-        return compile_derivatives(plant), compile_measure(plant)
-
-
-@functools.cache
-def _compiled_controller(controller: Controller) -> tuple[Any, Any]:
-    with _told("controller", controller.name):
-        return compile_step(controller), compile_commit(controller)
-
-
-@contextmanager
-def _told(kind: str, name: str) -> Iterator[None]:
-    """What numba cannot compile is its author's mistake: one line for the user, the rest in the traceback.
-
-    Raises:
-        UserError: the innermost reason that numba gives.
-    """
-    try:
-        yield
-    except Exception as error:
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        causes = [later for line, later in itertools.pairwise(lines) if NUMBA_FAILED in line]
-        reason = " ".join((causes or lines or [type(error).__name__])[-1].split())
-        raise UserError(f'{kind} "{name}" cannot be compiled: {reason} (--debug shows all of it)') from error
-
-
-def _addresses(functions: tuple[Any, Any]) -> tuple[int, int]:
-    return functions[0].address, functions[1].address
-
-
 def simulate(setup: Setup) -> Run:
     """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so."""
     plant, h = setup.plant, setup.sample_time
@@ -237,8 +199,8 @@ def simulate(setup: Setup) -> Run:
     integrator = setup.integrator
     limit = float(plant.command_limit(setup.parameters))
     ended, count, steps = engine.run_loop(
-        _addresses(_compiled_plant(plant)),
-        _addresses(_compiled_controller(setup.loop.controller)) + _addresses(_compiled_controller(rotary.controller)),
+        plant_addresses(plant),
+        controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
         (state, inputs, parameters, scales),
         (*memory, *_memory(rotary, shown)),
         (
