@@ -69,7 +69,7 @@ def compile_step(controller: Controller) -> Any:
     source = fingerprint(step)
 
     @compiled(STEP)
-    def entry(reference, measurement, state, gains, sample_time):  # type: ignore[no-untyped-def]
+    def entry(reference: Any, measurement: Any, state: Any, gains: Any, sample_time: float) -> float:
         _ = source  # part of the key of the compiled code's cache
         r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
         command, following = step(r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time)
@@ -85,7 +85,7 @@ def compile_commit(controller: Controller) -> Any:
     source = fingerprint(commit)
 
     @compiled(COMMIT)
-    def entry(realised, state, gains, sample_time):  # type: ignore[no-untyped-def]
+    def entry(realised: float, state: Any, gains: Any, sample_time: float) -> None:
         _ = source  # part of the key of the compiled code's cache
         s = unpack(state_class, state)
         pack(commit(realised, s, unpack(gains_class, gains), sample_time), state)

@@ -82,7 +82,7 @@ def compile_derivatives(plant: Plant) -> Any:
     source = fingerprint(derivatives)
 
     @compiled(DERIVATIVES)
-    def entry(time, state, inputs, parameters, rates):  # type: ignore[no-untyped-def]
+    def entry(time: float, state: Any, inputs: Any, parameters: Any, rates: Any) -> None:
         _ = source  # part of the key of the compiled code's cache
         s, u = unpack(state_class, state), unpack(inputs_class, inputs)
         pack(derivatives(time, s, u, unpack(parameters_class, parameters)), rates)
@@ -96,7 +96,7 @@ def compile_measure(plant: Plant) -> Any:
     source = fingerprint(measure)
 
     @compiled(MEASURE)
-    def entry(state, parameters, measurement):  # type: ignore[no-untyped-def]
+    def entry(state: Any, parameters: Any, measurement: Any) -> None:
         _ = source  # part of the key of the compiled code's cache
         pack(measure(unpack(state_class, state), unpack(parameters_class, parameters)), measurement)
 
