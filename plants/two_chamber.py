@@ -135,23 +135,30 @@ def friction_rates(
 
 
 @equation
-def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> State:
-    """Rates of the states: Newton, a continuity equation for each chamber, the valve, the bristle, the effects."""
-    h = p.hydraulics
-    load_pressure = state.pressure_1 - state.pressure_2
-    friction, _, bristle_rate, _ = friction_rates(
+def state_friction(time: Scalar, state: State, p: Parameters) -> tuple[Scalar, Scalar]:
+    """Friction (N) and the bristle's rate (m/s) in a state: see `friction_rates`."""
+    force, _, rate, _ = friction_rates(
         state.position,
         state.velocity,
         np.abs(state.velocity),
-        load_pressure,
+        state.pressure_1 - state.pressure_2,
         time,
         state.bristle_deflection,
         state.lagged_velocity,
         state.rested,
-        h.stroke,
+        p.hydraulics.stroke,
         p.friction,
         p.friction_effects,
     )
+    return force, rate
+
+
+@equation
+def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> State:
+    """Rates of the states: Newton, a continuity equation for each chamber, the valve, the bristle, the effects."""
+    h = p.hydraulics
+    load_pressure = state.pressure_1 - state.pressure_2
+    friction, bristle_rate = state_friction(time, state, p)
     area_2 = p.area_ratio * h.piston_area_2
     stop = hyd.end_stop_force(state.position, state.velocity, h.stroke, p.body)
     added = fx.added_force(state.position, state.velocity, 0.0, p.friction_effects)
@@ -184,19 +191,7 @@ def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signal
     """What is worth plotting; power as in `non_rotating`."""
     h = p.hydraulics
     load_pressure = state.pressure_1 - state.pressure_2
-    friction, _, _, _ = friction_rates(
-        state.position,
-        state.velocity,
-        np.abs(state.velocity),
-        load_pressure,
-        time,
-        state.bristle_deflection,
-        state.lagged_velocity,
-        state.rested,
-        h.stroke,
-        p.friction,
-        p.friction_effects,
-    )
+    friction, _ = state_friction(time, state, p)
     into, out = valve_flows(state.spool_position, state.pressure_1, state.pressure_2, h, p.flow_effects)
     flow = 0.5 * (into + out)
     power = state.pressure_1 * into - state.pressure_2 * out
