@@ -8,6 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from plants.drive import travel
 from plants.equation import Scalar, equation, select
 from plants.friction import Friction, lugre
 from plants.hydraulics import Mass, end_stop_force
@@ -129,11 +130,6 @@ def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
 def pump_speed_limit(p: Parameters) -> float:
     """Limit of the pump's speed (rad/s)."""
     return p.pump_speed_limit
-
-
-def travel(p: Parameters) -> float:
-    """Distance (m) between the end stops, if they are modelled."""
-    return p.stroke if p.body.end_stop_stiffness else np.inf
 
 
 PUMP_CYLINDER = Plant(
