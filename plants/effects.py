@@ -13,12 +13,6 @@ import numpy as np
 from plants.equation import Scalar, equation, select
 from plants.friction import LuGre
 
-RESTING = 5e-4
-"""m/s. Slower, a contact is at rest, and its static friction may rise."""
-
-SLIPPING_TIME = 10e-3
-"""s in which a contact that slides forgets how long it was at rest."""
-
 ATMOSPHERE = 101325.0
 """Pa. Pressures of a record are relative to it."""
 
@@ -32,6 +26,7 @@ class FrictionEffects(NamedTuple):
     memory_time: Annotated[float, "s"] = 0.0
     static_rise: Annotated[float, "1"] = 0.0
     static_rise_time: Annotated[float, "s"] = 1.0
+    static_rise_distance: Annotated[float, "m"] = 1e-4
     drag_coefficient: Annotated[float, "N s^2/m^2"] = 0.0
     viscous_drift: Annotated[float, "1/s"] = 0.0
     spring_stiffness: Annotated[float, "N/m"] = 0.0
@@ -101,9 +96,14 @@ def stribeck_speed(velocity: Scalar, lagged: Scalar, e: FrictionEffects) -> Scal
 
 
 @equation
-def rested_rate(velocity: Scalar, rested: Scalar, e: FrictionEffects) -> Scalar:
-    """Rate (1/s) of the share of its rise that static friction has made: up at rest in T, down sliding at once."""
-    return select(np.abs(velocity) < RESTING, (1.0 - rested) / e.static_rise_time, -rested / SLIPPING_TIME)
+def rested_rate(slip: Scalar, rested: Scalar, e: FrictionEffects) -> Scalar:
+    """Rate (1/s) of the share r of its rise that static friction has made, dr/dt = (1 - r)/T - |s| r/D.
+
+    rising_static_friction: the law of contacts that age (Dieterich 1979, Ruina 1983), here with an end: up at rest in
+    the time T, forgotten within the distance D of sliding. `slip` s = v - dz/dt (m/s): a bristle that bends is not
+    renewed.
+    """
+    return (1.0 - rested) / e.static_rise_time - np.abs(slip) * rested / e.static_rise_distance
 
 
 @equation
@@ -223,8 +223,18 @@ _ALL = (
     _effect(
         "rising_static_friction",
         "force",
-        "Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
-        {"static_rise": (0.0, 10.0, 0.2)},
+        "Armstrong-Helouvry, Dupont and Canudas de Wit 1994; Dieterich 1979",
+        {
+            "static_rise": (0.0, 10.0, 0.2),
+            "static_rise_time": (0.0, FREE, 0.0),
+            "static_rise_distance": (0.0, FREE, 0.0),
+        },
+        (
+            ("static_rise",),
+            ("static_rise", "static_rise_time"),
+            ("static_rise", "static_rise_distance"),
+            ("static_rise", "static_rise_time", "static_rise_distance"),
+        ),
     ),
     _effect("quadratic_drag", "force", "Merritt 1967", {"drag_coefficient": (0.0, 1e7, 1e3)}),
     _effect("viscous_drift", "force", "oil that warms up", {"viscous_drift": (-0.02, 0.2, 1e-3)}),

@@ -180,7 +180,7 @@ def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> St
         bristle_rate,
         hyd.spool_rate(state.spool_position, voltage, h),
         fx.lagged_rate(state.velocity, state.lagged_velocity, p.friction_effects),
-        fx.rested_rate(state.velocity, state.rested, p.friction_effects),
+        fx.rested_rate(state.velocity - bristle_rate, state.rested, p.friction_effects),
         select(p.command_delay > 0.0, (inputs.valve_voltage - state.delayed_voltage) / delay, 0.0),
         fx.gap_rate(state.velocity, state.sensor_gap, p.backlash_width),
     )

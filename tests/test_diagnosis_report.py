@@ -90,7 +90,12 @@ def test_the_command_says_what_it_found(answer: Answer) -> None:
 def test_every_file_is_there(folder: Path, answer: Answer) -> None:
     out = folder / "out"
     written = {str(item.relative_to(out)) for item in out.rglob("*") if item.is_file()}
-    names = ["parameters", *(f"{b}_{what}" for b in ("flow", "force") for what in FIGURES)]
+    names = [
+        "parameters",
+        "simulation",
+        "simulation_evidence",
+        *(f"{b}_{what}" for b in ("flow", "force") for what in FIGURES),
+    ]
     figures = {f"figures/{name}.png" for name in names}
     tables = {f"tables/{name}.{e}" for name in ("effects", "error", "parameters", "evidence") for e in ENDINGS}
     assert written == {"report.json", "report.html", "plant.toml"} | figures | tables
@@ -123,7 +128,7 @@ def test_the_page_shows_every_figure_that_there_is(folder: Path, answer: Answer)
     assert "Found: valve deadband (valve_overlap = " in page
     for picture in (folder / "out" / "figures").glob("*.png"):
         assert f'src="figures/{picture.name}"' in page
-    assert page.count("<img") == 9
+    assert page.count("<img") == 11
     assert " nan" not in page
 
 
@@ -235,7 +240,7 @@ def test_on_rejection_the_plant_stays_as_declared(found: Diagnosis, tmp_path: Pa
 
 
 def test_what_is_not_identified_is_marked(found: Diagnosis) -> None:
-    baseline = {**found.report["baseline"], "stribeck": {**found.report["baseline"]["stribeck"], "identified": False}}
+    baseline = {name: {**one, "identified": name != "stribeck"} for name, one in found.report["baseline"].items()}
     marked = replace(found, report={**found.report, "baseline": baseline})
     table = parameter_table(marked).set_index("parameter")
     assert table.loc["stribeck", "remark"] == "not identified by the baseline"

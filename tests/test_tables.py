@@ -74,6 +74,33 @@ def test_two_columns_with_published_values_keep_both() -> None:
     }
 
 
+def test_one_result_over_two_axes_stands_side_by_side_with_its_place() -> None:
+    frame = pd.DataFrame(
+        {
+            "scenario": ["a", "a", "a", "b", "b", "b"],
+            "controller": ["p", "pd", "pi"] * 2,
+            "outcome": ["completed"] * 5 + ["diverged"],
+            "rms_error_m": [3e-3, 1e-3, 2e-3, 1e-3, 4e-3, None],
+        }
+    )
+    content = {"index": "controller", "across": "scenario"}
+    column = {"result": "rms_error_m", "label": "error", "unit": "mm", "digits": 2}
+    found = make_table(TableSpec(name="t", title="a title", columns=[column], **content), frame)
+    assert found.to_dict("list") == {
+        "controller": ["p", "pd", "pi"],
+        "error, a (mm)": ["3.0 (3)", "1.0 (1)", "2.0 (2)"],
+        "error, b (mm)": ["1.0 (1)", "4.0 (2)", ""],
+    }
+
+
+def test_a_table_across_an_axis_has_one_column() -> None:
+    column = {"result": "rms_error_m", "label": "error"}
+    with pytest.raises(ValueError, match="across: expected index with one column"):
+        TableSpec(
+            name="t", title="a title", index="rpm", across="controller", columns=[column, {**column, "label": "other"}]
+        )
+
+
 def test_open_axes_are_columns_and_units_are_told_once() -> None:
     frame = pd.DataFrame(
         {"rpm": [0, 0, 460], "controller": ["p", "pd", "p"], "outcome": ["completed"] * 3, "rms_error_m": [1e-3] * 3}

@@ -135,8 +135,11 @@ def diagnose(
     from workbench.report.diagnosis import check_folder, summary, write_diagnosis
 
     check_folder(out, overwrite)
-    found = diagnosed(experiment)
-    write_diagnosis(found, out)
+    with ProgressLine() as told:
+        tell = told or (lambda said: None)
+        found = diagnosed(experiment, tell)
+        tell("tables, figures, page")
+        write_diagnosis(found, out)
     print(summary(found))
     print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
 

@@ -1,26 +1,34 @@
-"""The whole diagnosis of an experiment: honest baseline, flow before force, selection, held-out records, verdict."""
+"""The whole diagnosis of an experiment: honest baseline, flow before force, the plant simulated, held-out records,
+verdict."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from plants.effects import EFFECTS
 from workbench.diagnose.balances import balances_of
+from workbench.diagnose.findings import (
+    IDENTIFIED,
+    Found,
+    baseline_data,
+    found_by_both,
+    found_on,
+    sensor_offset,
+)
 from workbench.diagnose.fitting import Balance, Fit, Values, fit
-from workbench.diagnose.flow import pressure_sum
-from workbench.diagnose.free_run import free_run
-from workbench.diagnose.motion import Motion, load_pressure, motion_of
+from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
-from workbench.diagnose.selection import Step, gain, is_circular, select
+from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
+from workbench.diagnose.shooting import Shooting, free_run, set_up, simulation_balance
+from workbench.diagnose.simulated import SEARCH, Simulated, second_look
 from workbench.diagnose.unexplained import Dependence, dependence, strongest
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
 from workbench.identify.friction_records import parameter_values
 from workbench.identify.records import read_records
-from workbench.parameters import known_units
+from workbench.parameters import SIGNED
 
 WORSE = 1.02
 """Held-out error, after over before, beyond which what was found is rejected."""
@@ -34,45 +42,28 @@ TAKEN = 0.3
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
 
-OFFSET_SHARE = 0.5
-"""Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
+RUNAWAY = 5.0
+"""Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
 
-CONFOUNDED = 0.2
-"""Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+DRIFTS = 2.0
+"""Times the error on the fit records beyond which a free run of held-out ones is looked at closer."""
 
-OFFSET_SURE = 4.0
-"""Noise deviations (smoothed) that it has to exceed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """An effect that was found: on which balance, its numbers with standard deviations, what it may be instead."""
-
-    name: str
-    balance: str
-    numbers: Mapping[str, tuple[float, float]]
-    alternatives: Sequence[str]
-    evidence: Mapping[str, float]
-    remarks: Sequence[str] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class BalanceResult:
-    """A balance before and after selection, with every round of it."""
-
-    balance: Balance
-    before: Fit
-    after: Fit
-    steps: Sequence[Step]
+KEYS = {"force": "force_rms_N", "flow": "flow_rms_m3_per_s"}
+"""What the error of each balance is called."""
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """All that a diagnosis finds; `report` is the content of report.json."""
+    """All that a diagnosis finds; `report` is the content of report.json.
+
+    `baseline` and `corrected` are the parameters, without and with effects, that fit the balances; those that fit the
+    simulated plant are in `simulated`, if the records can be simulated.
+    """
 
     experiment: Experiment
     held_out: Sequence[Motion]
     results: Sequence[BalanceResult]
+    simulated: Simulated | None
     found: Sequence[Found]
     unexplained: Dependence | None
     declared: Values
@@ -80,53 +71,59 @@ class Diagnosis:
     corrected: Values
     report: dict[str, Any]
 
+    @property
+    def rounds(self) -> list[BalanceResult]:
+        """Where effects competed: the balances, and the simulated plant."""
+        return [*self.results, *([self.simulated.result] if self.simulated is not None else [])]
 
-def diagnose(path: Path) -> Diagnosis:
-    """Diagnose an experiment file.
+    @property
+    def fits(self) -> list[BalanceResult]:
+        """What the parameters come from: the balances, and after them the simulated plant where it is trusted."""
+        return self.rounds if self.simulated is not None and self.simulated.is_trusted else list(self.results)
+
+
+def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Diagnosis:
+    """Diagnose an experiment file; `tell` is told in words what is being done.
 
     Raises:
         UserError: the file or a record cannot be used, or its channels allow no balance.
     """
     experiment = read_experiment(path)
-    fit_motions = [motion_of(record) for record in read_records(experiment, "fit")]
+    tell("reading records")
+    motions = [motion_of(record) for record in read_records(experiment, "fit")]
     held_out = [motion_of(record) for record in read_records(experiment, "held_out")]
-    if not fit_motions:
+    if not motions:
         raise UserError(f'{path}: no record is for the fit; give one use = "fit"')
     declared: dict[str, float] = {**parameter_values(experiment), **experiment.values}
     for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
         del declared[name]
-    offset = _offset(fit_motions, declared)
-    values: dict[str, float] = dict(declared)
-    if offset is not None:
-        values |= {name: number for name, (number, _) in offset.numbers.items()}
-    balances = balances_of(fit_motions, values, experiment.free)
-    if not balances:
-        raise UserError(
-            f"{path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
-            "voltage, a force needs position and pressures, a force or a command"
-        )
-    results, found = [], [offset] if offset is not None else []
-    baseline = dict(declared)
-    first = dict(values)
-    for balance in balances:
-        first |= fit(balance, first, balance.free, experiment.bounds).values
-    balances = floored(balances, first, experiment.flow)
-    for balance in balances:
-        after, steps = select(balance, values, experiment.bounds)
-        if _leaves_too_much(steps[0].before, after, steps):
-            after, steps = steps[0].before, [replace(steps[0], added=None, alternatives=[])]
-        results.append(BalanceResult(balance, steps[0].before, after, steps))
-        found += _found_on(balance, after, steps)
-        baseline |= {name: steps[0].before.values[name] for name in balance.free}
-        values |= {name: after.values[name] for name in after.names}
-    dependences = [dependence(result.balance, result.after.values) for result in results]
-    unexplained = strongest(dependences)
-    errors = _errors(experiment, results, baseline, values, held_out)
-    verdict = _verdict(found, unexplained, errors)
+    offset = sensor_offset(motions, declared)
+    results, baseline, corrected = _first_look(experiment, motions, declared, offset, tell)
+    found = [offset] if offset is not None else []
+    found += [one for result in results for one in found_on(result.balance, result.after, result.steps)]
+    free = [name for result in results for name in result.balance.free]
+    simulated = second_look(
+        experiment,
+        motions,
+        free,
+        _starts(declared, baseline, [(result.balance, result.before) for result in results]),
+        _starts(declared, corrected, [(result.balance, result.after) for result in results]),
+        {one.name: tuple(one.numbers) for one in found},
+        tell,
+    )
+    if simulated is not None:
+        again, values = _with_effects(experiment, results, declared, corrected, found, simulated)
+        if simulated.is_in_doubt and any(_depends(result.after) for result in again):
+            simulated = simulated.without_additions()
+            again, values = _with_effects(experiment, results, declared, corrected, found, simulated)
+        found, results, corrected = found_by_both(found, simulated), again, values
+    unexplained = strongest([_depends(result.after) for result in results])
+    tell("held-out records")
+    errors = _errors(experiment, results, simulated, baseline, corrected, held_out)
     report = {
         "title": experiment.title,
-        "verdict": verdict,
-        "effects": [_effect_data(one) for one in found],
+        "verdict": _verdict(found, unexplained, errors),
+        "effects": [one.data for one in found],
         "unexplained": None
         if unexplained is None
         else {"balance": unexplained.balance, "depends_on": unexplained.signals, "shares": dict(unexplained.shares)},
@@ -140,9 +137,92 @@ def diagnose(path: Path) -> Diagnosis:
             }
             for result in results
         },
-        "baseline": _baseline_data(results),
+        "simulation": None if simulated is None else simulated.data,
     }
-    return Diagnosis(experiment, held_out, results, found, unexplained, declared, baseline, values, report)
+    whole = Diagnosis(
+        experiment, held_out, results, simulated, found, unexplained, declared, baseline, corrected, report
+    )
+    report["baseline"] = baseline_data([one.before for one in whole.fits])
+    return whole
+
+
+def _starts(declared: Values, values: Values, fits: Sequence[tuple[Balance, Fit]]) -> dict[str, float]:
+    """Where a simulation begins: `values`, but the plant's own parameters as declared where a balance says little of
+    them, or lets one run away.
+    """
+    out = dict(values)
+    for balance, found in fits:
+        for name in balance.free:
+            value, start = found.values[name], declared[name]
+            if name in SIGNED or start <= 0.0:
+                continue
+            known = name not in found.bounded and found.deviations[name] < IDENTIFIED * value
+            out[name] = value if known and 1.0 / RUNAWAY < value / start < RUNAWAY else start
+    return out
+
+
+def _first_look(
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    declared: Values,
+    offset: Found | None,
+    tell: Callable[[str], None],
+) -> tuple[list[BalanceResult], dict[str, float], dict[str, float]]:
+    """Flow, then force: each balance with the effects that it supports, baseline values and values with effects."""
+    baseline, values = dict(declared), dict(declared)
+    if offset is not None:
+        values |= {name: number for name, (number, _) in offset.numbers.items()}
+    balances = balances_of(motions, values, experiment.free)
+    if not balances:
+        raise UserError(
+            f"{experiment.path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
+            "voltage, a force needs position and pressures, a force or a command"
+        )
+    tell("noise floors")
+    first = dict(values)
+    for balance in balances:
+        first |= fit(balance, first, balance.free, experiment.bounds).values
+    results = []
+    for balance in floored(balances, first, experiment.flow):
+        tell(f"effects on the {balance.name} balance")
+        after, steps = select(balance, values, experiment.bounds)
+        if _leaves_too_much(steps[0].before, after, steps):
+            after, steps = steps[0].before, [replace(steps[0], added=None, alternatives=[])]
+        results.append(BalanceResult(balance, steps[0].before, after, steps))
+        baseline |= {name: steps[0].before.values[name] for name in balance.free}
+        values |= {name: after.values[name] for name in after.names}
+    return results, baseline, values
+
+
+def _with_effects(
+    experiment: Experiment,
+    results: Sequence[BalanceResult],
+    declared: Values,
+    corrected: Values,
+    found: Sequence[Found],
+    simulated: Simulated,
+) -> tuple[list[BalanceResult], dict[str, float]]:
+    """The balances with the effects that the simulated plant has, and the values that fit them.
+
+    As they are where these are the same effects; else their own parameters are fitted anew around the effects' numbers.
+    """
+    if {one.name for one in found} == set(simulated.effects):
+        return list(results), dict(corrected)
+    names = [name for own in simulated.effects.values() for name in own]
+    values = {**declared, **{name: simulated.after.values[name] for name in names}}
+    again = []
+    for result in results:
+        balance = replace(
+            result.balance, motions=_behind_backlash(simulated.how, result.balance.motions, simulated.after.values)
+        )
+        after = fit(balance, values, balance.free, experiment.bounds)
+        values |= {name: after.values[name] for name in after.names}
+        again.append(replace(result, after=after))
+    return again, values
+
+
+def _depends(after: Fit) -> Dependence | None:
+    return dependence(after.balance, after.values)
 
 
 def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
@@ -153,134 +233,61 @@ def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
     if after is before or not after.balance.simulated:  # without such a floor nobody knows what is too much
         return False
     if any(step.added is not None and is_circular(step.added.effect, after.balance) for step in steps):
-        first = dependence(before.balance, before.values)
+        first = _depends(before)
         if first is not None and any(first.shares.get(name, 0.0) > PLACED for name in PLACES):
             return True
     if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:
         return False
-    return dependence(after.balance, after.values) is not None
-
-
-def _offset(motions: Sequence[Motion], values: Values) -> Found | None:
-    """An offset of pressure 1: the sum of both pressures is off by a constant, and by little else."""
-    if not motions[0].has("pressure_1", "pressure_2") or "supply_pressure" not in values:
-        return None
-    sums = np.concatenate([pressure_sum(motion, values)[motion.valid] for motion in motions])
-    mean, rms = float(np.mean(sums)), float(np.sqrt(np.mean(sums**2)))
-    blocks = np.array([np.mean(part) for part in np.array_split(sums, 10)])
-    std = float(np.std(blocks, ddof=1) / np.sqrt(blocks.size))
-    noise = motions[0].smooth[0] * float(np.hypot(motions[0].noise["pressure_1"], motions[0].noise["pressure_2"]))
-    left = float(np.std(sums))
-    if left > (1.0 - OFFSET_SHARE) * rms or abs(mean) < OFFSET_SURE * max(noise, std):
-        return None
-    return Found(
-        "pressure_sensor_offset",
-        "sensor",
-        {"pressure_1_offset": (mean, max(std, noise / 10.0))},
-        [],
-        {"sum_rms_Pa": rms, "left_rms_Pa": left},
-    )
-
-
-def _found_on(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[Found]:
-    """The effects of a balance in the order in which they were added, their numbers from the last fit.
-
-    An effect that gained a parameter in a later round is one effect, with the evidence of its first.
-    """
-    found: dict[str, Found] = {}
-    for step in steps:
-        added = step.added
-        if added is None:
-            continue
-        first = found.get(added.effect)
-        names = dict.fromkeys([*(first.numbers if first else ()), *added.variant])
-        numbers = {name: (after.values[name], after.deviations[name]) for name in names}
-        share, sure = gain(step.before, added.fit)
-        evidence: dict[str, float] = (
-            dict(first.evidence) if first else {"left_out_gain": share, "standard_errors": sure}
-        )
-        alternatives = first.alternatives if first else step.alternatives
-        remarks = first.remarks if first else _remarks(balance, added.effect, evidence)
-        found[added.effect] = Found(
-            added.effect, EFFECTS[added.effect].balance, numbers, alternatives, evidence, remarks
-        )
-    return list(found.values())
-
-
-def _remarks(balance: Balance, effect: str, evidence: dict[str, float]) -> list[str]:
-    """What a reader has to know of an effect that goes together with something else in these records."""
-    if effect != "pressure_dependent_friction":
-        return []
-    evidence["correlation_with_speed"] = together = _speed_and_pressure(balance.motions)
-    if abs(together) <= CONFOUNDED:
-        return []
-    word = "falls" if together < 0.0 else "rises"
-    return [
-        f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said to "
-        "depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
-    ]
-
-
-def _speed_and_pressure(motions: Sequence[Motion]) -> float:
-    """Correlation between |v| and |P_L| where something moves."""
-    moving = [motion.valid & ~motion.resting for motion in motions]
-    speed = np.concatenate([np.abs(motion.velocity)[at] for motion, at in zip(motions, moving, strict=True)])
-    pressure = np.concatenate([np.abs(load_pressure(motion))[at] for motion, at in zip(motions, moving, strict=True)])
-    return float(np.corrcoef(speed, pressure)[0, 1])
-
-
-def _effect_data(one: Found) -> dict[str, Any]:
-    units = known_units()
-    return {
-        "name": one.name,
-        "balance": one.balance,
-        "parameters": {
-            name: {"value": value, "unit": units.get(name, "1"), "std": std}
-            for name, (value, std) in one.numbers.items()
-        },
-        "alternatives": list(one.alternatives),
-        "evidence": {**dict(one.evidence), **({"remarks": list(one.remarks)} if one.remarks else {})},
-    }
-
-
-def _baseline_data(results: Sequence[BalanceResult]) -> dict[str, Any]:
-    units = known_units()
-    data = {}
-    for result in results:
-        fit = result.before
-        for name in fit.names:
-            value, std = fit.values[name], fit.deviations[name]
-            data[name] = {
-                "value": value,
-                "unit": units.get(name, "1"),
-                "std": std,
-                "identified": bool(std < 0.5 * abs(value)),
-            }
-    return data
-
-
-KEYS = {"force": "force_rms_N", "flow": "flow_rms_m3_per_s"}
+    return _depends(after) is not None
 
 
 def _errors(
     experiment: Experiment,
     results: Sequence[BalanceResult],
+    simulated: Simulated | None,
     baseline: Values,
-    after: Values,
+    corrected: Values,
     held_out: Sequence[Motion],
 ) -> dict[str, Any]:
-    """Rms of each balance's residual and of free-run simulation, with the baseline and with what was found."""
+    """Rms of each balance's residual and of free-run simulation, with the baseline and with what was found.
+
+    Each with the parameters that were fitted to that kind of error.
+    """
     errors: dict[str, Any] = {}
     for use, motions in (("fit", results[0].balance.motions), ("held_out", held_out)):
         sides: dict[str, dict[str, float]] = {"before": {}, "after": {}}
-        for side, values in (("before", baseline), ("after", after)) if motions else ():
+        whole = set_up(experiment, motions, held=simulated.how.held) if simulated is not None and motions else None
+        for side, values in (("before", baseline), ("after", corrected)) if motions else ():
             for result in results:
-                over = replace(result.balance, motions=motions)
+                over = replace(result.balance, motions=_behind_backlash(whole, motions, values))
                 rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
                 sides[side][KEYS[over.name]] = rms
-            sides[side] |= free_run(experiment, [motion.record for motion in motions], values)
+            if simulated is not None:
+                sides[side] |= free_run(whole, motions, getattr(simulated, side).values)
         errors[use] = sides
+    if simulated is not None and not simulated.is_trusted and _drifts(errors):
+        errors["held_out"]["own_parameters"] = _own_fit(experiment, simulated, held_out)
     return errors
+
+
+def _drifts(errors: Mapping[str, Any]) -> bool:
+    """Whether a free run of the held-out records is off by far more than one of the records that were fitted."""
+    fitted, tested = (errors[use]["after"].get("position_rms_m") for use in ("fit", "held_out"))
+    return fitted is not None and tested is not None and tested > DRIFTS * fitted
+
+
+def _own_fit(experiment: Experiment, simulated: Simulated, held_out: Sequence[Motion]) -> dict[str, float]:
+    """Free-run errors of held-out records with the plant's parameters fitted to them: the least that it can leave."""
+    whole = set_up(experiment, held_out, held=simulated.how.held)
+    assert whole is not None  # free runs of it are among the errors
+    after = simulated.after
+    balance = simulation_balance(whole, held_out, after.names)
+    return free_run(whole, held_out, fit(balance, after.values, after.names, experiment.bounds, SEARCH).values)
+
+
+def _behind_backlash(whole: Shooting | None, motions: Sequence[Motion], values: Values) -> list[Motion]:
+    """Motions with the rod on the side of a backlash where the simulated one is."""
+    return list(motions) if whole is None else [whole.with_backlash_of(motion, values) for motion in motions]
 
 
 def _verdict(found: Sequence[Found], unexplained: Dependence | None, errors: Mapping[str, Any]) -> str:

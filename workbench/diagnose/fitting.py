@@ -1,6 +1,7 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -33,6 +34,12 @@ together."""
 
 NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
 """Values of the effects' parameters at which they do nothing."""
+
+BOUNDED = 1e-3
+"""Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there."""
+
+THREADS = 2
+"""In which the columns of a Jacobian are found."""
 
 SHARES = (1.0, 0.6, 0.3)
 """Of a Gauss-Newton step, at which a candidate's promise is looked at: a long step of a logarithm goes too far."""
@@ -110,7 +117,7 @@ class Fit:
     """A balance at its best over some free parameters.
 
     `residual` is over the floor; `validated` the same as predicted for each block by a fit without it; `jacobian`
-    that of the residual by the `unknowns`.
+    that of the residual by the `unknowns`; `bounded` are parameters that stopped at the end of their range.
     """
 
     balance: Balance
@@ -121,6 +128,7 @@ class Fit:
     validated: np.ndarray
     jacobian: np.ndarray
     unknowns: Sequence["Unknown"]
+    bounded: frozenset[str]
 
     @property
     def rms(self) -> float:
@@ -136,6 +144,15 @@ class Fit:
     def block_squares(self) -> np.ndarray:
         """Mean square of the left-out residual of each block."""
         return np.array([np.mean(self.validated[block] ** 2) for block in self.balance.blocks])
+
+
+@dataclass(frozen=True)
+class Search:
+    """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many."""
+
+    flat: float = 1e-7
+    near: float = 1e-6
+    most_steps: int = 30
 
 
 @dataclass(frozen=True)
@@ -160,10 +177,10 @@ class Unknown:
         return 0.0 if self.logarithmic else self.start / self.size
 
 
-def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
+def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
     known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
     plain = name.removesuffix(f"_{NEGATIVE}")
-    start = values.get(name, values.get(plain, 0.0))
+    start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
     low, high = bounds.get(name, (-np.inf, np.inf))
     if name in known and known[name][2]:
         least, most, size = known[name]
@@ -179,10 +196,14 @@ def _unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]
 
 
 def fit(
-    balance: Balance, values: Values, names: Sequence[str], bounds: Mapping[str, tuple[float, float]] | None = None
+    balance: Balance,
+    values: Values,
+    names: Sequence[str],
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    search: Search = Search(),
 ) -> Fit:
     """The best values of the parameters `names`, all others as in `values`."""
-    unknowns = [_unknown(name, values, bounds or {}) for name in names]
+    unknowns = [unknown(name, values, bounds or {}) for name in names]
 
     def at(x: np.ndarray) -> dict[str, float]:
         return {**values, **{u.name: u.value(float(one)) for u, one in zip(unknowns, x, strict=True)}}
@@ -195,19 +216,29 @@ def fit(
 
     def jacobian(x: np.ndarray) -> np.ndarray:
         base = residual(x)
-        columns = []
-        for i in range(x.size):
+
+        def column(i: int) -> np.ndarray:
             step = STEP * max(1.0, abs(x[i]))
             step = step if x[i] + step < unknowns[i].high else -step
             moved = x.copy()
             moved[i] += step
-            columns.append((residual(moved) - base) / step)
-        return np.column_stack(columns)
+            return np.asarray((residual(moved) - base) / step)
+
+        with ThreadPoolExecutor(THREADS) as pool:  # compiled code lets other threads run
+            return np.column_stack(list(pool.map(column, range(x.size))))
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low + 1e-9, high - 1e-9)
     if unknowns:
-        found = least_squares(residual, start, jac=jacobian, bounds=(low, high), xtol=1e-6, ftol=1e-7, max_nfev=30)
+        found = least_squares(
+            residual,
+            start,
+            jac=jacobian,
+            bounds=(low, high),
+            xtol=search.near,
+            ftol=search.flat,
+            max_nfev=search.most_steps,
+        )
         size = found.fun.size - len(unknowns)
         x, r, j = found.x, found.fun[:size], found.jac[:size] * (found.active_mask == 0)
     else:
@@ -223,13 +254,14 @@ def fit(
         _validated(j, r, balance.blocks),
         j,
         unknowns,
+        frozenset(u.name for u, one in zip(unknowns, x, strict=True) if min(one - u.low, u.high - one) < BOUNDED),
     )
 
 
 def promise(before: Fit, names: Sequence[str], bounds: Mapping[str, tuple[float, float]]) -> float:
     """Residual rms (floors) after one Gauss-Newton step of a fit that also frees `names`: what a candidate promises."""
     balance, values = before.balance, before.values
-    added = [_unknown(name, values, bounds) for name in names if name not in before.names]
+    added = [unknown(name, values, bounds) for name in names if name not in before.names]
     kept = [replace(u, start=values[u.name]) if u.logarithmic else u for u in before.unknowns]
     x = [0.0 if u.logarithmic else values[u.name] / u.size for u in kept]
     start = np.array(x + [float(np.clip(u.first, u.low, u.high)) for u in added])

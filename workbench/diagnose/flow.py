@@ -7,7 +7,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import lfilter
 
 from plants import effects as fx
-from plants.hydraulics import internal_leakage
+from plants.hydraulics import Hydraulics, internal_leakage, valve_opening
 from plants.pump_cylinder import filling_area
 from plants.two_chamber import TWO_CHAMBER, chamber_volumes, valve_flows
 from workbench.diagnose.motion import Motion, smoothed, window_points, with_backlash
@@ -20,9 +20,15 @@ STEADY = 0.08
 """Share of its largest speed by which it may vary over that time."""
 
 
+def opening_of(motion: Motion, values: Mapping[str, float], h: Hydraulics) -> np.ndarray:
+    """How far (m) the spool opens the ports, smoothed as all else; the overlap's kinks come before the smoothing."""
+    step = motion.record.sample_time
+    opening = valve_opening(spool_of(motion, values), h)
+    return smoothed(opening, window_points(step))[:: round(opening.size / motion.time.size)]
+
+
 def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
-    """The spool's position (m) from the voltage: within its travel, delayed, behind the valve's lag, smoothed as all
-    else.
+    """The spool's position (m) at every sample, from the voltage: within its travel, delayed, behind the valve's lag.
 
     The voltage holds from sample to sample, so the lag is solved exactly.
     """
@@ -37,7 +43,7 @@ def spool_of(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     target = np.clip(values["valve_position_gain"] * voltage, -limit, limit)
     share = -np.expm1(-step / values["valve_time_constant"])
     spool, _ = lfilter([0.0, share], [1.0, share - 1.0], target, zi=[target[0] * (1.0 - share)])
-    return smoothed(spool, window_points(step))[:: round(voltage.size / motion.time.size)]
+    return np.asarray(spool)
 
 
 def flow_residuals(motion: Motion, values: Mapping[str, float], flow: str = "derived") -> tuple[np.ndarray, np.ndarray]:
@@ -52,7 +58,8 @@ def flow_residuals(motion: Motion, values: Mapping[str, float], flow: str = "der
     motion = with_backlash(motion, p.backlash_width)
     pressure_1 = motion.channels["pressure_1"] - p.pressure_1_offset
     pressure_2 = motion.channels["pressure_2"]
-    into, out = valve_flows(spool_of(motion, values), pressure_1, pressure_2, h, p.flow_effects)
+    opening = opening_of(motion, values, h)
+    into, out = valve_flows(opening, pressure_1, pressure_2, h._replace(valve_overlap=0.0), p.flow_effects)
     volume_1, volume_2 = chamber_volumes(h, p.area_ratio)
     leakage = internal_leakage(pressure_1 - pressure_2, h)
     stored_1 = volume_1 * motion.rates["pressure_1"] * fx.compliance(pressure_1, h.bulk_modulus, p.flow_effects)

@@ -48,7 +48,7 @@ def friction_along(
     from a velocity that is noise it would relax as if it crept.
     """
     out = np.empty(time.size)
-    bristle, lagged, rested = 0.0, velocity[0], 1.0 if abs(velocity[0]) < fx.RESTING else 0.0
+    bristle, lagged, rested = 0.0, velocity[0], 1.0 if abs(velocity[0]) <= creep else 0.0
     stiffness = friction.positive.bristle_stiffness
     for k in range(time.size):
         v = velocity[k]
@@ -76,10 +76,8 @@ def friction_along(
                 bristle = min(max(bristle, -most), most)
         if effects.memory_time > 0.0:
             lagged += (v - lagged) * -np.expm1(-sample_time / effects.memory_time)
-        if abs(v) < fx.RESTING:
-            rested += (1.0 - rested) * -np.expm1(-sample_time / effects.static_rise_time)
-        else:
-            rested *= np.exp(-sample_time / fx.SLIPPING_TIME)
+        aging = 1.0 / effects.static_rise_time + abs(relaxation * bristle) / effects.static_rise_distance
+        rested += (1.0 / (effects.static_rise_time * aging) - rested) * -np.expm1(-aging * sample_time)
     return out
 
 

@@ -42,7 +42,8 @@ class Motion:
     `resting` is True where the noise of the velocity hides any motion, `blurred` where something happened too fast
     for the smoothing: a contact that breaks away in a few milliseconds. `slack` is the side of a backlash on which
     the rod is, from -1/2 to 1/2 of its width, with two derivatives: it changes at reversals, while the sensor rests.
-    `voltage` is the valve's as it was held from sample to sample (V), at every instant of the record.
+    `measured` are the channels as they were, gaps bridged, and `voltage` is the valve's (V), which is held from sample
+    to sample: both at every instant of the record.
 
     `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
     the position's derivatives: factors in 1, 1/s, 1/s^2.
@@ -55,6 +56,7 @@ class Motion:
     acceleration: np.ndarray
     channels: Mapping[str, np.ndarray]
     rates: Mapping[str, np.ndarray]
+    measured: Mapping[str, np.ndarray]
     valid: np.ndarray
     resting: np.ndarray
     blurred: np.ndarray
@@ -80,7 +82,9 @@ class Motion:
 
     @cached_property
     def thinned(self) -> "Motion":
-        """The motion at the instants at which a fit looks; the voltage keeps all."""
+        """The motion at the instants at which a fit looks; the voltage keeps all. A thinned one stays as it is."""
+        if self.time.size < self.record.time.size:
+            return self
         every = self.thinning
         return replace(
             self,
@@ -131,6 +135,16 @@ def with_backlash(motion: Motion, width: float) -> Motion:
         velocity=motion.velocity + width * rate,
         acceleration=motion.acceleration + width * bend,
     )
+
+
+def with_slack(motion: Motion, slack: np.ndarray) -> Motion:
+    """The motion with another side of its backlash, from -1/2 to 1/2 at every sample of the record."""
+    step = motion.record.sample_time
+    return replace(motion, slack=_with_rates(slack, window_points(step), step))
+
+
+def _with_rates(values: np.ndarray, points: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return smoothed(values, points), smoothed(values, points, 1, step), smoothed(values, points, 2, step)
 
 
 def window_points(sample_time: float) -> int:
@@ -193,12 +207,13 @@ def motion_of(record: Record) -> Motion:
         smoothed(position, points, 2, step),
         channels,
         rates,
+        bridged,
         whole,
         np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
         _blurred(bridged, noise, points),
         noise,
         (smooth[0], smooth[1], smooth[2]),
-        (smoothed(slack, points), smoothed(slack, points, 1, step), smoothed(slack, points, 2, step)),
+        _with_rates(slack, points, step),
         bridged.get("valve_voltage"),
     )
 

@@ -32,6 +32,9 @@ AT_FLOOR = 1.05
 FEWEST = 3
 """Blocks in which something moves, below which nothing is sure."""
 
+VARIANTS = 2
+"""Sets of an effect's parameters that are fitted whole."""
+
 MOST = 4
 """Effects that are added to one balance."""
 
@@ -61,6 +64,16 @@ class Step:
     alternatives: Sequence[str]
 
 
+@dataclass(frozen=True, eq=False)
+class BalanceResult:
+    """A balance before and after selection, with every round of it."""
+
+    balance: Balance
+    before: Fit
+    after: Fit
+    steps: Sequence[Step]
+
+
 def _sure(before: Fit, after: Fit) -> float:
     """Standard errors, over blocks, by which the logarithm of the left-out squares falls: a block counts as one, loud
     or quiet."""
@@ -82,27 +95,25 @@ def candidates_for(
     """Every effect of the balance that is not there yet, or not with all its parameters, its best variant, from the
     best.
 
-    One step of a fit says what each variant promises; those that promise about as much as an effect's best are fitted
-    whole.
+    One step of a fit says what each variant of an effect promises; the two that promise most are fitted whole.
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        more = [one for one in EFFECTS[name].variants if name not in taken or _extends(one, names)]
+        more = [one for one in EFFECTS[name].variants if name not in taken or extends(one, names)]
         if more:
             promises[name] = {variant: promise(before, variant, bounds) for variant in more}
     found = []
     for name in promises:
-        best = min(promises[name].values())
+        ranked = sorted(promises[name], key=lambda variant: promises[name][variant] * (1.0 + PRICE * len(variant)))
         tried = []
-        for variant, promised in promises[name].items():
-            if promised < NEAR * best:
-                free = [*names, *(one for one in variant if one not in names)]
-                tried.append(Candidate(name, variant, fit(balance, before.values, free, bounds)))
+        for variant in ranked[:VARIANTS]:
+            free = [*names, *(one for one in variant if one not in names)]
+            tried.append(Candidate(name, variant, fit(balance, before.values, free, bounds)))
         found.append(min(tried, key=lambda one: one.score))
     return sorted(found, key=lambda one: one.score)
 
 
-def _extends(variant: Sequence[str], names: Sequence[str]) -> bool:
+def extends(variant: Sequence[str], names: Sequence[str]) -> bool:
     """Whether a variant has all of its effect's parameters that are free already, and more."""
     own = next(set(effect.numbers) for effect in EFFECTS.values() if set(variant) <= set(effect.numbers))
     return own & set(names) < set(variant)
@@ -117,7 +128,7 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
         found = candidates_for(balance, current, names, taken, bounds)
         passing = [one for one in found if _passes(current, one)] if current.rms > AT_FLOOR else []
         added = passing[0] if passing else None
-        rivals = [one.effect for one in passing[1:] if added is not None and _level(added, one)]
+        rivals = [one.effect for one in passing[1:] if added is not None and is_level(added, one)]
         steps.append(Step(current, found, added, rivals))
         if added is None:
             break
@@ -135,9 +146,11 @@ def is_circular(effect: str, balance: Balance) -> bool:
 def _passes(before: Fit, one: Candidate) -> bool:
     share, sure = gain(before, one.fit)
     least = CIRCULAR_GAIN if is_circular(one.effect, before.balance) else LEAST_GAIN
+    if one.fit.bounded - set(before.balance.free):  # an effect's number that is no estimate
+        return False
     return share > least + PRICE * len(one.variant) and sure > SURE
 
 
-def _level(best: Candidate, other: Candidate) -> bool:
+def is_level(best: Candidate, other: Candidate) -> bool:
     """Whether the left-out squares of two candidates differ by less than their scatter over blocks."""
     return _sure(other.fit, best.fit) < LEVEL and other.fit.validated_rms < NEAR * best.fit.validated_rms

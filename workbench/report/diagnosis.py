@@ -136,7 +136,7 @@ def _fitted(found: Diagnosis) -> dict[str, tuple[float, float | None]]:
     numbers: dict[str, tuple[float, float | None]] = {}
     for one in found.found:
         numbers |= one.numbers
-    for result in found.results:
+    for result in found.fits:
         numbers |= {name: (result.after.values[name], result.after.deviations[name]) for name in result.after.names}
     return numbers
 

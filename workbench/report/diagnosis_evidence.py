@@ -8,9 +8,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from workbench.diagnose.diagnose import BalanceResult, Diagnosis
-from workbench.diagnose.selection import Step, gain
-from workbench.report.diagnosis_series import scale_of, unit_of
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.selection import BalanceResult, Step, gain
+from workbench.report.diagnosis_series import scale_of, title_of, unit_of
 from workbench.report.diagnosis_tables import INTERVAL, outcome, parameter_rows
 from workbench.report.diagnosis_words import REJECTED, plain
 from workbench.report.style import COLOURS, figure_style
@@ -46,7 +46,7 @@ def evidence(result: BalanceResult) -> Picture:
         counts = [len(step.candidates) for step in steps]
         figure = Figure(figsize=(WIDE, 0.26 * sum(counts) + 0.9 * len(steps) + 0.7))
         FigureCanvasAgg(figure)
-        figure.suptitle(f"{result.balance.name.capitalize()} balance: which effect explains data that was left out?")
+        figure.suptitle(f"{title_of(result.balance)}: which effect explains data that was left out?")
         panels = figure.subplots(len(steps), squeeze=False, height_ratios=[count + 1.5 for count in counts])[:, 0]
         drawn: dict[str, Any] = {}
         for number, (axes, step) in enumerate(zip(panels, steps, strict=True), 1):

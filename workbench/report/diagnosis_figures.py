@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.diagnose.diagnose import BalanceResult, Diagnosis
+from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.motion import WINDOW
+from workbench.diagnose.selection import BalanceResult
 from workbench.report.diagnosis_evidence import AFTER, BEFORE, WIDE, Picture, evidence, legend, parameters_figure
 from workbench.report.diagnosis_series import (
     SIGNALS,
@@ -22,6 +23,7 @@ from workbench.report.diagnosis_series import (
     scale_of,
     unit_of,
 )
+from workbench.report.diagnosis_simulation import simulated_against_measured
 from workbench.report.diagnosis_words import REJECTED
 from workbench.report.style import figure_style
 
@@ -49,6 +51,10 @@ def pictures_of(found: Diagnosis) -> dict[str, Picture]:
             pictures[f"{name}_evidence"] = evidence(result)
         if known:
             pictures[f"{name}_whiteness"] = whiteness(drawn)
+    if found.simulated is not None:
+        pictures["simulation"] = simulated_against_measured(found, found.simulated)
+        if any(step.candidates for step in found.simulated.steps):
+            pictures["simulation_evidence"] = evidence(found.simulated.result)
     parameters = parameters_figure(found)
     if parameters is not None:
         pictures["parameters"] = parameters

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import pandas as pd
 
 from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.shooting import SIMULATION
 from workbench.report.diagnosis_evidence import Picture
+from workbench.report.diagnosis_series import title_of
 from workbench.report.diagnosis_words import sureness, verdict_sentence
 from workbench.report.html import html_environment
 
@@ -64,6 +66,8 @@ leaves.</p>
 BALANCES = {
     "flow": "What the valve (or the pump) delivers, less what the piston and the compressed oil take up.",
     "force": "What drives the mass, less its inertia and the friction of the plant along the measured motion.",
+    SIMULATION: "What the sensors would have shown of the plant, driven by the measured input alone. Nothing is "
+    "smoothed here: where the plant lacks nothing, the sensors' noise is all that is left.",
 }
 """Each balance for a reader who has not met it."""
 
@@ -80,11 +84,11 @@ def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str,
     """The page as HTML; it names the figures in `figures/` beside it."""
     balances = [
         {
-            "title": f"{result.balance.name.capitalize()} balance",
+            "title": title_of(result.balance),
             "words": BALANCES.get(result.balance.name, ""),
             "names": [name for name, picture in pictures.items() if picture.balance == result.balance.name],
         }
-        for result in found.results
+        for result in found.rounds
     ]
     template = html_environment().from_string(_HTML)
     return template.render(

@@ -8,6 +8,7 @@ import numpy as np
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.fitting import Balance, Values
 from workbench.diagnose.motion import THINNED, Motion, signals_of
+from workbench.diagnose.shooting import SIMULATION
 from workbench.units import factor
 
 BINS = 24
@@ -60,14 +61,22 @@ SIGNALS: Mapping[str, Signal] = {
 }
 
 
+NOISE = "standard deviations of the sensors' noise"
+
+
+def title_of(balance: Balance) -> str:
+    """What a balance is called at the top of a figure."""
+    return "Simulated plant" if balance.name == SIMULATION else f"{balance.name.capitalize()} balance"
+
+
 def unit_of(balance: Balance) -> str:
     """The unit in which a balance is shown."""
-    return {"m^3/s": "cm^3/s"}.get(balance.unit, balance.unit)
+    return {"m^3/s": "cm^3/s", "1": NOISE}.get(balance.unit, balance.unit)
 
 
 def scale_of(balance: Balance) -> float:
     """What to multiply a balance's residual over its floor with."""
-    return balance.floor * factor(balance.unit, unit_of(balance))
+    return balance.floor * (1.0 if balance.unit == "1" else factor(balance.unit, unit_of(balance)))
 
 
 def parts_of(found: Diagnosis, balance: Balance) -> list[Part]:

@@ -7,6 +7,7 @@ import pandas as pd
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.selection import gain
 from workbench.parameters import known_units
+from workbench.report.diagnosis_series import scale_of, unit_of
 from workbench.report.diagnosis_words import ERRORS, REJECTED, plain, quantity, shown_unit
 from workbench.report.tables import shown_number
 from workbench.units import factor
@@ -40,7 +41,7 @@ def error_table(found: Diagnosis) -> pd.DataFrame:
     """error | unit | before, after, change on the fit and on the held-out records | floor."""
     lines = []
     errors = found.report["error"]
-    keys = dict.fromkeys(key for use in errors.values() for side in use.values() for key in side)
+    keys = dict.fromkeys(key for use in errors.values() for side in ("before", "after") for key in use[side])
     for key in keys:
         words, unit, shown = ERRORS.get(key, (plain(key), "1", "1"))
         scale = factor(unit, shown)
@@ -60,7 +61,7 @@ def error_table(found: Diagnosis) -> pd.DataFrame:
 def parameter_rows(found: Diagnosis) -> dict[str, dict[str, Any]]:
     """For each fitted parameter, SI: declared, baseline and corrected values with std, whether it is identified."""
     rows: dict[str, dict[str, Any]] = {}
-    for result in found.results:
+    for result in found.fits:
         baseline, after = result.before, result.after
         for name in after.names:
             rows[name] = {"declared": found.declared.get(name)}
@@ -106,9 +107,8 @@ def _interval(value: float, std: float) -> str:
 def evidence_table(found: Diagnosis) -> pd.DataFrame:
     """balance | round | candidate | parameters | left-out rms | gain | standard errors | outcome."""
     lines = []
-    for result in found.results:
-        unit = "cm^3/s" if result.balance.unit == "m^3/s" else result.balance.unit
-        scale = factor(result.balance.unit, unit) * result.balance.floor
+    for result in found.rounds:
+        unit, scale = unit_of(result.balance), scale_of(result.balance)
         for number, step in enumerate(result.steps, 1):
             start = {"balance": result.balance.name, "round": str(number), "unit": unit}
             before = shown_number(scale * step.before.validated_rms, 3)

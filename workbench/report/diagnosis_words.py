@@ -152,15 +152,49 @@ def sureness(found: Diagnosis) -> list[str]:
         ratio = found.report["floor"][result.balance.name]["after"]
         said = "the sensors' noise explains all of it" if ratio < 1.2 else "not all of it is the sensors' noise"
         lines.append(f"What is left of the {result.balance.name} balance is {ratio:.2f} times its noise floor: {said}.")
-        if not any(step.added is not None for step in result.steps) and result.steps[0].candidates:
+        best = result.steps[0].candidates[0].effect if result.steps[0].candidates else None
+        if best not in [None, *(one.name for one in found.found)] and result.steps[0].added is None:
             lines.append(f"{_nearest(result.steps[0])}")
+    lines += _of_simulation(found)
     if found.unexplained is not None and found.report["verdict"] != "unexplained":
         lines.append(f"What remains is not explained: {_dependence(found)}; no known effect explains it.")
     lost = [name for name, one in found.report["baseline"].items() if not one["identified"]]
     if lost:
-        lines.append(f"The records do not identify {listed(lost)}: its standard deviation exceeds half its value.")
+        lines.append(
+            f"The records do not identify {listed(lost)}: a standard deviation exceeds half the value, or the fit ran "
+            "to the end of its range."
+        )
     if not found.report["error"]["held_out"]["before"]:
         lines.append("There is no held-out record: nothing tests what was found on data that it has not seen whole.")
+    return lines
+
+
+def _of_simulation(found: Diagnosis) -> list[str]:
+    """What the simulated plant says, and how far a free run of a held-out record can be believed."""
+    if found.simulated is None:
+        return []
+    data, lines = found.report["simulation"], []
+    pieces = data["starts_anew_every_s"]
+    along = "from end to end" if pieces is None else f"in pieces of {pieces:g} s, since it runs away before the end"
+    change = "" if not found.found else f", {shown_number(data['before'], 3)} without what was found"
+    said = (
+        f"is off by {shown_number(data['after'], 3)} standard deviations of the sensors' noise{change}; "
+        "the parameters are of this fit"
+    )
+    if not data["parameters_from_it"]:
+        said = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
+    lines.append(f"Simulated {along} and fitted to the fit records, the plant {said}.")
+    if data["dropped"]:
+        lines.append(f"The simulated plant does without {listed([plain(name) for name in data['dropped']])}: dropped.")
+    own = found.report["error"]["held_out"].get("own_parameters")
+    if own is not None:
+        after = found.report["error"]["held_out"]["after"]["position_rms_m"]
+        best = own["position_rms_m"]
+        lines.append(
+            f"A free run of the held-out records is off by {1e3 * after:.2f} mm in position. With the same parameters "
+            f"fitted to these records themselves {1e3 * best:.2f} mm would be left: so much of it is the model's, and "
+            "the rest is drift, as small forces that differ between records add up."
+        )
     return lines
 
 

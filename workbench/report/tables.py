@@ -22,7 +22,9 @@ def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     Raises:
         UserError: a row asks for a case that does not exist.
     """
-    return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
+    if spec.rows:
+        return _of_rows(spec, frame)
+    return _over_axis(spec, frame) if spec.across is None else _side_by_side(spec, frame)
 
 
 def _shown(value: Any, column: str, unit: str, digits: int) -> tuple[str, float | None]:
@@ -84,6 +86,20 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
                 line[f"{column.label}, {name}" if several else name] = cell
         lines.append(line)
     return pd.DataFrame(lines)
+
+
+def _side_by_side(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    """One result over two axes, each value with its place in its column."""
+    found, (column,), index = rows(frame, spec.where), spec.columns, str(spec.index)
+    table = pd.DataFrame({spec.index_label or index: [_label(value) for value in found[index].unique()]})
+    for value, part in found.groupby(str(spec.across), sort=False):
+        places = part[column.result].rank(method="min")
+        cells = {}
+        for row, place in zip(part.to_dict("records"), places, strict=True):
+            text, number = _shown(row[column.result], column.result, column.unit, column.digits)
+            cells[_label(row[index])] = text if number is None else f"{text} ({place:.0f})"
+        table[with_unit(f"{column.label}, {_label(value)}", column.unit)] = table.iloc[:, 0].map(cells).fillna("")
+    return table
 
 
 def _published(column: Column, value: Any) -> float | None:

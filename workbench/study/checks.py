@@ -141,6 +141,8 @@ class Checks:
         if table.index is not None:
             self._name((*key, "index"), "axis", table.index, self.columns)
             self._chosen(key, table.where, one=False)
+        if table.across is not None:
+            self._name((*key, "across"), "axis", table.across, self.axes)
         forms: dict[str, Sequence[Column | Row]] = {"columns": table.columns, "rows": table.rows}
         for form, items in forms.items():
             for i, item in enumerate(items):

@@ -61,7 +61,8 @@ class TableSpec(Strict):
     """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both.
 
     `compared_with` heads the values under `published`: "reference" where they come from a formula or from another
-    computation and are printed nowhere.
+    computation and are printed nowhere. With `across`, another axis, the values of one column stand side by side, each
+    with its place among its neighbours above and below, the smallest first.
     """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
@@ -71,6 +72,7 @@ class TableSpec(Strict):
     compared_with: Literal["published", "reference"] = "published"
     index: str | None = None
     index_label: str = ""
+    across: str | None = None
     where: dict[str, Any] = {}
     columns: list[Column] = []
     rows: list[Row] = []
@@ -79,6 +81,8 @@ class TableSpec(Strict):
     def _one_form(self) -> "TableSpec":
         if bool(self.rows) == bool(self.columns) or bool(self.columns) != (self.index is not None):
             raise ValueError("expected index with columns, or rows")
+        if self.across is not None and (len(self.columns) != 1 or self.columns[0].published):
+            raise ValueError("across: expected index with one column, without published values")
         headings = [(column.label, column.unit) for column in self.columns]
         if len(set(headings)) < len(headings):
             raise ValueError("two columns have the same label: expected different ones")

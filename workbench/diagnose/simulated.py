@@ -1,0 +1,345 @@
+"""The second look: effects compete for what the simulated plant leaves of the records.
+
+The balances are quick and need no good start, but smoothing hides in them what is fast or small. With the parameters
+that they give, the plant itself is simulated along the records and fitted to what its sensors showed. Where it lacks
+nothing the sensors' noise is left; how much more is left is known, and a missing effect explains nearly all of that.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from plants.effects import EFFECTS
+from plants.equation import fields
+from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.fitting import NEUTRAL, Balance, Fit, Search, Values, fit, unknown
+from workbench.diagnose.motion import Motion
+from workbench.diagnose.selection import (
+    AT_FLOOR,
+    LEAST_GAIN,
+    MOST,
+    SURE,
+    BalanceResult,
+    Candidate,
+    Step,
+    extends,
+    gain,
+    is_level,
+)
+from workbench.diagnose.shooting import SEGMENT, Shooting, as_far_as_it_follows, set_up, simulation_balance
+from workbench.identify.experiment import Experiment
+
+SEARCH = Search(flat=1e-4, near=1e-5, most_steps=30)
+"""Of the plant with what is known."""
+
+QUICK = Search(flat=1e-3, near=1e-4, most_steps=10)
+"""On the way: an effect is worth several per cent of the error."""
+
+TRIED = 3
+"""Effects that are fitted whole in a round, of those that promise most."""
+
+PROMISING = 0.1
+"""Share of what is more than noise that a first-order prediction has to take away for that."""
+
+NEXT_BEST = 0.4
+"""The same as a part of what the best one promises."""
+
+EXPLAINS = 0.5
+"""Share of the squares beyond noise that an effect has to take away: the stronger one of two that are missing does."""
+
+NOISE = 1.5
+"""Standard deviations of noise up to which nothing has to be explained further."""
+
+NEARLY_ALL = 0.9
+"""The same of all effects together, where the balances still depend on a signal: what stands in for an effect that
+nobody knows leaves more."""
+
+TRUSTED = 3.0
+"""Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
+balances give: beyond it what the model lacks decides them, and what adds up over time most of all."""
+
+CHANGE = 0.02
+"""Relative change of a parameter that has a value already, at which its worth is first looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """The plant fitted to simulation error: without effects, with those that the balances named, and after a look of
+    its own, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters; `dropped` are effects
+    of the balances that the simulated plant does without.
+    """
+
+    how: Shooting
+    before: Fit
+    named: Fit
+    first: Mapping[str, tuple[str, ...]]
+    after: Fit
+    effects: Mapping[str, tuple[str, ...]]
+    steps: Sequence[Step]
+    dropped: Sequence[str]
+
+    @property
+    def result(self) -> BalanceResult:
+        """As a balance's: both fits, and the rounds."""
+        return BalanceResult(self.after.balance, self.before, self.after, self.steps)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """As report.json holds it: errors in standard deviations of the sensors' noise."""
+        return {
+            "before": self.before.rms,
+            "after": self.after.rms,
+            "channels": list(self.how.channels),
+            "starts_anew_every_s": None if np.isinf(self.how.length) else self.how.length,
+            "voltage_is_held": self.how.held,
+            "parameters_from_it": self.is_trusted,
+            "dropped": list(self.dropped),
+        }
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether what is left is so near to noise that the parameters are those of the machine."""
+        return self.after.rms < TRUSTED
+
+    @property
+    def is_in_doubt(self) -> bool:
+        """Whether effects that this look added leave more than noise, and more than a missing effect would."""
+        added = set(self.effects) - set(self.first)
+        return bool(added) and self.after.rms > NOISE and explained(self.named, self.after) < NEARLY_ALL
+
+    def without_additions(self) -> "Simulated":
+        """The same before its own look."""
+        steps = [replace(self.steps[0], added=None, alternatives=[])]
+        return replace(self, after=self.named, effects=self.first, steps=steps)
+
+
+def second_look(
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    free: Sequence[str],
+    baseline: Values,
+    corrected: Values,
+    found: Mapping[str, tuple[str, ...]],
+    tell: Callable[[str], None],
+) -> Simulated | None:
+    """Fit the plant to simulation error with the effects that the balances `found`, and look again.
+
+    `baseline` and `corrected` are the values at which the searches begin, without and with these effects. None where
+    the records cannot be simulated.
+    """
+    held = set_up(experiment, motions)
+    if held is None:
+        return None
+    holds = {item.name for item in fields(held.plant.Parameters)}
+    free = [name for name in free if name in holds]
+    found = {effect: names for effect, names in found.items() if set(names) <= holds}
+    seen = _along(held, experiment, motions, free, baseline, corrected, found, tell)
+    ramps = set_up(experiment, motions, held=False)
+    if seen.after.rms > NOISE and ramps is not None:
+        tried = replace(ramps, length=seen.how.length)
+        if _error(tried, seen.after) < _error(seen.how, seen.after):  # the voltage was no computer's
+            other = _along(ramps, experiment, motions, free, baseline, corrected, found, tell)
+            seen = min(seen, other, key=lambda one: one.after.rms)
+    return seen
+
+
+def _along(
+    whole: Shooting,
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    free: Sequence[str],
+    baseline: Values,
+    corrected: Values,
+    found: Mapping[str, tuple[str, ...]],
+    tell: Callable[[str], None],
+) -> Simulated:
+    """The second look with a plant that is simulated in this way."""
+    bounds = experiment.bounds
+    tell("simulating the declared plant")
+    how = as_far_as_it_follows(whole, motions, baseline)
+    before = _fitted(how, motions, baseline, free, bounds)
+    current, effects, dropped = before, dict[str, tuple[str, ...]](), list[str]()
+    if found:
+        tell("simulating the plant with what was found")
+        with_them = as_far_as_it_follows(whole, motions, corrected)
+        names = [*free, *(name for own in found.values() for name in own)]
+        after = None
+        if with_them.length >= how.length:  # else the record itself speaks against them
+            after = _fitted(with_them, motions, corrected, names, bounds)
+        if after is not None and (with_them.length > how.length or after.rms < before.rms):
+            current, effects, how = after, dict(found), with_them
+        else:
+            dropped = list(found)
+    named, first, steps = current, dict(effects), list[Step]()
+    if how.plant is TWO_CHAMBER:
+        own = {name: experiment.values[name] for name in free}
+        current, effects, steps = _look(current, effects, own, bounds, tell)
+        current, effects, idle = _without_idle(current, effects, experiment.values, bounds, tell)
+        dropped += [effect for effect in idle if effect in found]
+    return Simulated(how, before, named, first, current, effects, steps, dropped)
+
+
+def _error(how: Shooting, fitted: Fit) -> float:
+    """Mean square of the simulation error with the values of a fit."""
+    balance = simulation_balance(how, fitted.balance.motions, fitted.names)
+    return float(np.nan_to_num(np.mean(balance.stacked(fitted.values) ** 2), nan=np.inf))
+
+
+def _fitted(
+    how: Shooting,
+    motions: Sequence[Motion],
+    start: Values,
+    names: Sequence[str],
+    bounds: Mapping[str, tuple[float, float]],
+) -> Fit:
+    """The plant fitted piece by piece, and from there as far as it follows: a contact that breaks away at another time
+    puts hollows into the error of a long run.
+    """
+    near = fit(simulation_balance(replace(how, length=SEGMENT), motions, names), start, names, bounds, QUICK)
+    if not np.isinf(how.length):
+        return near
+    return fit(simulation_balance(how, motions, names), near.values, names, bounds, SEARCH)
+
+
+def _look(
+    first: Fit,
+    effects: Mapping[str, tuple[str, ...]],
+    own: Values,
+    bounds: Mapping[str, tuple[float, float]],
+    tell: Callable[[str], None],
+) -> tuple[Fit, dict[str, tuple[str, ...]], list[Step]]:
+    """Add effects one by one until none passes."""
+    current, named, steps = first, dict(effects), list[Step]()
+    while current.rms > AT_FLOOR and len(named) < MOST:
+        tell(f"what the simulated plant lacks, round {len(steps) + 1}")
+        found = _candidates(current, named, bounds)
+        passing = [one for one in found if _passes(current, one, named)]
+        added = passing[0] if passing else None
+        rivals = [one.effect for one in passing[1:] if added is not None and is_level(added, one)]
+        steps.append(Step(current, found, added, rivals))
+        if added is None:
+            break
+        named[added.effect] = tuple(dict.fromkeys([*named.get(added.effect, ()), *added.variant]))
+        tell(f"the plant with {added.effect}, simulated")
+        current = _polished(added.fit, own, bounds)
+    return current, named, steps
+
+
+def _polished(near: Fit, own: Values, bounds: Mapping[str, tuple[float, float]]) -> Fit:
+    """A fit at its best; where more than noise is left, also from the plant's `own` parameters as declared."""
+    best = fit(near.balance, near.values, near.names, bounds, SEARCH)
+    if best.rms < NOISE:
+        return best
+    again = fit(near.balance, {**near.values, **own}, near.names, bounds, SEARCH)
+    return min(best, again, key=lambda one: one.rms)
+
+
+def _candidates(
+    before: Fit, taken: Mapping[str, Sequence[str]], bounds: Mapping[str, tuple[float, float]]
+) -> list[Candidate]:
+    """The effects that promise most, fitted, from the best."""
+    balance, motion = before.balance, before.balance.motions[0]
+    columns: dict[str, np.ndarray] = {}
+    promised: list[tuple[float, str, tuple[str, ...], dict[str, float]]] = []
+    for effect in EFFECTS.values():
+        if not motion.has(*effect.needs):
+            continue
+        tried = []
+        for variant in effect.variants:
+            more = [name for name in variant if name not in before.names]
+            if not more or (effect.name in taken and not extends(variant, before.names)):
+                continue
+            for name in more:
+                if name not in columns:
+                    columns[name] = _column(balance, before, name)
+            left, sizes = _predicted(before, [columns[name] for name in more])
+            share = _share(float(np.mean(before.residual**2)), left)
+            start = {name: _reached(before.values, name, size, bounds) for name, size in zip(more, sizes, strict=True)}
+            tried.append((share, effect.name, variant, start))
+        if tried:
+            promised.append(max(tried, key=lambda one: one[0] - 0.02 * len(one[2])))
+    promised.sort(key=lambda one: -one[0])
+    found = list[Candidate]()
+    for share, effect_name, variant, start in promised[:TRIED]:
+        done = any(explained(before, one.fit) > NEARLY_ALL for one in found)
+        if share > max(EXPLAINS if done else PROMISING, NEXT_BEST * promised[0][0]):
+            names = [*before.names, *start]
+            fitted = fit(balance, {**before.values, **start}, names, bounds, QUICK)
+            found.append(Candidate(effect_name, variant, fitted))
+    return sorted(found, key=lambda one: one.score)
+
+
+def _step(values: Values, name: str) -> float:
+    """The change of a parameter at which its worth is looked at."""
+    one = unknown(name, values, {})
+    return CHANGE * one.size if one.logarithmic else one.size
+
+
+def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
+    """What a change of one parameter does to the residual."""
+    moved = _value(before.values, name) + _step(before.values, name)
+    return np.nan_to_num(balance.stacked({**before.values, name: moved}), nan=1e6) - before.residual
+
+
+def _value(values: Values, name: str) -> float:
+    return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix("_negative"), 0.0)))
+
+
+def _predicted(before: Fit, columns: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:
+    """Mean square that a linear fit with further columns leaves, and the size of each column in it."""
+    jacobian = np.column_stack([before.jacobian, *columns])
+    step = np.linalg.lstsq(jacobian, -before.residual, rcond=1e-10)[0]
+    return float(np.mean((before.residual + jacobian @ step) ** 2)), step[before.jacobian.shape[1] :]
+
+
+def _reached(values: Values, name: str, size: float, bounds: Mapping[str, tuple[float, float]]) -> float:
+    """The value of a parameter that a prediction gives, within its bounds."""
+    one = unknown(name, values, bounds)
+    start = _value(values, name)
+    value = start + size * _step(values, name)
+    if one.logarithmic:
+        return float(np.clip(value, 0.5 * start, 2.0 * start))
+    return float(np.clip(value, one.low * one.size, one.high * one.size))
+
+
+def _share(before: float, after: float) -> float:
+    """Share of the mean squares beyond noise (1) that is taken away."""
+    return (before - after) / max(before - 1.0, 1e-12)
+
+
+def explained(before: Fit, after: Fit) -> float:
+    """Share of the squares beyond noise that a fit takes away from another."""
+    return _share(before.rms**2, after.rms**2)
+
+
+def _passes(before: Fit, one: Candidate, named: Mapping[str, object]) -> bool:
+    """Whether an effect explains enough; a further parameter of one that is there has to be worth its price alone."""
+    share, sure = gain(before, one.fit)
+    enough = one.effect in named or explained(before, one.fit) > EXPLAINS
+    estimated = not one.fit.bounded - set(before.balance.free)
+    return share > LEAST_GAIN and sure > SURE and enough and estimated
+
+
+def _without_idle(
+    current: Fit,
+    effects: dict[str, tuple[str, ...]],
+    declared: Values,
+    bounds: Mapping[str, tuple[float, float]],
+    tell: Callable[[str], None],
+) -> tuple[Fit, dict[str, tuple[str, ...]], list[str]]:
+    """Drop effects without which the rest does as well, the last first."""
+    known = {**NEUTRAL, **declared}
+    dropped = []
+    for effect in list(reversed(effects)) if len(effects) > 1 else []:
+        tell(f"the plant without {effect}")
+        own = effects[effect]
+        names = [name for name in current.names if name not in own]
+        values = {name: value for name, value in current.values.items() if name not in own}
+        values |= {name: known[name] for name in own if name in known}
+        fitted = fit(current.balance, values, names, bounds, QUICK)
+        if gain(fitted, current)[0] < LEAST_GAIN:
+            current, effects = fitted, {name: one for name, one in effects.items() if name != effect}
+            dropped.append(effect)
+    return current, effects, dropped
