@@ -13,6 +13,13 @@ import numpy as np
 from plants.equation import Scalar, equation, select
 from plants.friction import LuGre
 
+LEAST_FRICTION = 0.05
+"""Share of its friction that a contact keeps along the stroke. With none at all LuGre's bristle would be renewed at
+once, and no solver could follow it."""
+
+SHORTEST_MEMORY = 1e-4
+"""s. A memory that is shorter is simulated with this one: the bristle itself is no faster."""
+
 ATMOSPHERE = 101325.0
 """Pa. Pressures of a record are relative to it."""
 
@@ -67,7 +74,7 @@ def affected_contact(
     viscous_drift (d): oil warms up. Looks like a slope of friction that changes along the record.
     """
     along = 2.0 * position / stroke
-    shape = np.maximum(1.0 + e.friction_gradient * along + e.friction_curvature * along**2, 0.0)
+    shape = np.maximum(1.0 + e.friction_gradient * along + e.friction_curvature * along**2, LEAST_FRICTION)
     return LuGre(
         contact.coulomb * shape + e.friction_per_pressure * np.abs(load_pressure),
         contact.stribeck * shape * (1.0 + e.static_rise * rested),
@@ -86,7 +93,7 @@ def lagged_rate(velocity: Scalar, lagged: Scalar, e: FrictionEffects) -> Scalar:
     loops of friction over velocity while sliding; a command's delay or a velocity that is filtered more than the
     pressures looks alike.
     """
-    return select(e.memory_time > 0.0, (velocity - lagged) / np.maximum(e.memory_time, 1e-6), 0.0)
+    return select(e.memory_time > 0.0, (velocity - lagged) / np.maximum(e.memory_time, SHORTEST_MEMORY), 0.0)
 
 
 @equation

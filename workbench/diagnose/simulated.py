@@ -53,8 +53,7 @@ NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""
 
 NEARLY_ALL = 0.9
-"""The same of all effects together, where the balances still depend on a signal: what stands in for an effect that
-nobody knows leaves more."""
+"""The same from which only a candidate that promises as much is tried beside it."""
 
 TRUSTED = 3.0
 """Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
@@ -105,9 +104,8 @@ class Simulated:
 
     @property
     def is_in_doubt(self) -> bool:
-        """Whether effects that this look added leave more than noise, and more than a missing effect would."""
-        added = set(self.effects) - set(self.first)
-        return bool(added) and self.after.rms > NOISE and explained(self.named, self.after) < NEARLY_ALL
+        """Whether this look added effects with which the plant is still far from noise: they may stand in for others."""
+        return bool(set(self.effects) - set(self.first)) and not self.is_trusted
 
     def without_additions(self) -> "Simulated":
         """The same before its own look."""
