@@ -104,7 +104,7 @@ class Simulated:
 
     @property
     def is_in_doubt(self) -> bool:
-        """Whether this look added effects with which the plant is still far from noise: they may stand in for others."""
+        """Whether this look added effects with which the plant is still far from noise: stand-ins, maybe."""
         return bool(set(self.effects) - set(self.first)) and not self.is_trusted
 
     def without_additions(self) -> "Simulated":
