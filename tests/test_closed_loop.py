@@ -1,4 +1,4 @@
-"""The closed loop: records of a rig, their diagnosis, and a study that asks the corrected plant for the best controller."""
+"""The closed loop: records of a rig, their diagnosis, and the study of controllers on the corrected plant."""
 
 import json
 import shutil

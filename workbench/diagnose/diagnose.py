@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from workbench.diagnose.balances import balances_of
+from workbench.diagnose.before_after import KEYS, behind_backlash, errors_of
 from workbench.diagnose.findings import (
     IDENTIFIED,
     Found,
@@ -21,9 +20,8 @@ from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
-from workbench.diagnose.shooting import Shooting, free_run, set_up, simulation_balance
-from workbench.diagnose.simulated import SEARCH, Simulated, second_look
-from workbench.diagnose.unexplained import Dependence, dependence, strongest
+from workbench.diagnose.simulated import Simulated, second_look
+from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
 from workbench.identify.friction_records import parameter_values
@@ -44,12 +42,6 @@ PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 
 RUNAWAY = 5.0
 """Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
-
-DRIFTS = 2.0
-"""Times the error on the fit records beyond which a free run of held-out ones is looked at closer."""
-
-KEYS = {"force": "force_rms_N", "flow": "flow_rms_m3_per_s"}
-"""What the error of each balance is called."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,14 +111,12 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
         found, results, corrected = found_by_both(found, simulated), again, values
     unexplained = strongest([_depends(result.after) for result in results])
     tell("held-out records")
-    errors = _errors(experiment, results, simulated, baseline, corrected, held_out)
+    errors = errors_of(experiment, results, simulated, baseline, corrected, held_out)
     report = {
         "title": experiment.title,
         "verdict": _verdict(found, unexplained, errors),
         "effects": [one.data for one in found],
-        "unexplained": None
-        if unexplained is None
-        else {"balance": unexplained.balance, "depends_on": unexplained.signals, "shares": dict(unexplained.shares)},
+        "unexplained": None if unexplained is None else _unexplained_data(unexplained, results, held_out),
         "error": errors,
         "floor": {
             result.balance.name: {
@@ -144,6 +134,29 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
     )
     report["baseline"] = baseline_data([one.before for one in whole.fits])
     return whole
+
+
+def _unexplained_data(
+    unexplained: Dependence, results: Sequence[BalanceResult], held_out: Sequence[Motion]
+) -> dict[str, Any]:
+    """What is not explained, as report.json holds it, with the data-driven term that is offered for it."""
+    after = next(result.after for result in results if result.balance.name == unexplained.balance)
+    term = data_driven_term(after.balance, after.values, unexplained.signals[0])
+    offered: dict[str, Any] = {
+        "signal": term.signal,
+        "nodes": term.nodes.tolist(),
+        "values": term.values.tolist(),
+        "unit": after.balance.unit,
+    }
+    for use, motions in (("fit", after.balance.motions), ("held_out", held_out)):
+        if motions:
+            offered[use] = dict(zip(("before", "after"), term.left(motions, after.values), strict=True))
+    return {
+        "balance": unexplained.balance,
+        "depends_on": unexplained.signals,
+        "shares": dict(unexplained.shares),
+        "data_driven_term": offered,
+    }
 
 
 def _starts(declared: Values, values: Values, fits: Sequence[tuple[Balance, Fit]]) -> dict[str, float]:
@@ -213,7 +226,7 @@ def _with_effects(
     again = []
     for result in results:
         balance = replace(
-            result.balance, motions=_behind_backlash(simulated.how, result.balance.motions, simulated.after.values)
+            result.balance, motions=behind_backlash(simulated.how, result.balance.motions, simulated.after.values)
         )
         after = fit(balance, values, balance.free, experiment.bounds)
         values |= {name: after.values[name] for name in after.names}
@@ -239,55 +252,6 @@ def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
     if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:
         return False
     return _depends(after) is not None
-
-
-def _errors(
-    experiment: Experiment,
-    results: Sequence[BalanceResult],
-    simulated: Simulated | None,
-    baseline: Values,
-    corrected: Values,
-    held_out: Sequence[Motion],
-) -> dict[str, Any]:
-    """Rms of each balance's residual and of free-run simulation, with the baseline and with what was found.
-
-    Each with the parameters that were fitted to that kind of error.
-    """
-    errors: dict[str, Any] = {}
-    for use, motions in (("fit", results[0].balance.motions), ("held_out", held_out)):
-        sides: dict[str, dict[str, float]] = {"before": {}, "after": {}}
-        whole = set_up(experiment, motions, held=simulated.how.held) if simulated is not None and motions else None
-        for side, values in (("before", baseline), ("after", corrected)) if motions else ():
-            for result in results:
-                over = replace(result.balance, motions=_behind_backlash(whole, motions, values))
-                rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
-                sides[side][KEYS[over.name]] = rms
-            if simulated is not None:
-                sides[side] |= free_run(whole, motions, getattr(simulated, side).values)
-        errors[use] = sides
-    if simulated is not None and not simulated.is_trusted and _drifts(errors):
-        errors["held_out"]["own_parameters"] = _own_fit(experiment, simulated, held_out)
-    return errors
-
-
-def _drifts(errors: Mapping[str, Any]) -> bool:
-    """Whether a free run of the held-out records is off by far more than one of the records that were fitted."""
-    fitted, tested = (errors[use]["after"].get("position_rms_m") for use in ("fit", "held_out"))
-    return fitted is not None and tested is not None and tested > DRIFTS * fitted
-
-
-def _own_fit(experiment: Experiment, simulated: Simulated, held_out: Sequence[Motion]) -> dict[str, float]:
-    """Free-run errors of held-out records with the plant's parameters fitted to them: the least that it can leave."""
-    whole = set_up(experiment, held_out, held=simulated.how.held)
-    assert whole is not None  # free runs of it are among the errors
-    after = simulated.after
-    balance = simulation_balance(whole, held_out, after.names)
-    return free_run(whole, held_out, fit(balance, after.values, after.names, experiment.bounds, SEARCH).values)
-
-
-def _behind_backlash(whole: Shooting | None, motions: Sequence[Motion], values: Values) -> list[Motion]:
-    """Motions with the rod on the side of a backlash where the simulated one is."""
-    return list(motions) if whole is None else [whole.with_backlash_of(motion, values) for motion in motions]
 
 
 def _verdict(found: Sequence[Found], unexplained: Dependence | None, errors: Mapping[str, Any]) -> str:

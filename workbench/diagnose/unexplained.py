@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.diagnose.fitting import BLOCKS, Balance, Values
-from workbench.diagnose.motion import signals_of
+from workbench.diagnose.motion import Motion, signals_of
 
 BINS = 24
 """Of equal count, over each signal."""
@@ -33,13 +33,57 @@ class Dependence:
         return sorted(self.shares, key=lambda name: -self.shares[name])
 
 
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A data-driven term: the mean of a balance's residual (`unit`) in bins of a signal (SI), a line from node to node.
+
+    It says what is missing where, and names no cause.
+    """
+
+    balance: Balance
+    signal: str
+    nodes: np.ndarray
+    values: np.ndarray
+
+    def left(self, motions: Sequence[Motion], values: Values) -> tuple[float, float]:
+        """Rms of the residual where something moves, without the term and with it (`balance.unit`)."""
+        parts = []
+        for motion in motions:
+            residual, moving = _moving(self.balance, motion, values)
+            signal = signals_of(motion.thinned)[self.signal][moving]
+            parts.append([residual, residual - np.interp(signal, self.nodes, self.values)])
+        before, after = (np.concatenate(side) for side in zip(*parts, strict=True))
+        return float(np.sqrt(np.mean(before**2))), float(np.sqrt(np.mean(after**2)))
+
+
+def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
+    """The term of a signal, from the balance's own records."""
+    residuals, signals = [], []
+    for motion in balance.motions:
+        residual, moving = _moving(balance, motion, values)
+        residuals.append(residual)
+        signals.append(signals_of(motion.thinned)[signal][moving])
+    residual, known = np.concatenate(residuals), np.concatenate(signals)
+    edges = np.unique(np.quantile(known, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, known)
+    bins = np.unique(place)
+    nodes = np.array([np.mean(known[place == one]) for one in bins])
+    return Term(balance, signal, nodes, np.array([np.mean(residual[place == one]) for one in bins]))
+
+
+def _moving(balance: Balance, motion: Motion, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """The first residual of a balance where something moves, and where that is."""
+    moving = balance.known(motion) & ~motion.thinned.resting
+    return balance.residuals(motion, values)[0][moving], moving
+
+
 def dependence(balance: Balance, values: Values) -> Dependence | None:
     """The signals on which a balance's residual depends; None where it is at its floor or depends on none."""
     parts: dict[str, list[np.ndarray]] = {}
     residuals = []
     for motion in balance.motions:
-        moving = balance.known(motion) & ~motion.thinned.resting
-        residuals.append(balance.residuals(motion, values)[0][moving] / balance.floor)
+        residual, moving = _moving(balance, motion, values)
+        residuals.append(residual / balance.floor)
         for name, signal in signals_of(motion.thinned).items():
             parts.setdefault(name, []).append(signal[moving])
     residual = np.concatenate(residuals)

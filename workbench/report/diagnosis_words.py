@@ -158,6 +158,8 @@ def sureness(found: Diagnosis) -> list[str]:
     lines += _of_simulation(found)
     if found.unexplained is not None and found.report["verdict"] != "unexplained":
         lines.append(f"What remains is not explained: {_dependence(found)}; no known effect explains it.")
+    if found.unexplained is not None and "data_driven_term" in found.report["unexplained"]:
+        lines.append(_of_term(found.report["unexplained"]))
     lost = [name for name, one in found.report["baseline"].items() if not one["identified"]]
     if lost:
         lines.append(
@@ -167,6 +169,19 @@ def sureness(found: Diagnosis) -> list[str]:
     if not found.report["error"]["held_out"]["before"]:
         lines.append("There is no held-out record: nothing tests what was found on data that it has not seen whole.")
     return lines
+
+
+def _of_term(unexplained: Mapping[str, Any]) -> str:
+    """What a data-driven term would do, and that it is no more than that."""
+    term = unexplained["data_driven_term"]
+    use = "held_out" if "held_out" in term else "fit"
+    shown = {"m^3/s": "cm^3/s"}.get(term["unit"], term["unit"])
+    before, after = (shown_number(factor(term["unit"], shown) * term[use][side], 3) for side in ("before", "after"))
+    return (
+        f"A data-driven term, the mean of that residual over {plain(term['signal'])}, would lower it on the "
+        f"{use.replace('_', '-')} records from {before} to {after} {shown} where something moves (report.json has its "
+        "nodes). It describes the records and names no cause."
+    )
 
 
 def _of_simulation(found: Diagnosis) -> list[str]:
