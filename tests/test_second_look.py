@@ -1,12 +1,16 @@
 """The second look: what smoothing hides shows in the simulated plant, and noise is all that a complete one leaves."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from diagnosis.generator import make_experiment
 
 from workbench.diagnose.diagnose import diagnose
+from workbench.errors import UserError
 
 SEED = 5
 
@@ -32,3 +36,22 @@ def test_a_complete_plant_leaves_noise_and_nothing_is_added(tmp_path: Path) -> N
     assert found.simulated is not None
     assert found.simulated.after.rms < 1.05
     assert found.simulated.is_trusted
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda frame: frame.iloc[:50], "are too little for a diagnosis; expected at least 2 s"),
+        (lambda frame: frame.iloc[::100], "a sample every 0.1 s does not show a reversal; expected at most 0.02 s"),
+        (lambda frame: frame.assign(position=1.0 + 1e-3 * np.sin(1e4 * frame["time"] ** 2)), "nothing moves beyond"),
+    ],
+    ids=["short", "coarse", "at_rest"],
+)
+def test_a_record_that_says_nothing_is_refused_in_a_line(
+    tmp_path: Path, change: Callable[[pd.DataFrame], pd.DataFrame], said: str
+) -> None:
+    path = make_experiment(tmp_path, {}, SEED)
+    record = tmp_path / "fit.parquet"
+    change(pd.read_parquet(record)).to_parquet(record)
+    with pytest.raises(UserError, match=said):
+        diagnose(path)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from workbench.diagnose.balances import balances_of
 from workbench.diagnose.before_after import KEYS, behind_backlash, errors_of
 from workbench.diagnose.findings import (
@@ -20,7 +22,7 @@ from workbench.diagnose.fitting import Balance, Fit, Values, fit
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
-from workbench.diagnose.simulated import Simulated, second_look
+from workbench.diagnose.simulated import FirstLook, Simulated, second_look
 from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
@@ -39,6 +41,9 @@ TAKEN = 0.3
 
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
+
+SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
+"""s of a record, s between its samples, and noise deviations of the position's range, from which it can be used."""
 
 RUNAWAY = 5.0
 """Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
@@ -86,6 +91,8 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
     held_out = [motion_of(record) for record in read_records(experiment, "held_out")]
     if not motions:
         raise UserError(f'{path}: no record is for the fit; give one use = "fit"')
+    for motion in [*motions, *held_out]:
+        _check(motion)
     declared: dict[str, float] = {**parameter_values(experiment), **experiment.values}
     for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
         del declared[name]
@@ -93,16 +100,14 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
     results, baseline, corrected = _first_look(experiment, motions, declared, offset, tell)
     found = [offset] if offset is not None else []
     found += [one for result in results for one in found_on(result.balance, result.after, result.steps)]
-    free = [name for result in results for name in result.balance.free]
-    simulated = second_look(
-        experiment,
-        motions,
-        free,
+    first = FirstLook(
+        [name for result in results for name in result.balance.free],
+        declared,
         _starts(declared, baseline, [(result.balance, result.before) for result in results]),
         _starts(declared, corrected, [(result.balance, result.after) for result in results]),
         {one.name: tuple(one.numbers) for one in found},
-        tell,
     )
+    simulated = second_look(experiment, motions, first, tell)
     if simulated is not None:
         again, values = _with_effects(experiment, results, declared, corrected, found, simulated)
         if simulated.is_in_doubt and any(_depends(result.after) for result in again):
@@ -136,6 +141,22 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
     return whole
 
 
+def _check(motion: Motion) -> None:
+    """A record that is too short or too coarse for smoothing, or on which nothing moves, says nothing."""
+    known, path = float(np.sum(motion.valid)) * motion.sample_time, motion.record.path
+    if motion.sample_time > COARSEST:
+        raise UserError(
+            f"{path}: a sample every {motion.sample_time:g} s does not show a reversal; expected at most {COARSEST:g} s"
+        )
+    if known < SHORTEST:
+        raise UserError(
+            f"{path}: {known:.3g} s without ends and gaps are too little for a diagnosis; expected at least "
+            f"{SHORTEST:g} s, and better 40 s"
+        )
+    if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
+        raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
+
+
 def _unexplained_data(
     unexplained: Dependence, results: Sequence[BalanceResult], held_out: Sequence[Motion]
 ) -> dict[str, Any]:
@@ -149,7 +170,7 @@ def _unexplained_data(
         "unit": after.balance.unit,
     }
     for use, motions in (("fit", after.balance.motions), ("held_out", held_out)):
-        if motions:
+        if term.is_tested_by(motions):
             offered[use] = dict(zip(("before", "after"), term.left(motions, after.values), strict=True))
     return {
         "balance": unexplained.balance,

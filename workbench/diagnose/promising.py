@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from plants.effects import EFFECTS
+from plants.equation import NEGATIVE
 from workbench.diagnose.fitting import NEUTRAL, Balance, Fit, Search, Values, fit, unknown
 from workbench.diagnose.selection import Candidate, extends
 
@@ -78,7 +79,7 @@ def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
 
 
 def _value(values: Values, name: str) -> float:
-    return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix("_negative"), 0.0)))
+    return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
 
 
 def _predicted(before: Fit, columns: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:

@@ -33,6 +33,9 @@ SEGMENT = 2.0
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
 
+SOLVER = 1e-6
+"""Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
+
 SETTLED = 20
 """Samples at the beginning that a free run's error leaves out."""
 
@@ -81,7 +84,8 @@ class Shooting:
                 for k in self.starts(motion):
                     piece = error[k : k + self.samples(motion)]
                     piece -= np.clip(np.mean(piece), -most, most)
-            out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / motion.noise[name])
+            noise = max(motion.noise[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
+            out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
         return out
 
     def samples(self, motion: Motion) -> int:

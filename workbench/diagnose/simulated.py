@@ -91,32 +91,41 @@ class Simulated:
         return replace(self, after=self.named, effects=self.first, steps=steps)
 
 
-def second_look(
-    experiment: Experiment,
-    motions: Sequence[Motion],
-    free: Sequence[str],
-    baseline: Values,
-    corrected: Values,
-    found: Mapping[str, tuple[str, ...]],
-    tell: Callable[[str], None],
-) -> Simulated | None:
-    """Fit the plant to simulation error with the effects that the balances `found`, and look again.
+@dataclass(frozen=True)
+class FirstLook:
+    """What the balances hand on: the plant's own `free` parameters, as `declared`; the values at which searches begin,
+    without effects and with those that were `found`, by name with their parameters.
+    """
 
-    `baseline` and `corrected` are the values at which the searches begin, without and with these effects. None where
-    the records cannot be simulated.
+    free: Sequence[str]
+    declared: Values
+    baseline: Values
+    corrected: Values
+    found: Mapping[str, tuple[str, ...]]
+
+
+def second_look(
+    experiment: Experiment, motions: Sequence[Motion], first: FirstLook, tell: Callable[[str], None]
+) -> Simulated | None:
+    """Fit the plant to simulation error with the effects that the balances found, and look again.
+
+    None where the records cannot be simulated.
     """
     held = set_up(experiment, motions)
     if held is None:
         return None
     holds = {item.name for item in fields(held.plant.Parameters)}
-    free = [name for name in free if name in holds]
-    found = {effect: names for effect, names in found.items() if set(names) <= holds}
-    seen = _along(held, experiment, motions, free, baseline, corrected, found, tell)
+    first = replace(
+        first,
+        free=[name for name in first.free if name in holds],
+        found={effect: names for effect, names in first.found.items() if set(names) <= holds},
+    )
+    seen = _along(held, experiment, motions, first, tell)
     ramps = set_up(experiment, motions, held=False)
     if seen.after.rms > NOISE and ramps is not None:
         tried = replace(ramps, length=seen.how.length)
         if _error(tried, seen.after) < _error(seen.how, seen.after):  # the voltage was no computer's
-            other = _along(ramps, experiment, motions, free, baseline, corrected, found, tell)
+            other = _along(ramps, experiment, motions, first, tell)
             seen = min(seen, other, key=lambda one: one.after.rms)
     return seen
 
@@ -125,34 +134,31 @@ def _along(
     whole: Shooting,
     experiment: Experiment,
     motions: Sequence[Motion],
-    free: Sequence[str],
-    baseline: Values,
-    corrected: Values,
-    found: Mapping[str, tuple[str, ...]],
+    given: FirstLook,
     tell: Callable[[str], None],
 ) -> Simulated:
     """The second look with a plant that is simulated in this way."""
-    bounds = experiment.bounds
+    bounds, found = experiment.bounds, given.found
     tell("simulating the declared plant")
-    how = as_far_as_it_follows(whole, motions, baseline)
-    before = _fitted(how, motions, baseline, free, bounds)
+    how = as_far_as_it_follows(whole, motions, given.baseline)
+    before = _fitted(how, motions, given.baseline, given.free, bounds)
     current, effects, dropped = before, dict[str, tuple[str, ...]](), list[str]()
     if found:
         tell("simulating the plant with what was found")
-        with_them = as_far_as_it_follows(whole, motions, corrected)
-        names = [*free, *(name for own in found.values() for name in own)]
+        with_them = as_far_as_it_follows(whole, motions, given.corrected)
+        names = [*given.free, *(name for own in found.values() for name in own)]
         after = None
         if with_them.length >= how.length:  # else the record itself speaks against them
-            after = _fitted(with_them, motions, corrected, names, bounds)
+            after = _fitted(with_them, motions, given.corrected, names, bounds)
         if after is not None and (with_them.length > how.length or after.rms < before.rms):
             current, effects, how = after, dict(found), with_them
         else:
             dropped = list(found)
     named, first, steps = current, dict(effects), list[Step]()
     if how.plant is TWO_CHAMBER:
-        own = {name: experiment.values[name] for name in free}
+        own = {name: given.declared[name] for name in given.free}
         current, effects, steps = _look(current, effects, own, bounds, tell)
-        current, effects, idle = _without_idle(current, effects, experiment.values, bounds, tell)
+        current, effects, idle = _without_idle(current, effects, given.declared, bounds, tell)
         dropped += [effect for effect in idle if effect in found]
     return Simulated(how, before, named, first, current, effects, steps, dropped)
 

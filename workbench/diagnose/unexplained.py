@@ -45,6 +45,10 @@ class Term:
     nodes: np.ndarray
     values: np.ndarray
 
+    def is_tested_by(self, motions: Sequence[Motion]) -> bool:
+        """Whether anything moves in these records."""
+        return any(np.any(self.balance.known(motion) & ~motion.thinned.resting) for motion in motions)
+
     def left(self, motions: Sequence[Motion], values: Values) -> tuple[float, float]:
         """Rms of the residual where something moves, without the term and with it (`balance.unit`)."""
         parts = []
