@@ -224,11 +224,13 @@ def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
         "explains it."
     )
     none = other(found, "none_missing", found=[])
-    assert verdict_sentence(none).startswith("None missing: ")
+    assert "simulated along the records, is off by 1.4 standard deviations" in verdict_sentence(none)
+    none = replace(none, simulated=None)
+    assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
     far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
     noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
     assert noisy.startswith("None missing that is known: ")
-    assert "; but it is 79 times the noise floor: the plant is not complete, or " in noisy
+    assert "; but it is 79 times the noise floor: the plant is not complete, " in noisy
     assert verdict_sentence(other(found, "rejected_on_held_out")).startswith("Rejected on held-out records: valve dead")
 
 

@@ -55,3 +55,20 @@ def test_a_record_that_says_nothing_is_refused_in_a_line(
     change(pd.read_parquet(record)).to_parquet(record)
     with pytest.raises(UserError, match=said):
         diagnose(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("stribeck", "0 N", '"stribeck" is declared 0, and a fit moves it by factors; give it a start'),
+        ("spool_limit", "", r'"spool_limit" is in no balance that the records\' channels allow \(flow and force\)'),
+    ],
+)
+def test_a_free_parameter_that_no_fit_could_move_is_refused_in_a_line(
+    tmp_path: Path, name: str, value: str, said: str
+) -> None:
+    path = make_experiment(tmp_path, {}, SEED)
+    changed = f'[plant.set]\n{name} = "{value}"\n' if value else ""
+    path.write_text(f'{path.read_text()}\n{changed}[fit]\nfree = ["coulomb", "{name}"]\n')
+    with pytest.raises(UserError, match=said):
+        diagnose(path)

@@ -136,9 +136,9 @@ def diagnose(
 
     check_folder(out, overwrite)
     with ProgressLine() as told:
-        tell = told or (lambda said: None)
+        tell = told or (lambda said, done: None)
         found = diagnosed(experiment, tell)
-        tell("tables, figures, page")
+        tell("tables, figures, page", 0.93)
         write_diagnosis(found, out)
     print(summary(found))
     print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")

@@ -29,7 +29,7 @@ class ProgressBar:
 
 
 class ProgressLine:
-    """A line that says what is being done and since when, only on a terminal."""
+    """A line that says what is being done, how far that is and how long it may take, only on a terminal."""
 
     def __init__(self) -> None:
         self._line: Any = None
@@ -38,13 +38,17 @@ class ProgressLine:
         if not sys.stderr.isatty():
             return None
         from rich.console import Console
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
-        columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+        columns = (SpinnerColumn(), BarColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
         self._line = Progress(*columns, console=Console(stderr=True), transient=True)
         self._line.start()
         task = self._line.add_task("", total=None)
-        return lambda said: self._line.update(task, description=said)
+
+        def told(said: str, done: float | None = None) -> None:
+            self._line.update(task, description=said, completed=done, total=None if done is None else 1.0)
+
+        return told
 
     def __exit__(self, *_: object) -> None:
         if self._line is not None:

@@ -1,7 +1,7 @@
 """The whole diagnosis of an experiment: honest baseline, flow before force, the plant simulated, held-out records,
 verdict."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
 from workbench.diagnose.simulated import FirstLook, Simulated, second_look
+from workbench.diagnose.stages import Tell
 from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
@@ -79,14 +80,14 @@ class Diagnosis:
         return self.rounds if self.simulated is not None and self.simulated.is_trusted else list(self.results)
 
 
-def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Diagnosis:
-    """Diagnose an experiment file; `tell` is told in words what is being done.
+def diagnose(path: Path, tell: Tell = lambda said, done: None) -> Diagnosis:
+    """Diagnose an experiment file; `tell` is told what is being done, and how far it is.
 
     Raises:
         UserError: the file or a record cannot be used, or its channels allow no balance.
     """
     experiment = read_experiment(path)
-    tell("reading records")
+    tell("reading records", 0.0)
     motions = [motion_of(record) for record in read_records(experiment, "fit")]
     held_out = [motion_of(record) for record in read_records(experiment, "held_out")]
     if not motions:
@@ -115,7 +116,7 @@ def diagnose(path: Path, tell: Callable[[str], None] = lambda said: None) -> Dia
             again, values = _with_effects(experiment, results, declared, corrected, found, simulated)
         found, results, corrected = found_by_both(found, simulated), again, values
     unexplained = strongest([_depends(result.after) for result in results])
-    tell("held-out records")
+    tell("held-out records", 0.9)
     errors = errors_of(experiment, results, simulated, baseline, corrected, held_out)
     report = {
         "title": experiment.title,
@@ -155,6 +156,21 @@ def _check(motion: Motion) -> None:
         )
     if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
         raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
+
+
+def _check_free(experiment: Experiment, declared: Values, balances: Sequence[Balance]) -> None:
+    """What an experiment asks to be free has to be in a balance, and off 0 where a fit moves it by factors."""
+    for name in experiment.free or ():
+        if any(name in balance.free for balance in balances):
+            continue
+        if declared.get(name) == 0.0 and name not in SIGNED:
+            reason = (
+                f"is declared 0, and a fit moves it by factors; give it a start in [plant.set], or leave {name} out"
+            )
+        else:
+            known = " and ".join(balance.name for balance in balances)
+            reason = f"is in no balance that the records' channels allow ({known}); leave it out"
+        raise UserError(f'{experiment.path}: [fit] free: "{name}" {reason}')
 
 
 def _unexplained_data(
@@ -200,7 +216,7 @@ def _first_look(
     motions: Sequence[Motion],
     declared: Values,
     offset: Found | None,
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> tuple[list[BalanceResult], dict[str, float], dict[str, float]]:
     """Flow, then force: each balance with the effects that it supports, baseline values and values with effects."""
     baseline, values = dict(declared), dict(declared)
@@ -212,13 +228,14 @@ def _first_look(
             f"{experiment.path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
             "voltage, a force needs position and pressures, a force or a command"
         )
-    tell("noise floors")
+    _check_free(experiment, declared, balances)
+    tell("noise floors", 0.02)
     first = dict(values)
     for balance in balances:
         first |= fit(balance, first, balance.free, experiment.bounds).values
-    results = []
+    results = list[BalanceResult]()
     for balance in floored(balances, first, experiment.flow):
-        tell(f"effects on the {balance.name} balance")
+        tell(f"effects on the {balance.name} balance", 0.1 + 0.1 * len(results))
         after, steps = select(balance, values, experiment.bounds)
         if _leaves_too_much(steps[0].before, after, steps):
             after, steps = steps[0].before, [replace(steps[0], added=None, alternatives=[])]

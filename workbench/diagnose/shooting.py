@@ -33,7 +33,7 @@ SEGMENT = 2.0
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
 
-SOLVER = 1e-6
+SOLVER = 1e-5
 """Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
 
 SETTLED = 20

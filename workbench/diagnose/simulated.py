@@ -5,7 +5,7 @@ that they give, the plant itself is simulated along the records and fitted to wh
 nothing the sensors' noise is left; how much more is left is known, and a missing effect explains nearly all of that.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,6 +28,7 @@ from workbench.diagnose.selection import (
     is_level,
 )
 from workbench.diagnose.shooting import SEGMENT, Shooting, as_far_as_it_follows, set_up, simulation_balance
+from workbench.diagnose.stages import Tell
 from workbench.identify.experiment import Experiment
 
 SEARCH = Search(flat=1e-4, near=1e-5, most_steps=30)
@@ -104,9 +105,7 @@ class FirstLook:
     found: Mapping[str, tuple[str, ...]]
 
 
-def second_look(
-    experiment: Experiment, motions: Sequence[Motion], first: FirstLook, tell: Callable[[str], None]
-) -> Simulated | None:
+def second_look(experiment: Experiment, motions: Sequence[Motion], first: FirstLook, tell: Tell) -> Simulated | None:
     """Fit the plant to simulation error with the effects that the balances found, and look again.
 
     None where the records cannot be simulated.
@@ -135,16 +134,16 @@ def _along(
     experiment: Experiment,
     motions: Sequence[Motion],
     given: FirstLook,
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> Simulated:
     """The second look with a plant that is simulated in this way."""
     bounds, found = experiment.bounds, given.found
-    tell("simulating the declared plant")
+    tell("simulating the declared plant", 0.3)
     how = as_far_as_it_follows(whole, motions, given.baseline)
     before = _fitted(how, motions, given.baseline, given.free, bounds)
     current, effects, dropped = before, dict[str, tuple[str, ...]](), list[str]()
     if found:
-        tell("simulating the plant with what was found")
+        tell("simulating the plant with what was found", 0.4)
         with_them = as_far_as_it_follows(whole, motions, given.corrected)
         names = [*given.free, *(name for own in found.values() for name in own)]
         after = None
@@ -190,12 +189,12 @@ def _look(
     effects: Mapping[str, tuple[str, ...]],
     own: Values,
     bounds: Mapping[str, tuple[float, float]],
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> tuple[Fit, dict[str, tuple[str, ...]], list[Step]]:
     """Add effects one by one until none passes."""
     current, named, steps = first, dict(effects), list[Step]()
     while current.rms > AT_FLOOR and len(named) < MOST:
-        tell(f"what the simulated plant lacks, round {len(steps) + 1}")
+        tell(f"what the simulated plant lacks, round {len(steps) + 1}", 0.85 - 0.35 * 0.5 ** len(steps))
         found = candidates(current, named, bounds)
         passing = [one for one in found if _passes(current, one, named)]
         added = passing[0] if passing else None
@@ -204,7 +203,7 @@ def _look(
         if added is None:
             break
         named[added.effect] = tuple(dict.fromkeys([*named.get(added.effect, ()), *added.variant]))
-        tell(f"the plant with {added.effect}, simulated")
+        tell(f"the plant with {added.effect}, simulated", 0.85 - 0.25 * 0.5 ** len(steps))
         current = _polished(added.fit, own, bounds)
     return current, named, steps
 
@@ -231,13 +230,13 @@ def _without_idle(
     effects: dict[str, tuple[str, ...]],
     declared: Values,
     bounds: Mapping[str, tuple[float, float]],
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> tuple[Fit, dict[str, tuple[str, ...]], list[str]]:
     """Drop effects without which the rest does as well, the last first."""
     known = {**NEUTRAL, **declared}
     dropped = []
     for effect in list(reversed(effects)) if len(effects) > 1 else []:
-        tell(f"the plant without {effect}")
+        tell(f"the plant without {effect}", 0.85)
         own = effects[effect]
         names = [name for name in current.names if name not in own]
         values = {name: value for name, value in current.values.items() if name not in own}

@@ -1,7 +1,7 @@
 """What may stand in an experiment file."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field, StrictFloat, StrictInt, model_validator
 
@@ -31,7 +31,10 @@ CHANNELS: Mapping[str, str] = {
 }
 """Every channel that a record may have, with its SI unit."""
 
-METHODS = ("thesis", "simulation", "both")
+Method = Literal["thesis", "simulation", "both"]
+"""How parameters are found."""
+
+METHODS: tuple[Method, ...] = get_args(Method)
 
 NUISANCES: Mapping[str, str] = {
     "pressure_1_offset": "Pa",
@@ -43,6 +46,9 @@ NUISANCES: Mapping[str, str] = {
 """Systematic errors of sensors that a fit by simulation may find beside the parameters; each with its unit."""
 
 
+Direction = Literal["forward", "backward", "rotary"]
+"""Of a contact's motion."""
+
 SUFFIXES: Mapping[str, str] = {"forward": "", "backward": f"_{NEGATIVE}", "rotary": f"_{ROTARY}"}
 """What stands behind a friction parameter's name in each direction."""
 
@@ -52,8 +58,12 @@ FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stif
 STATIC = "static"
 """Coulomb and Stribeck friction together: shown, never fitted."""
 
-PUBLISHED = ("coulomb", "stribeck", STATIC, *FRICTION[2:])
+Published = Literal[
+    "coulomb", "stribeck", "static", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping"
+]
 """What printed tables show, in their order."""
+
+PUBLISHED: tuple[str, ...] = get_args(Published)
 
 
 class PlantTable(files.Strict):
@@ -77,7 +87,7 @@ class FitTable(files.Strict):
     """[fit]: what is free, and how it is found. `bounds` takes what stands under a parameter's own name."""
 
     free: list[str] | None = None
-    method: Literal[METHODS] = "both"  # type: ignore[valid-type]
+    method: Method = "both"
     bounds: dict[str, Bound] = {}
 
     @model_validator(mode="before")
@@ -143,7 +153,7 @@ class PublishedTable(files.Strict):
     title: str
     source: str = ""
     note: str = ""
-    direction: Literal[tuple(SUFFIXES)]  # type: ignore[valid-type]
+    direction: Direction
     rpm: list[float] = [0.0]
     values: dict[str, list[Printed]]
     std: dict[str, list[Printed]] = {}
@@ -164,7 +174,7 @@ class FigureTable(files.Strict):
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
     title: str
     rpm: float = 0.0
-    parameter: Literal[("", *PUBLISHED)] = ""  # type: ignore[valid-type]
+    parameter: Literal[""] | Published = ""
 
 
 class ExperimentFile(files.Strict):

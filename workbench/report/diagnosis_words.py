@@ -45,6 +45,9 @@ ERRORS = {
 FAR = 3.0
 """Floors beyond which a residual is not called explained, whatever the verdict."""
 
+QUIET = 100.0
+"""Floors that only the floor's smallness makes, where the simulated plant fits."""
+
 _COARSE = {"m": 1e-4, "Pa": 1e6, "s": 0.1}
 
 
@@ -103,12 +106,18 @@ def verdict_sentence(found: Diagnosis) -> str:
         return f"Found: {listed(effects)}."
     if verdict == "unexplained":
         return f"Unexplained: {_dependence(found)}; no known effect explains it."
+    if found.simulated is not None and found.simulated.after.rms < FAR:
+        return (
+            "None missing: the declared plant, with its own parameters fitted and simulated along the records, is off "
+            f"by {found.simulated.after.rms:.1f} standard deviations of the sensors' noise, and no known effect lowers "
+            "that on data left out."
+        )
     most = max(one["after"] for one in found.report["floor"].values())
     if most > FAR:
         return (
             "None missing that is known: no effect lowers the residual on data left out, and it depends on no "
-            f"measured signal; but it is {most:.0f} times the noise floor: the plant is not complete, or the "
-            "record moves faster than the smoothing follows."
+            f"measured signal; but it is {shown_number(most, 2)} times the noise floor: the plant is not complete, "
+            "the record moves faster than the smoothing follows, or it holds no noise (as a simulated one may)."
         )
     return (
         "None missing: the declared plant, with its own parameters fitted, explains the records; what is left is "
@@ -151,7 +160,10 @@ def sureness(found: Diagnosis) -> list[str]:
     for result in found.results:
         ratio = found.report["floor"][result.balance.name]["after"]
         said = "the sensors' noise explains all of it" if ratio < 1.2 else "not all of it is the sensors' noise"
-        lines.append(f"What is left of the {result.balance.name} balance is {ratio:.2f} times its noise floor: {said}.")
+        if ratio > QUIET and found.simulated is not None and found.simulated.is_trusted:
+            said = "of sensors so quiet, smoothing and sampling leave most of it"
+        name, times = result.balance.name, shown_number(ratio, 3)
+        lines.append(f"What is left of the {name} balance is {times} times its noise floor: {said}.")
         best = result.steps[0].candidates[0].effect if result.steps[0].candidates else None
         if best not in [None, *(one.name for one in found.found)] and result.steps[0].added is None:
             lines.append(f"{_nearest(result.steps[0])}")
@@ -206,9 +218,9 @@ def _of_simulation(found: Diagnosis) -> list[str]:
         after = found.report["error"]["held_out"]["after"]["position_rms_m"]
         best = own["position_rms_m"]
         lines.append(
-            f"A free run of the held-out records is off by {1e3 * after:.2f} mm in position. With the same parameters "
-            f"fitted to these records themselves {1e3 * best:.2f} mm would be left: so much of it is the model's, and "
-            "the rest is drift, as small forces that differ between records add up."
+            f"A free run of the held-out records is off by {shown_number(1e3 * after, 2)} mm in position. With the "
+            f"same parameters fitted to these records themselves {shown_number(1e3 * best, 2)} mm would be left: so "
+            "much of it is the model's, and the rest is drift, as small forces that differ between records add up."
         )
     return lines
 

@@ -8,7 +8,7 @@ solver_error(setup, run)         # how far the positions are off (m)
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,10 +22,13 @@ from workbench.simulation.compilation import controller_addresses, plant_address
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors, systematic_error
 
-FIXED_STEP = {"euler": steppers.EULER, "heun": steppers.HEUN, "rk4": steppers.RK4}
+Method = Literal["euler", "heun", "rk4", "dormand_prince"]
+"""What an integration may be called."""
+
+FIXED_STEP: Mapping[str, int] = {"euler": steppers.EULER, "heun": steppers.HEUN, "rk4": steppers.RK4}
 """Fixed-step methods, of order 1, 2 and 4."""
 
-METHODS = {**FIXED_STEP, "dormand_prince": steppers.DORMAND_PRINCE}
+METHODS: Mapping[str, int] = {**FIXED_STEP, "dormand_prince": steppers.DORMAND_PRINCE}
 
 DEFAULT_TOLERANCE = 1e-6
 TIGHTER = 100.0
@@ -224,7 +227,7 @@ def simulate(setup: Setup) -> Run:
         realised,
         measurements,
         remembered,
-        None if profile is None else tuple(part[:count] for part in profile),  # type: ignore[arg-type]
+        None if profile is None else (profile[0][:count], profile[1][:count], profile[2][:count]),
         "",
         steps,
     )

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from workbench.files import Strict
-from workbench.simulation.simulate import DEFAULT_TOLERANCE, METHODS
+from workbench.simulation.simulate import DEFAULT_TOLERANCE, Method
 from workbench.study.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
 from workbench.study.report_schema import (
     BreakEvenTable,
@@ -97,7 +97,7 @@ class SimulationTable(Strict):
     transient: Second = Field(0.0, ge=0.0)
     sample_time: Second = Field(1e-3, gt=0.0)
     seed: int = Field(0, ge=0)
-    method: Literal[tuple(METHODS)] = "dormand_prince"  # type: ignore[valid-type]
+    method: Method = "dormand_prince"
     step: Second = Field(1e-4, gt=0.0)
     tolerance: float = Field(DEFAULT_TOLERANCE, gt=0.0, le=1e-2)
 
