@@ -17,7 +17,7 @@ from controllers.friction_observer import Belief, Memory, Seen
 from controllers.friedland_park import friedland_park
 from controllers.interface import Controller, Reference
 from controllers.lugre_observer import lugre_adaptive, lugre_observer
-from controllers.settings import About, Needs
+from controllers.settings import About, Needs, Tuned
 from controllers.static_map import no_estimate, static_map
 from controllers.tafazoli import fit_map, tafazoli
 from controllers.velocity import (
@@ -82,13 +82,21 @@ class Settings(NamedTuple):
     position_rate: laws.PositionRate = 34.0
     force_rate: laws.ForceRate = 0.0
     lead: laws.Lead = 0.0
-    reversal_speed: Annotated[float, "m/s", About("half width of the curve's line through rest", above=True)] = 1e-3
-    blend_velocity: Annotated[float, "m/s", About("velocity below which forces are balanced", above=True)] = 3e-3
-    observer_gain: Annotated[float, "N s/m", About("gain k of the observer of the level")] = 1700.0
+    reversal_speed: Annotated[
+        float, "m/s", About("half width of the curve's line through rest", above=True), Tuned(1e-4, 1e-2)
+    ] = 1e-3
+    blend_velocity: Annotated[
+        float, "m/s", About("velocity below which forces are balanced", above=True), Tuned(3e-4, 3e-2)
+    ] = 3e-3
+    observer_gain: Annotated[float, "N s/m", About("gain k of the observer of the level"), Tuned(170.0, 17000.0)] = (
+        1700.0
+    )
     exponent: Annotated[float, "1", About("power mu of the speed in the observer's rate", above=True)] = 1.0
-    injection: Annotated[float, "1", About("gain k of the tracking error into the bristle")] = 0.1
-    sliding_rate: Annotated[float, "1/s", About("weight of the position's error in it"), Needs("injection")] = 20.0
-    adaptation: Annotated[float, "1/J", About("rate gamma of the adaptive theta")] = 0.05
+    injection: Annotated[float, "1", About("gain k of the tracking error into the bristle"), Tuned(0.01, 1.0)] = 0.1
+    sliding_rate: Annotated[
+        float, "1/s", About("weight of the position's error in it"), Tuned(2.0, 200.0), Needs("injection")
+    ] = 20.0
+    adaptation: Annotated[float, "1/J", About("rate gamma of the adaptive theta"), Tuned(5e-3, 0.5)] = 0.05
     velocity: VelocityKind = "filter"
     velocity_time_constant: TimeConstant = 2e-3
     position_noise: PositionNoise = 13e-6

@@ -7,18 +7,26 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.settings import About, Needs
+from controllers.settings import DECADES, SHARE, About, Needs, Tuned
 from plants.equation import Scalar, equation
 
 _FEEDBACK, _INVERSION = Needs("law", "acceleration_feedback"), Needs("law", "valve_inversion")
 
-ProportionalGain = Annotated[float, "command/m", About("gain on the position error"), _FEEDBACK]
-DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity"), _FEEDBACK]
-AccelerationGain = Annotated[float, "command s^2/m", About("gain on the error of the acceleration"), _FEEDBACK]
-Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward"), _FEEDBACK]
-PositionRate = Annotated[float, "1/s", About("rate at which an error of the position is to vanish"), _INVERSION]
-ForceRate = Annotated[float, "1/s", About("rate at which an error of the force is to vanish"), _INVERSION]
-Lead = Annotated[float, "1", About("share of the valve's lag that is inverted"), _INVERSION]
+ProportionalGain = Annotated[float, "command/m", About("gain on the position error"), DECADES, _FEEDBACK]
+DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity"), DECADES, _FEEDBACK]
+AccelerationGain = Annotated[float, "command s^2/m", About("gain on the error of the acceleration"), DECADES, _FEEDBACK]
+Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward"), SHARE, _FEEDBACK]
+PositionRate = Annotated[
+    float, "1/s", About("rate at which an error of the position is to vanish"), Tuned(5.0, 200.0), _INVERSION
+]
+ForceRate = Annotated[
+    float,
+    "1/s",
+    About("rate at which an error of the force is to vanish"),
+    Tuned(0.0, 20.0, logarithmic=False),
+    _INVERSION,
+]
+Lead = Annotated[float, "1", About("share of the valve's lag that is inverted"), SHARE, _INVERSION]
 
 LOWEST_DROP = 0.05
 """Smallest share of the supply pressure that a valve inversion counts on: the root must not vanish."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, ProportionalGain
-from controllers.settings import About
+from controllers.settings import About, Tuned
 from controllers.velocity import (
     Estimator,
     EstimatorState,
@@ -32,7 +32,9 @@ class Settings(NamedTuple):
 
     kp: ProportionalGain = 500.0
     feedforward: Feedforward = 1.0
-    observer_time_constant: Annotated[float, "s", About("time constant of the observer's filter", above=True)] = 20e-3
+    observer_time_constant: Annotated[
+        float, "s", About("time constant of the observer's filter", above=True), Tuned(2e-3, 0.2)
+    ] = 20e-3
     velocity: VelocityKind = "filter"
     velocity_time_constant: TimeConstant = 2e-3
     position_noise: PositionNoise = 13e-6

@@ -7,7 +7,7 @@ import numpy as np
 from controllers import pid
 from controllers.interface import Controller, Reference
 from controllers.pid import DerivativeGain, Feedforward, IntegralGain, ProportionalGain, TrackingTime
-from controllers.settings import About, Needs
+from controllers.settings import About, Needs, Tuned
 from controllers.velocity import JerkDensity, PositionNoise, TimeConstant, VelocityKind
 from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
@@ -32,8 +32,10 @@ class Settings(NamedTuple):
     ki: IntegralGain = 0.0
     kd: DerivativeGain = 0.0
     feedforward: Feedforward = 0.0
-    amplitude: Annotated[float, "command", About("height of the dither")] = 2.5
-    frequency: Annotated[float, "Hz", About("frequency of the dither", above=True), Needs("amplitude")] = 50.0
+    amplitude: Annotated[float, "command", About("height of the dither"), Tuned(0.1, 4.0, by_factor=True)] = 2.5
+    frequency: Annotated[
+        float, "Hz", About("frequency of the dither", above=True), Tuned(20.0, 200.0), Needs("amplitude")
+    ] = 50.0
     shape: Annotated[str, "sine", "square", About("its shape"), Needs("amplitude")] = "sine"
     tracking_time: TrackingTime = 0.0
     velocity: Annotated[VelocityKind, Needs("kd")] = "filter"

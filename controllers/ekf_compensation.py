@@ -9,7 +9,7 @@ from controllers.compensation import LAWS, law_gains
 from controllers.compensation_laws import LawGains, LawState, Wanted
 from controllers.extended_kalman import EkfGains, EkfSettings, EkfState, design_ekf, ekf_at_rest, ekf_update
 from controllers.interface import Controller, Reference
-from controllers.settings import About
+from controllers.settings import About, Tuned
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
 
@@ -35,7 +35,9 @@ class Settings(NamedTuple):
     pressure_noise: Annotated[float, "Pa", _deviation("a measured pressure")] = 2e3
     force_noise: Annotated[float, "N", _deviation("the force that the model lacks")] = 5.0
     flow_noise: Annotated[float, "m^3/s", _deviation("the flow that the model lacks")] = 5e-7
-    friction_noise: Annotated[float, "N", _deviation("the bristle force that the model lacks")] = 150.0
+    friction_noise: Annotated[float, "N", _deviation("the bristle force that the model lacks"), Tuned(15.0, 1500.0)] = (
+        150.0
+    )
 
 
 class Gains(NamedTuple):

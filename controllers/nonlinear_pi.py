@@ -13,7 +13,7 @@ import numpy as np
 from controllers import pid
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, IntegralGain, ProportionalGain, TrackingTime
-from controllers.settings import About, Needs
+from controllers.settings import About, Needs, Tuned
 from controllers.velocity import (
     Estimator,
     EstimatorState,
@@ -44,13 +44,23 @@ class Settings(NamedTuple):
     ki: IntegralGain = 2000.0
     feedforward: Feedforward = 0.0
     sliding_speed: Annotated[
-        float, "m/s", About("speed at which the integral fills at half its rate", above=True), Needs("ki")
+        float,
+        "m/s",
+        About("speed at which the integral fills at half its rate", above=True),
+        Tuned(5e-4, 5e-2),
+        Needs("ki"),
     ] = 5e-3
-    retained: Annotated[float, "1", About("share of the integral that outlives a reversal", most=1.0), Needs("ki")] = (
-        0.0
-    )
+    retained: Annotated[
+        float,
+        "1",
+        About("share of the integral that outlives a reversal", most=1.0),
+        Tuned(0.0, 1.0, logarithmic=False),
+        Needs("ki"),
+    ] = 0.0
     error_band: Annotated[float, "m", About("errors within it have no sign"), Needs("ki")] = 13e-6
-    reversal_speed: Annotated[float, "m/s", About("velocities within it have no direction"), Needs("ki")] = 1e-3
+    reversal_speed: Annotated[
+        float, "m/s", About("velocities within it have no direction"), Tuned(1e-4, 1e-2), Needs("ki")
+    ] = 1e-3
     tracking_time: TrackingTime = 0.0
     velocity: Annotated[VelocityKind, Needs("ki")] = "filter"
     velocity_time_constant: TimeConstant = 2e-3

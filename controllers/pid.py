@@ -3,7 +3,7 @@
 from typing import Annotated, Any, NamedTuple
 
 from controllers.interface import Controller, Reference
-from controllers.settings import About, Needs
+from controllers.settings import DECADES, SHARE, About, Needs
 from controllers.velocity import (
     Estimator,
     EstimatorState,
@@ -19,10 +19,10 @@ from plants.equation import Scalar, equation
 from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
 
-ProportionalGain = Annotated[float, "command/m", About("gain on the position error")]
-IntegralGain = Annotated[float, "command/(m s)", About("gain on the integral of the error")]
-DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity")]
-Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward")]
+ProportionalGain = Annotated[float, "command/m", About("gain on the position error"), DECADES]
+IntegralGain = Annotated[float, "command/(m s)", About("gain on the integral of the error"), DECADES]
+DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity"), DECADES]
+Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward"), SHARE]
 TrackingTime = Annotated[float, "s", About("time constant of the anti-windup; 0: K_p / K_i"), Needs("ki")]
 
 

@@ -3,7 +3,8 @@
     kp: Annotated[float, "command/m", About("gain on the position error")] = 500.0
     velocity: Annotated[str, "filter", "kalman", About("how the velocity is had"), Needs("kd")] = "filter"
 
-`About` and `Needs` may be left out: nothing is then said of the meaning, every value is admitted, it always counts.
+`About`, `Needs` and `Tuned` may be left out: nothing is then said of the meaning, every value is admitted, it always
+counts, and it is tuned only in a range that a study gives.
 """
 
 import functools
@@ -49,6 +50,32 @@ class About:
         return f"a value of at least {self.least:g}" if self.least else "a value that is not negative"
 
 
+@dataclass(frozen=True)
+class Tuned:
+    """The range within which a number is tuned, in SI; `by_factor`: in factors of the number that a study sets.
+
+    `logarithmic`: what is looked for is its order of magnitude. A study may give a range of its own.
+    """
+
+    low: float
+    high: float
+    by_factor: bool = False
+    logarithmic: bool = True
+
+    @property
+    def short(self) -> str:
+        """The range in words."""
+        of = " times the study's" if self.by_factor else ""
+        return f"tuned from {self.low:g} to {self.high:g}{of}"
+
+
+DECADES = Tuned(0.1, 10.0, by_factor=True)
+"""A tenth to ten times what a study sets: for gains whose unit, and size, are the plant's."""
+
+SHARE = Tuned(0.0, 1.2, logarithmic=False)
+"""From nothing to a fifth too much, for what is exact at 1."""
+
+
 class Needs:
     """A setting counts only where another one is one of `choices` or, with none given, is not 0."""
 
@@ -74,6 +101,7 @@ class Setting(NamedTuple):
     default: float | str | None
     about: About
     needs: Needs | None
+    tuned: Tuned | None
 
 
 @functools.cache
@@ -97,9 +125,10 @@ def _setting(cls: Any, name: str, hint: Any) -> Setting:
         raise TypeError(f"Settings.{name}: expected Annotated[float, unit] or Annotated[str, choice, ...]")
     about = next((item for item in hint.__metadata__ if isinstance(item, About)), About("", -np.inf))
     needs = next((item for item in hint.__metadata__ if isinstance(item, Needs)), None)
+    tuned = next((item for item in hint.__metadata__ if isinstance(item, Tuned)), None)
     number = hint.__origin__ is float
     return Setting(
-        name, words[0] if number else "", () if number else words, cls._field_defaults.get(name), about, needs
+        name, words[0] if number else "", () if number else words, cls._field_defaults.get(name), about, needs, tuned
     )
 
 

@@ -13,12 +13,16 @@ import numpy as np
 from filterpy.common import Q_continuous_white_noise
 from filterpy.kalman import KalmanFilter
 
-from controllers.settings import About, Needs
+from controllers.settings import About, Needs, Tuned
 from plants.equation import Scalar, equation
 
 VelocityKind = Annotated[str, "filter", "thesis_filter", "kalman", About("how the velocity is had from the position")]
 TimeConstant = Annotated[
-    float, "s", About("time constant of the differentiator", above=True), Needs("velocity", "filter", "thesis_filter")
+    float,
+    "s",
+    About("time constant of the differentiator", above=True),
+    Tuned(5e-4, 2e-2),
+    Needs("velocity", "filter", "thesis_filter"),
 ]
 PositionNoise = Annotated[
     float, "m", About("standard deviation of a position sample", above=True), Needs("velocity", "kalman")

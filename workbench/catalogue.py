@@ -64,5 +64,6 @@ def _setting(setting: Setting, indent: str) -> str:
     default = "needed" if setting.default is None else f"default {setting.default or repr(setting.default)}"
     kind = setting.unit or ("name" if setting.choices == (ANY,) else "choice")
     among = setting.about.short if setting.unit else " | ".join(item for item in setting.choices if item != ANY)
-    said = "; ".join(words for words in (setting.about.meaning, among) if words)
+    ranged = setting.tuned.short if setting.tuned is not None else ""
+    said = "; ".join(words for words in (setting.about.meaning, among, ranged) if words)
     return f"{indent + setting.name:28} {kind:16} {default:16} {said}".rstrip()

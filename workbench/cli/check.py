@@ -9,6 +9,7 @@ from workbench.identify.readiness import check_experiment, check_pattern, check_
 from workbench.identify.records import read_record
 from workbench.parameters import read_parameters, serves
 from workbench.study.document import read_study, scenario_trial
+from workbench.study.gain_file import is_gain_file, read_gain_file
 from workbench.study.runner import plan
 from workbench.study.scenarios import is_scenario
 
@@ -26,6 +27,9 @@ def check_file(file: Path) -> None:
         for line in serves(values):
             print(f"  {line}")
         return
+    if is_gain_file(data):
+        _check_gains(file)
+        return
     if is_experiment(data):
         _check_experiment(file)
         return
@@ -37,6 +41,14 @@ def check_file(file: Path) -> None:
     planned = plan(read_study(file))
     print(f"{file}: a study, in order")
     say_plan(planned)
+
+
+def _check_gains(file: Path) -> None:
+    """Say what a gain file holds."""
+    found = read_gain_file(file)
+    settings = ", ".join(f"{name} {value}" for name, value in found.settings.items())
+    print(f"{file}: tuned gains of {found.type}, in order: {settings}")
+    print(found.source)
 
 
 def _check_experiment(file: Path) -> None:

@@ -34,7 +34,7 @@ A dwell is a span in which the reference is constant; those that end after the t
 A figure that does not apply is None, never 0.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -69,11 +69,23 @@ COLUMNS: tuple[str, ...] = (
 )
 """The figures of results.csv, in its order."""
 
+TRACKING = frozenset({"phase_lag_deg", "gain_ratio", "rms_error_m", "max_error_m"})
+DWELLS = frozenset(
+    {"steady_state_error_m", "settling_time_s", "limit_cycle", "limit_cycle_amplitude_m", "limit_cycle_period_s"}
+)
+FRICTION = frozenset({"friction_slope_N_s_per_m", "friction_r_squared", "friction_hysteresis_J"})
+COST = frozenset(COLUMNS) - TRACKING - DWELLS - FRICTION - {"outcome", "solver_error_m"}
+"""Which of them are found together."""
+
 Figures = Mapping[str, float | str | None]
 
 
 def evaluate(
-    run: Run, reference: ReferenceSignal | None, transient: float, resolution: float = 0.0
+    run: Run,
+    reference: ReferenceSignal | None,
+    transient: float,
+    resolution: float = 0.0,
+    only: Collection[str] = COLUMNS,
 ) -> dict[str, float | str | None]:
     """All of `COLUMNS` but `solver_error_m`, in their order; None where a figure does not apply.
 
@@ -84,26 +96,31 @@ def evaluate(
         transient: time (s) at the start that is left out.
         resolution: the larger of three standard deviations of the position noise and the sensor's step (m): the band
             of the limit-cycle verdict.
+        only: the columns that are wanted; what takes long and is not stays None.
     """
     figures: dict[str, float | str | None] = dict.fromkeys(COLUMNS[:-1])
     figures["outcome"] = run.outcome
     window = None if run.diverged else find_window(run.time, reference, transient)
     if window is None:
         return figures
-    figures.update(_cost(run, window))
-    figures.update(_friction(run, window))
+    if not COST.isdisjoint(only):
+        figures.update(_cost(run, window))
+    if not FRICTION.isdisjoint(only):
+        figures.update(_friction(run, window))
     if reference is not None and run.reference is not None:
-        figures.update(_tracking(run, reference, window))
-        figures.update(_dwells(run, reference, transient, resolution))
+        if not TRACKING.isdisjoint(only):
+            figures.update(_tracking(run, reference, window))
+        if not DWELLS.isdisjoint(only):
+            figures.update(_dwells(run, reference, transient, resolution))
     return figures
 
 
 def _tracking(run: Run, reference: ReferenceSignal, window: Window) -> Figures:
-    signals, samples = run.signals, window.samples
-    error = signals["error"][samples]
+    assert run.reference is not None
+    asked, position = (values[window.samples] for values in (run.reference[0], run.state("position")))
+    error, samples = asked - position, window.samples
     lag = gain = None
     if reference.fundamental is not None and window.periods > 0:
-        asked, position = (signals[name][samples] for name in ("reference_position", "position"))
         lag, gain = tracking.phase_lag_and_gain(run.time[samples], asked, position, reference.fundamental)
     return {
         "phase_lag_deg": lag,

@@ -12,6 +12,7 @@ from typing import Any
 
 from workbench import files
 from workbench.errors import UserError, nearest
+from workbench.study.gain_file import KEY, with_gains
 from workbench.study.quantities import rpm_si
 from workbench.study.scenarios import FOLDER, read_scenario, scenario_files
 from workbench.study.schema import OVERRIDES, StudyFile
@@ -25,6 +26,9 @@ CASE = "case"
 
 REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "comparison", "friction_curves"}
 """What a study says of its report: no result depends on it."""
+
+TUNED = {"uncertainty", "tune"}
+"""What a study says of other commands than `run`."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class Study:
     @property
     def fingerprint(self) -> str:
         """A hash of what the study computes: of all but what it says of its report."""
-        content = self.file.model_dump(exclude=REPORTED)
+        content = self.file.model_dump(exclude=REPORTED | TUNED)
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
 
@@ -225,6 +229,13 @@ def _at_point(study: Study, case: str | None, tables: Mapping[str, Any], point: 
                 if not isinstance(table, dict):
                     raise study.error((*axes_key(study, case), axis), f'"{part}" is not a table')
             table[last] = value
+    for name, table in result["controllers"].items():
+        if not isinstance(table, dict):
+            continue  # told when the case is resolved
+        try:
+            result["controllers"][name] = with_gains(table, study.path.parent)
+        except UserError as error:
+            raise study.error(("controllers", name, KEY), str(error)) from None
     return result
 
 

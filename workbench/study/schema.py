@@ -1,4 +1,4 @@
-"""What may stand in a study file. TOML, data only: a study can run no code. Tables and figures: `report_schema`."""
+"""What may stand in a study file. TOML, data only: a study can run no code."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,6 +15,7 @@ from workbench.study.report_schema import (
     Probe,
     TableSpec,
 )
+from workbench.study.tune_schema import TuneTable, UncertaintyTable
 
 MOST_SAMPLES = 2e7
 """Samples of one run: more would not fit into the memory of a small machine."""
@@ -156,3 +157,5 @@ class StudyFile(Strict):
     break_even: list[BreakEvenTable] = []
     comparison: ComparisonTable | None = None
     friction_curves: FrictionCurvesTable | None = None
+    uncertainty: UncertaintyTable | None = None
+    tune: TuneTable | None = None

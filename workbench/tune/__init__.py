@@ -1,0 +1,1 @@
+"""Gains found fairly: the same budget, objective and constraints for every controller."""

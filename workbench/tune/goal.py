@@ -1,0 +1,212 @@
+"""What tuning asks of a controller: figures of its runs over those of a yardstick, and constraints that it keeps.
+
+    J = sum over figures k of  w_k * mean over cases of  |f_k| / |f_k of the yardstick in that case|
+
+J = 1 is as good as the yardstick, a controller of the study with the gains that stand there. On machines that are drawn
+J is taken on each, over the yardstick's figures on the declared machine, and its quantile is what counts.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from workbench.errors import UserError
+from workbench.metrics import evaluate
+from workbench.metrics.window import first_sample
+from workbench.simulation.references import Steps
+from workbench.simulation.simulate import simulate
+from workbench.study.resolve import Resolved
+from workbench.study.tune_schema import ConstraintsTable, TuneTable
+from workbench.tune.loop import Margins, margins
+
+SLOW = 0.01
+"""m/s at which margins are taken where no reference moves steadily and the study says nothing."""
+
+HOLD_SHARE = 0.25
+"""Of the largest level that any reference asks for: the step after which a rest is judged."""
+
+BROKEN = ("diverged", "step too small", "end stop", "saturated throughout", "stuck")
+"""Outcomes of a run with which gains have failed."""
+
+T, R = TypeVar("T"), TypeVar("R")
+Map = Callable[[Callable[[T], R], Iterable[T]], Iterable[R]]
+"""`map`, or that of an executor."""
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What one run leaves: wanted figures by column (None: does not apply), its outcome, share of time saturated."""
+
+    figures: Mapping[str, float | None]
+    outcome: str
+    saturated: float
+    hunting: bool | None
+
+    @property
+    def broken(self) -> bool:
+        """Whether the run failed."""
+        return self.outcome in BROKEN
+
+
+@dataclass(frozen=True)
+class Score:
+    """Of one point: J on the declared machine, the run of each case, by constraint how far it is beyond (<= 0: kept).
+
+    `margins` are the smallest over the cases. `value` is what is made small: J, or its quantile over draws, of which
+    `on_draws` holds those that were run, in order; `pruned`: it was given up before the last.
+    """
+
+    nominal: float
+    ran: Sequence[Ran]
+    violations: Mapping[str, float]
+    margins: Margins
+    value: float
+    on_draws: Sequence[float] = field(default_factory=tuple)
+    pruned: bool = False
+
+    @property
+    def feasible(self) -> bool:
+        """Whether all constraints are kept."""
+        return all(beyond <= 0.0 for beyond in self.violations.values())
+
+
+def fastest(resolved: Resolved) -> float:
+    """The largest speed (m/s) that a case's reference asks for at a sample, jumps not counted."""
+    setup = resolved.setup
+    if setup.reference is None:
+        return 0.0
+    times = setup.sample_time * np.arange(round(setup.duration / setup.sample_time) + 1)
+    return float(np.max(np.abs(setup.reference(times)[1])))
+
+
+def margins_of(cases: Sequence[Resolved], constraints: ConstraintsTable) -> Margins:
+    """The smallest margins over the cases; unstable if any of them is."""
+    speeds = [constraints.margin_speed or fastest(case) or SLOW for case in cases]
+    found = [margins(case.setup, speed) for case, speed in zip(cases, speeds, strict=True)]
+    worst = [one for one in found if not one.stable] or found
+    by_gain = min(worst, key=lambda one: one.gain_dB)
+    by_phase = min(worst, key=lambda one: one.phase_deg)
+    return replace(by_phase, gain_dB=by_gain.gain_dB, gain_frequency=by_gain.gain_frequency)
+
+
+def run(resolved: Resolved, columns: Sequence[str]) -> Ran:
+    """Simulate a case and take what is asked of it."""
+    setup = resolved.setup
+    done = simulate(setup)
+    judged = [*columns, "limit_cycle"] if rests(resolved) else columns
+    figures = evaluate(done, resolved.signal, resolved.transient, resolved.band, judged)
+    start = min(first_sample(done.time, resolved.transient), done.time.size - 1)
+    limit = float(setup.plant.command_limit(setup.parameters))
+    wanted = {name: figures[name] for name in columns}
+    return Ran(
+        {name: value if isinstance(value, float) else None for name, value in wanted.items()},
+        done.outcome,
+        float(np.mean(np.abs(done.command[start:]) >= limit)),
+        None if figures["limit_cycle"] is None else figures["limit_cycle"] == "sustained",
+    )
+
+
+def rests(resolved: Resolved) -> bool:
+    """Whether the reference of a case holds still anywhere."""
+    reference = resolved.setup.reference
+    return reference is not None and bool(reference.dwells(resolved.setup.duration))
+
+
+def hold(cases: Sequence[Resolved], constraints: ConstraintsTable) -> list[Resolved]:
+    """The cases on which a limit cycle can be judged: those that rest, else each machine with a step that is held."""
+    resting = [case for case in cases if rests(case)]
+    if resting or not constraints.limit_cycle:
+        return []
+    level = constraints.hold_level or HOLD_SHARE * max(_largest(case) for case in cases)
+    step, duration = Steps((level,), constraints.hold_duration), constraints.hold_duration
+    held: dict[tuple[Any, ...], Resolved] = {}
+    for case in cases:
+        setup = replace(case.setup, reference=step, duration=duration)
+        held.setdefault((setup.parameters, setup.rotation_speed), replace(case, setup=setup, transient=0.0))
+    return list(held.values())
+
+
+def _largest(case: Resolved) -> float:
+    """The largest level (m) that a reference asks for, from where it starts."""
+    setup = case.setup
+    assert setup.reference is not None
+    times = setup.sample_time * np.arange(round(setup.duration / setup.sample_time) + 1)
+    return float(np.max(np.abs(setup.reference(times)[0] - setup.state.position)))
+
+
+class Goal:
+    """The objective of a study's [tune] over its cases, and its constraints."""
+
+    def __init__(self, table: TuneTable, yardstick: Sequence[Ran]) -> None:
+        """`yardstick`: what the yardstick does in each case on the declared machine.
+
+        Raises:
+            UserError: a figure that is weighed, and that the yardstick has in no case, or has as 0.
+        """
+        self.table = table
+        self.weights = table.objective.used
+        self.columns = tuple(self.weights)
+        self._units = [dict(one.figures) for one in yardstick]
+        for column in self.columns:
+            known = [one[column] for one in self._units if one[column] is not None]
+            if not known:
+                raise UserError(
+                    f"[tune.objective]: {column} does not apply to any of the cases; leave it out, or tune on others"
+                )
+            if not all(known):
+                raise UserError(f"[tune.objective]: {column} is 0 for the yardstick, so that nothing is measured by it")
+
+    def objective(self, ran: Sequence[Ran]) -> float:
+        """J of runs of all cases on one machine; infinite where one of them failed."""
+        if any(one.broken for one in ran):
+            return math.inf
+        total = 0.0
+        for column, weight in self.weights.items():
+            ratios = [
+                abs(one.figures[column] or 0.0) / abs(unit[column])
+                for one, unit in zip(ran, self._units, strict=True)
+                if unit[column] is not None
+            ]
+            total += weight * float(np.mean(ratios))
+        return total
+
+    def violations(self, found: Margins, ran: Sequence[Ran], held: Sequence[Ran]) -> dict[str, float]:
+        """By constraint, how far beyond its limit a point is, as a share of the limit (<= 0: kept)."""
+        asked = self.table.constraints
+        beyond = {
+            "runs": 1.0 if any(one.broken for one in (*ran, *held)) else -1.0,
+            "saturated": max(one.saturated for one in ran) - asked.saturated,
+            "stable loop": -1.0 if found.stable else 1.0,
+            "gain margin": _short(found.gain_dB if found.stable else 0.0, asked.gain_margin_dB),
+            "phase margin": _short(found.phase_deg if found.stable else 0.0, asked.phase_margin_deg),
+        }
+        if asked.limit_cycle:
+            beyond["limit cycle"] = 1.0 if any(one.hunting for one in (*ran, *held)) else -1.0
+        return beyond
+
+    def on_machine(self, ran: Sequence[Ran]) -> float:
+        """J on a drawn machine: infinite also where it saturates for too long, or hunts where a reference rests."""
+        asked = self.table.constraints
+        if any(one.saturated > asked.saturated or (asked.limit_cycle and one.hunting) for one in ran):
+            return math.inf
+        return self.objective(ran)
+
+
+def _short(value: float, asked: float) -> float:
+    """By which share of what is asked a margin is short, within -1 and 1."""
+    return float(np.clip((asked - value) / asked, -1.0, 1.0)) if asked else -1.0
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """The smallest of `values` that at least this share of them do not exceed."""
+    ordered = sorted(values)
+    return ordered[max(math.ceil(share * len(ordered) - 1e-9), 1) - 1]
+
+
+def beyond_reach(values: Sequence[float], draws: int, share: float, best: float) -> bool:
+    """Whether the quantile over all `draws` is certain to be above `best`, whatever those not yet run are."""
+    allowed = draws - max(math.ceil(share * draws - 1e-9), 1)
+    return sum(value > best for value in values) > allowed

@@ -1,0 +1,113 @@
+"""What is tuned of a controller, and between which limits."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from controllers.interface import Controller
+from controllers.settings import Setting, Tuned, idle, settings_of
+from workbench.errors import nearest
+from workbench.files import SchemaError
+from workbench.study.tune_schema import BoundTable, TuneTable
+from workbench.units import QuantityError, si
+
+RPM, THRESHOLD = "rpm", "minimum_helical_speed"
+"""Names of what is tuned of the rotation (rad/s, m/s); all others are settings of the controller."""
+
+Point = Mapping[str, float]
+"""Values (SI) of all that is tuned, by name."""
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One tuned number (SI): its limits, the scale on which it is looked for, and where the study has it."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    logarithmic: bool
+    start: float
+
+
+def space_of(name: str, controller: Controller, settings: Any, table: TuneTable, command_unit: str) -> list[Dimension]:
+    """The dimensions of a controller's gains, and of the rotation where that is tuned too.
+
+    Without a table of its own under `gains` all settings are tuned that have a documented range, count, and are not 0:
+    a term that the study leaves out stays out.
+
+    Raises:
+        SchemaError: a gain that the controller lacks, limits upside down, outside the admissible range or without any;
+            nothing to tune.
+    """
+    declared, unused = settings_of(controller.Settings), idle(controller, settings)
+    asked = table.gains.get(name)
+    key = ("tune", "gains", name)
+    if asked is None:
+        chosen = {
+            one.name: BoundTable()
+            for one in declared.values()
+            if one.tuned is not None and one.name not in unused and getattr(settings, one.name) != 0.0
+        }
+    else:
+        chosen = dict(asked)
+        for gain in chosen:
+            numbers = [one.name for one in declared.values() if one.unit and one.name not in unused]
+            if gain not in declared or not declared[gain].unit:
+                raise SchemaError((*key, gain), f'"{controller.name}" has no such gain; {nearest(gain, numbers)}')
+            if gain in unused:
+                raise SchemaError((*key, gain), unused[gain])
+    found = [
+        _dimension(declared[gain], getattr(settings, gain), bound, command_unit, (*key, gain))
+        for gain, bound in chosen.items()
+    ]
+    found += _rotation(table)
+    if not found:
+        raise SchemaError(key, f'"{controller.name}" has nothing to tune here; name a gain with min and max')
+    return found
+
+
+def _dimension(setting: Setting, value: float, bound: BoundTable, command_unit: str, key: tuple[str, ...]) -> Dimension:
+    """Limits as the study gives them, else as documented."""
+    documented = setting.tuned
+    low, high = _documented(documented, value)
+    for side in ("min", "max"):
+        given = getattr(bound, side)
+        if given is None:
+            continue
+        try:
+            number = si(given, setting.unit, command_unit)
+        except QuantityError as error:
+            raise SchemaError((*key, side), str(error)) from None
+        if not setting.about.admits(number):
+            raise SchemaError((*key, side), f"got {given!r}, expected {setting.about.expected}")
+        low, high = (number, high) if side == "min" else (low, number)
+    if math.isnan(low) or math.isnan(high):
+        raise SchemaError(key, "has no documented range here; give it min and max")
+    if not low < high:
+        raise SchemaError(key, f"min {low:g} is not below max {high:g} (SI); turn the limits round")
+    logarithmic = bound.scale == "log" if bound.scale else (documented is not None and documented.logarithmic)
+    if logarithmic and low <= 0.0:
+        if bound.scale:
+            raise SchemaError(key, f'min {low:g} has no logarithm; give it a min above 0, or scale = "linear"')
+        logarithmic = False
+    return Dimension(setting.name, setting.unit.replace("command", command_unit), low, high, logarithmic, value)
+
+
+def _documented(tuned: Tuned | None, value: float) -> tuple[float, float]:
+    """The documented limits (SI), nan where there are none."""
+    if tuned is None or (tuned.by_factor and value == 0.0):
+        return math.nan, math.nan
+    factor = value if tuned.by_factor else 1.0
+    return tuned.low * factor, tuned.high * factor
+
+
+def _rotation(table: TuneTable) -> list[Dimension]:
+    if table.rotation is None:
+        return []
+    if (rpm := table.rotation.rpm) is not None:
+        return [Dimension(RPM, "rad/s", rpm.min, rpm.max, False, rpm.min)]
+    speed = table.rotation.minimum_helical_speed
+    assert speed is not None  # the schema wants one of them
+    return [Dimension(THRESHOLD, "m/s", speed.min, speed.max, True, speed.max)]
