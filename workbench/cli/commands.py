@@ -144,6 +144,33 @@ def diagnose(
     print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
 
 
+@app.command()
+def tune(
+    study: StudyFile,
+    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
+    controller: Annotated[str, typer.Option(help="A controller of the study, or all.", metavar="NAME")] = "all",
+    trials: Annotated[int | None, typer.Option(min=1, help="Trials of each; default: what [tune] says.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
+) -> None:
+    """Find gains: the same budget, objective and constraints for every controller."""
+    from workbench.report.tuning import open_folder, say_tuning, write_tuning
+    from workbench.study.document import read_study
+    from workbench.tune.tuning import prepared, tune_all
+
+    ready, names = prepared(read_study(study), controller, trials)
+    database = open_folder(out, resume=resume, overwrite=overwrite)
+    try:
+        with ProgressLine() as told:
+            found = tune_all(ready, names, database, jobs, told or (lambda said, done: None))
+    except KeyboardInterrupt:
+        print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
+        raise typer.Exit(130) from None
+    frame = write_tuning(found, out)
+    say_tuning(frame)
+
+
 @app.command("list")
 def list_(
     kind: Annotated[

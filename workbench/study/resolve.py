@@ -41,12 +41,15 @@ SIGMAS = 3.0
 
 @dataclass(frozen=True)
 class Resolved:
-    """A case ready to run. `band` (m) is what the sensors cannot tell from rest; `settings` are the controller's."""
+    """A case ready to run. `band` (m) is what the sensors cannot tell from rest; `settings` are the controller's, and
+    `belief` is what it believes of the plant.
+    """
 
     setup: Setup
     transient: float
     band: float
     settings: Any = None
+    belief: Any = None
 
     @property
     def signal(self) -> ReferenceSignal | None:
@@ -97,7 +100,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         simulation.sample_time,
         simulation.seed,
     )
-    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution), settings)
+    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution), settings, belief)
 
 
 def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float, float]:

@@ -149,9 +149,9 @@ class Goal:
         self.table = table
         self.weights = table.objective.used
         self.columns = tuple(self.weights)
-        self._units = [dict(one.figures) for one in yardstick]
+        self.units = [dict(one.figures) for one in yardstick]
         for column in self.columns:
-            known = [one[column] for one in self._units if one[column] is not None]
+            known = [one[column] for one in self.units if one[column] is not None]
             if not known:
                 raise UserError(
                     f"[tune.objective]: {column} does not apply to any of the cases; leave it out, or tune on others"
@@ -167,7 +167,7 @@ class Goal:
         for column, weight in self.weights.items():
             ratios = [
                 abs(one.figures[column] or 0.0) / abs(unit[column])
-                for one, unit in zip(ran, self._units, strict=True)
+                for one, unit in zip(ran, self.units, strict=True)
                 if unit[column] is not None
             ]
             total += weight * float(np.mean(ratios))

@@ -1,0 +1,114 @@
+"""What is written of tuned gains: a file for each controller, which a study may name."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
+from typing import Any
+
+from workbench.study.gain_file import KEY
+from workbench.tune.search import SCORE, is_candidate
+from workbench.tune.space import RPM, THRESHOLD
+from workbench.tune.task import in_user_units, tune_table
+from workbench.tune.tuning import Tuned
+
+PACKAGES = ("optuna", "control", "casadi", "numpy", "scipy", "numba")
+"""Whose versions a gain file keeps."""
+
+KEPT = ("trial", "value", "ended", "feasible")
+"""What a gain file's history says of each trial, beside the point."""
+
+
+def gain_file(found: Tuned) -> str:
+    """The text of the gain file of a controller that has feasible gains: as `workbench.study.gain_file` reads it."""
+    assert found.best is not None
+    assert found.score is not None
+    task, table = found.task, tune_table(found.task.study)
+    tuned = in_user_units(task, found.best)
+    rotation = {name: value for name, value in tuned.items() if name in (RPM, THRESHOLD)}
+    own = {
+        key: value for key, value in task.cases[0].tables["controllers"][task.name].items() if key not in ("type", KEY)
+    }
+    settings = {**own, **{name: value for name, value in tuned.items() if name not in rotation}}
+    margins = found.score.margins
+    content: dict[str, Any] = {
+        "title": f"{task.name}, tuned",
+        "source": f"workbench tune, {task.study.path.name}: {task.study.file.title}",
+        "type": str(task.cases[0].tables["controllers"][task.name]["type"]),
+        "settings": settings,
+        "rotation": rotation,
+        "objective": {
+            "value": found.score.value,
+            "with_the_study_s_gains": found.start.value,
+            "on_the_declared_machine": found.score.nominal,
+            "yardstick": table.yardstick or next(iter(task.study.file.controllers)),
+            "weights": {name: weight for name, weight in table.objective.model_dump().items() if weight},
+            **_draws(found),
+        },
+        "margins": {
+            **{
+                name: value
+                for name, value in (("gain_margin_dB", margins.gain_dB), ("phase_margin_deg", margins.phase_deg))
+                if math.isfinite(value)
+            },
+            "speed": f"{1e3 * margins.speed:.6g} mm/s",
+        },
+        "search": {
+            "sampler": "optuna TPE",
+            "seed": table.seed,
+            "trials": len(found.trials),
+            "best_trial": found.number,
+            "polish": found.polished,
+            "versions": {name: version(name) for name in PACKAGES},
+        },
+    }
+    lines = list(_lines(content))
+    for row in history(found):
+        kept = {name: value for name, value in row.items() if name in KEPT or name in found.best}
+        lines += ["", "[[history]]", *(f"{key} = {_toml(value)}" for key, value in kept.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _draws(found: Tuned) -> dict[str, Any]:
+    """The quantiles on the draws of the search and on fresh ones, with their intervals."""
+    out: dict[str, Any] = {}
+    for kind, quantiles in (("searched", found.on_searched), ("fresh", found.on_fresh)):
+        if "tuned" in quantiles:
+            one = quantiles["tuned"]
+            out[f"on_{kind}_draws"] = {"draws": one.draws, "value": one.value, "low": one.low, "high": one.high}
+    return out
+
+
+def _lines(table: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    """A table as TOML: its values, then its tables."""
+    yield from (f"{key} = {_toml(value)}" for key, value in table.items() if not isinstance(value, Mapping))
+    for key, value in table.items():
+        if isinstance(value, Mapping) and value:
+            yield from ("", f"[{path}{key}]")
+            yield from _lines(value, f"{path}{key}.")
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, float) and not math.isfinite(value):
+        return "inf" if value > 0.0 else "-inf"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def history(found: Tuned) -> list[dict[str, Any]]:
+    """A row a trial: its number, value, how it ended, what it breaks, margins, and the point (SI)."""
+    return [
+        {
+            "controller": found.task.name,
+            "trial": number,
+            "value": trial.value if trial.value is not None else next(iter(trial.intermediate_values.values())),
+            "ended": trial.state.name.lower(),
+            "feasible": all(beyond <= 0.0 for beyond in trial.constraints.values()),
+            "candidate": is_candidate(trial),
+            "breaks": ", ".join(name for name, beyond in trial.constraints.items() if beyond > 0.0),
+            "nominal": trial.user_attrs[SCORE]["nominal"],
+            "gain_margin_dB": trial.user_attrs[SCORE]["gain_margin_dB"],
+            "phase_margin_deg": trial.user_attrs[SCORE]["phase_margin_deg"],
+            **trial.params,
+        }
+        for number, trial in enumerate(found.trials)
+    ]
