@@ -57,6 +57,16 @@ def output_jacobians(
     return c[chosen], d[chosen]
 
 
+def measurement_jacobian(plant: Plant, parameters: Any, state: Any) -> np.ndarray:
+    """Exact partial derivatives dy/dx of what the rig measures, y = measure(x, parameters), at a state.
+
+    Returns:
+        shape (readings, states), rows in the order of `plants.interface.Measurement`; 0 for a sensor that the plant
+        does not have (a reading of NaN).
+    """
+    return _symbolic_readings(plant)(to_array(state), to_array(parameters)).full() + 0.0
+
+
 def linearise(
     plant: Plant,
     parameters: Any,
@@ -161,6 +171,19 @@ def _symbolic_jacobians(plant: Plant) -> casadi.Function:
     state, inputs, _ = symbols
     matrices = [casadi.jacobian(of, over) for of in function(*symbols) for over in (state, inputs)]
     return casadi.Function(f"{plant.name}_jacobians", symbols, matrices)
+
+
+@functools.cache
+def _symbolic_readings(plant: Plant) -> casadi.Function:
+    """(state, parameters) -> derivatives of the readings for the state."""
+    classes = (plant.State, plant.Parameters)
+    vectors = [
+        casadi.SX.sym(name, len(fields(cls))) for name, cls in zip(("state", "parameters"), classes, strict=True)
+    ]
+    arguments = [from_array(cls, casadi.vertsplit(vector)) for cls, vector in zip(classes, vectors, strict=True)]
+    with _numpy_functions_of_symbols():
+        readings = casadi.vertcat(*plant.measure(*arguments))
+    return casadi.Function(f"{plant.name}_readings", vectors, [casadi.jacobian(readings, vectors[0])])
 
 
 @contextmanager

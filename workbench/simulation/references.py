@@ -87,11 +87,12 @@ class Steps:
 
 @dataclass(frozen=True)
 class Ramp:
-    """0 until `start`, then at `rate` until `stop`, then constant."""
+    """`offset` until `start`, then at `rate` until `stop`, then constant."""
 
     rate: float
     start: float = 0.0
     stop: float = np.inf
+    offset: float = 0.0
 
     period = None
     fundamental = None
@@ -102,7 +103,7 @@ class Ramp:
 
     def __call__(self, time: np.ndarray) -> Signal:
         moving = (time >= self.start) & (time < self.stop)
-        value = self.rate * (np.clip(time, self.start, self.stop) - self.start)
+        value = self.offset + self.rate * (np.clip(time, self.start, self.stop) - self.start)
         return value, np.where(moving, self.rate, 0.0), np.zeros_like(time)
 
 
