@@ -72,8 +72,8 @@ class Tuned:
 DECADES = Tuned(0.1, 10.0, by_factor=True)
 """A tenth to ten times what a study sets: for gains whose unit, and size, are the plant's."""
 
-SHARE = Tuned(0.0, 1.2, logarithmic=False)
-"""From nothing to a fifth too much, for what is exact at 1."""
+SHARE = Tuned(0.0, 1.5, logarithmic=False)
+"""From nothing to half too much, for what is exact at 1 where the plant is as simple as its law."""
 
 
 class Needs:

@@ -157,7 +157,7 @@ def tune(
     """Find gains: the same budget, objective and constraints for every controller."""
     from workbench.report.tuning import open_folder, say_tuning, write_tuning
     from workbench.study.document import read_study
-    from workbench.tune.tuning import prepared, tune_all
+    from workbench.tune.study import prepared, tune_all
 
     ready, names = prepared(read_study(study), controller, trials)
     database = open_folder(out, resume=resume, overwrite=overwrite)

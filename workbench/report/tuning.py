@@ -7,7 +7,7 @@ results.sqlite             the trials, while they are found: optuna's tables
 study.toml, run.json       the study, and what ran it
 """
 
-from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -16,6 +16,7 @@ from workbench.errors import UserError
 from workbench.folders import held, remove, write_whole
 from workbench.study.store import DATABASE, STUDY_COPY
 from workbench.tune.gains import gain_file, history
+from workbench.tune.study import Tuning
 from workbench.tune.tuning import Tuned, infeasible
 
 GAINS, RESULTS, TRIALS = "tuned", "results.csv", "trials.csv"
@@ -48,17 +49,17 @@ def open_folder(folder: Path, *, resume: bool, overwrite: bool) -> Path:
     return database
 
 
-def write_tuning(found: Sequence[Tuned], folder: Path) -> pd.DataFrame:
+def write_tuning(tuning: Tuning, folder: Path) -> pd.DataFrame:
     """Write gains, results and trials; returns the results, a row a controller."""
-    (folder / STUDY_COPY).write_text(found[0].task.study.text, encoding="utf-8")
+    found = tuning.found
+    (folder / STUDY_COPY).write_text(tuning.study.text, encoding="utf-8")
     (folder / GAINS).mkdir(exist_ok=True)
     for one in found:
         path = folder / GAINS / f"{one.task.name}.toml"
         if one.best is None:
             path.unlink(missing_ok=True)
         else:
-            text = gain_file(one)
-            write_whole(path, lambda temporary, text=text: temporary.write_text(text, encoding="utf-8"))
+            write_whole(path, partial(Path.write_text, data=gain_file(one), encoding="utf-8"))
     rows = pd.DataFrame([row for one in found for row in history(one)])
     write_whole(folder / TRIALS, lambda path: rows.to_csv(path, index=False, lineterminator="\n"))
     frame = pd.DataFrame([_row(one) for one in found])
@@ -86,3 +87,7 @@ def _row(one: Tuned) -> dict[str, object]:
             label = "_".join(str(value) for value in case.columns.values()) or "case"
             row |= {f"{name}_{label}_{when}": value for name, value in ran.figures.items()}
     return row
+
+
+def say_tuning(frame: pd.DataFrame) -> None:
+    print(frame.T.to_string())

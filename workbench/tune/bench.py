@@ -32,6 +32,10 @@ class Bench:
             for point, score in zip(points, scores, strict=True)
         ]
 
+    def declared(self, point: Point) -> Score:
+        """The score of a point on the declared machine alone."""
+        return self._declared([point])[0]
+
     def on_machines(self, point: Point, numbers: Iterable[int], stream: int) -> list[float]:
         """J of a point on each of the machines drawn with these numbers."""
         machines = [self.task.drawn(point, number, stream) for number in numbers]

@@ -7,9 +7,9 @@ J is taken on each, over the yardstick's figures on the declared machine, and it
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +30,6 @@ HOLD_SHARE = 0.25
 
 BROKEN = ("diverged", "step too small", "end stop", "saturated throughout", "stuck")
 """Outcomes of a run with which gains have failed."""
-
-T, R = TypeVar("T"), TypeVar("R")
-Map = Callable[[Callable[[T], R], Iterable[T]], Iterable[R]]
-"""`map`, or that of an executor."""
 
 
 @dataclass(frozen=True)
@@ -165,11 +161,8 @@ class Goal:
             return math.inf
         total = 0.0
         for column, weight in self.weights.items():
-            ratios = [
-                abs(one.figures[column] or 0.0) / abs(unit[column])
-                for one, unit in zip(ran, self.units, strict=True)
-                if unit[column] is not None
-            ]
+            pairs = [(one.figures[column], unit[column]) for one, unit in zip(ran, self.units, strict=True)]
+            ratios = [abs((figure or 0.0) / unit) for figure, unit in pairs if unit is not None]
             total += weight * float(np.mean(ratios))
         return total
 

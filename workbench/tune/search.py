@@ -27,7 +27,7 @@ BATCH = 4
 STARTUP = 12
 """Points at random before the sampler learns."""
 
-SHORT = 12
+SHORT = 5
 """Significant digits with which a point is tried: what a gain file holds is what was tried."""
 
 SCORE = "score"

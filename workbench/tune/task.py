@@ -113,8 +113,8 @@ def cases_for(study: Study, table: TuneTable, name: str) -> list[Case]:
     return list(found.values())
 
 
-def task_for(study: Study, name: str) -> Task:
-    """The task of tuning the controller `name` of a study.
+def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
+    """The task of tuning the controller `name` of a study; not `tuned`: as it stands there.
 
     Raises:
         UserError: the study has no [tune], no such controller, or limits of it are wrong.
@@ -128,7 +128,7 @@ def task_for(study: Study, name: str) -> Task:
     if controller.choose is not None:
         controller = first.setup.loop.controller
     try:
-        dimensions = space_of(name, controller, settings, table, first.setup.plant.command_unit)
+        dimensions = space_of(name, controller, settings, table, first.setup.plant.command_unit) if tuned else []
         uncertainty = study.file.uncertainty or UncertaintyTable()
         task = Task(study, name, controller, settings, cases, dimensions, uncertainty)
         if table.draws:
@@ -158,9 +158,9 @@ def in_user_units(task: Task, point: Point) -> Mapping[str, float | str]:
     for one in task.dimensions:
         value = point[one.name]
         if one.name == RPM:
-            written[one.name] = f"{value * 30.0 / pi:.6g} rpm"
+            written[one.name] = f"{value * 30.0 / pi:.12g} rpm"
         elif one.name in declared and declared[one.name].unit == "1":
-            written[one.name] = float(f"{value:.6g}")
+            written[one.name] = float(f"{value:.12g}")
         else:
-            written[one.name] = f"{value:.6g} {one.unit}"
+            written[one.name] = f"{value:.12g} {one.unit}"
     return written

@@ -1,0 +1,153 @@
+"""Tuning all controllers of a study: which they are, the goal that they share, classic tunings beside them."""
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from plants.equation import source_hash
+from workbench.errors import UserError, nearest
+from workbench.study.document import Study
+from workbench.study.resolve import resolve
+from workbench.study.runner import PROGRAM_FOLDERS
+from workbench.study.tune_schema import TuneTable
+from workbench.tune.bench import Bench
+from workbench.tune.classic import StartingPoint, starting_points
+from workbench.tune.goal import Goal, Score, run
+from workbench.tune.task import cases_for, task_for, tune_table
+from workbench.tune.tuning import Tuned, tune
+
+PD = "pd"
+"""What a PD that is added is called."""
+
+
+def identity_of(study: Study, table: TuneTable) -> str:
+    """What stored trials must agree in: study, [tune] without the number of trials, draws, code."""
+    uncertainty = study.file.uncertainty
+    return json.dumps(
+        {
+            "study": study.fingerprint,
+            "tune": table.model_dump(mode="json", exclude={"trials", "fresh_draws", "polish"}),
+            "uncertainty": None if uncertainty is None else uncertainty.model_dump(mode="json"),
+            "program": source_hash((*PROGRAM_FOLDERS, "workbench/tune")),
+        },
+        sort_keys=True,
+    )
+
+
+def chosen(study: Study, name: str) -> list[str]:
+    """The controllers that a name stands for: one, or all.
+
+    Raises:
+        UserError: there is none of that name.
+    """
+    known = list(study.file.controllers)
+    if name == "all":
+        return known
+    if name not in known:
+        raise UserError(f'--controller "{name}": {nearest(name, ["all", *known])}')
+    return [name]
+
+
+def goal_of(study: Study, executor: Executor) -> Goal:
+    """The goal of a study, in units of its yardstick.
+
+    Raises:
+        UserError: no such yardstick, or a figure that it does not have.
+    """
+    table = tune_table(study)
+    name = table.yardstick or next(iter(study.file.controllers))
+    if name not in study.file.controllers:
+        raise study.error(
+            ("tune", "yardstick"), f'unknown controller "{name}"; {nearest(name, study.file.controllers)}'
+        )
+    cases = [resolve(study, case) for case in cases_for(study, table, name)]
+    columns = tuple(table.objective.used)
+    return Goal(table, list(executor.map(lambda case: run(case, columns), cases)))
+
+
+@dataclass(frozen=True)
+class Classic:
+    """A classic tuning, and its score by the same goal."""
+
+    point: StartingPoint
+    score: Score
+
+
+def classics(study: Study, goal: Goal, executor: Executor) -> list[Classic]:
+    """The classic tunings of a PID for a study's plant, judged as all others are on the declared machine."""
+    names = list(study.file.controllers)
+    bare = task_for(study, names[0], tuned=False)
+    points = starting_points(bare.declared({})[0])
+    tables = {point.name: {"type": "pid", **point.settings} for point in points}
+    controllers = {**study.file.controllers, **tables}
+    with_them = replace(study, file=study.file.model_copy(update={"controllers": controllers}))
+    judged = [Bench(task_for(with_them, point.name, tuned=False), goal, executor).declared({}) for point in points]
+    return [Classic(point, score) for point, score in zip(points, judged, strict=True)]
+
+
+def prepared(study: Study, name: str, trials: int | None) -> tuple[Study, list[str]]:
+    """A study ready to be tuned, and the controllers that are: a PD is always among all of them.
+
+    Raises:
+        UserError: no [tune], no such controller, or a mistake in what is asked of one of them.
+    """
+    table = tune_table(study)
+    if trials is not None:
+        table = table.model_copy(update={"trials": trials})
+    study = replace(study, file=study.file.model_copy(update={"tune": table}))
+    names = chosen(study, name)
+    if name == "all" and not any(_is_pd(study.file.controllers[one]) for one in names):
+        study, names = _with_pd(study, names)
+    for one in names:
+        task_for(study, one)
+    return study, names
+
+
+def _is_pd(table: Mapping[str, object]) -> bool:
+    return table.get("type") == "pid" and bool(table.get("kd")) and not table.get("ki")
+
+
+def _with_pd(study: Study, names: list[str]) -> tuple[Study, list[str]]:
+    """The study with a PD controller, placed by its poles, beside the others."""
+    plain = task_for(study, names[0])
+    placed = [{"type": "pid", **point.settings} for point in starting_points(plain.declared(plain.start)[0])]
+    table = next(filter(_is_pd, placed))
+    controllers = {**study.file.controllers, PD: table}
+    return replace(study, file=study.file.model_copy(update={"controllers": controllers})), [*names, PD]
+
+
+@dataclass(frozen=True, eq=False)
+class Tuning:
+    """What became of all controllers, and classic tunings of a PID beside them."""
+
+    study: Study
+    found: Sequence[Tuned]
+    classics: Sequence[Classic]
+
+
+def tune_all(
+    study: Study,
+    names: Sequence[str],
+    database: Path,
+    jobs: int | None = None,
+    tell: Callable[[str, float], None] = lambda said, done: None,
+) -> Tuning:
+    """Tune these controllers of a `prepared` study, one after another.
+
+    Raises:
+        UserError: trials of another study in the database, or a yardstick that does not serve.
+    """
+    identity = identity_of(study, tune_table(study))
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+        goal = goal_of(study, executor)
+        found = list[Tuned]()
+        for name in names:
+
+            def told(said: str, done: int, of: int) -> None:
+                tell(said, (len(found) + done / of) / len(names))
+
+            found.append(tune(Bench(task_for(study, name), goal, executor), database, identity, told))
+        return Tuning(study, found, classics(study, goal, executor))
