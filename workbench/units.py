@@ -23,7 +23,10 @@ def _registry() -> Any:
     return registry
 
 
-_QUANTITY = re.compile(r"(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\d\s,;.+-][^,;]*)?")
+_QUANTITY = re.compile(
+    r"(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)(\s*(?P<unit>[^\d\s,;.+-][^,;]*)|\s+(?P<inverse>1/[^,;]*))?"
+)
+"""A number and a unit; one such as 1/s stands off from its number."""
 
 
 @functools.cache
@@ -32,16 +35,17 @@ def _si(text: str, unit: str) -> float:
     parts = _QUANTITY.fullmatch(text)
     if parts is None:
         raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}')
+    named = parts["unit"] or parts["inverse"] or ""
     try:
-        base = registry.Quantity(float(parts["number"]), registry.Unit(parts["unit"] or "")).to_base_units()
+        base = registry.Quantity(float(parts["number"]), registry.Unit(named)).to_base_units()
     except Exception as error:
-        meant = nearest_unit(parts["unit"] or "", unit)
+        meant = nearest_unit(named, unit)
         hint = f'; did you mean "{parts["number"]} {meant}"?' if meant else f"; expected {example(unit)}"
         raise QuantityError(f'got "{text}", which is not a number with a unit{hint}') from error
     # Base units keep the radian: a frequency in Hz is no speed in rad/s.
     if base.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
         got = f'got "{text}"'
-        if not parts["unit"]:
+        if not named:
             got += " without a unit (write a bare number, without quotes, for SI)"
         raise QuantityError(f"{got}, expected {example(unit)}")
     return float(base.magnitude)

@@ -113,13 +113,14 @@ def _quantiles(bench: Bench, best: Point, count: int, stream: int) -> dict[str, 
 
 
 def _classic(task: Task) -> list[dict[str, float]]:
-    """Classic starting points that have just the gains that are tuned, within their limits."""
-    names = {one.name for one in task.dimensions}
+    """Classic starting points of just the PID gains that are tuned, within their limits; the rest is the study's."""
+    pid = {one.name for one in task.dimensions} & {"kp", "ki", "kd"}
     found = []
     for point in starting_points(task.declared(task.start)[0]):
         gains = {name: value for name, value in point.settings.items() if value}
-        if set(gains) == names:
-            found.append({one.name: min(max(gains[one.name], one.low), one.high) for one in task.dimensions})
+        if set(gains) == pid:
+            wanted = {**task.start, **gains}
+            found.append({one.name: min(max(wanted[one.name], one.low), one.high) for one in task.dimensions})
     return found
 
 

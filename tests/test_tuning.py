@@ -1,0 +1,310 @@
+"""Tuning: the same budget and goal for all, gains that keep the constraints, the same gains whatever happens."""
+
+import math
+import signal
+import sqlite3
+import subprocess
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from command import PROCESS, workbench, write
+from scipy.stats import binom
+from tuned_study import HUNTING, STUDY, ready, robust, tuned
+
+from controllers.settings import usable
+from plants.equation import to_array
+from workbench.study.document import read_study, unfold
+from workbench.study.gain_file import read_gain_file
+from workbench.study.resolve import resolve
+from workbench.tune.bench import Bench
+from workbench.tune.gains import gain_file
+from workbench.tune.goal import beyond_reach, quantile
+from workbench.tune.loop import open_loop
+from workbench.tune.search import is_candidate
+from workbench.tune.study import Tuning, goal_of
+from workbench.tune.task import task_for
+from workbench.tune.tuning import infeasible, interval
+
+
+def outcome(tuning: Tuning) -> list[object]:
+    """All that has to be the same."""
+    return [
+        (one.task.name, one.best, one.number, [(trial.params, trial.value, trial.constraints) for trial in one.trials])
+        for one in tuning.found
+    ]
+
+
+# --- the same gains whatever happens ---
+
+
+@pytest.mark.parametrize("text", [STUDY, robust()], ids=["declared", "drawn"])
+def test_jobs_do_not_change_the_gains(tmp_path: Path, text: str) -> None:
+    one = tuned(tmp_path / "one", text, "lugre", trials=14, jobs=1)
+    two = tuned(tmp_path / "two", text, "lugre", trials=14, jobs=2)
+    assert outcome(one) == outcome(two)
+    assert len(one.found[0].trials) == 14
+
+
+def test_going_on_within_a_batch_does_not_change_the_gains(tmp_path: Path) -> None:
+    whole = tuned(tmp_path / "whole", STUDY, "pd", trials=18)
+    tuned(tmp_path / "parts", STUDY, "pd", trials=5)
+    tuned(tmp_path / "parts", STUDY, "pd", trials=14)
+    assert outcome(tuned(tmp_path / "parts", STUDY, "pd", trials=18)) == outcome(whole)
+
+
+def test_a_killed_command_goes_on_to_the_same_gains(tmp_path: Path) -> None:
+    study, killed, whole = write(tmp_path, STUDY), tmp_path / "killed", tmp_path / "whole"
+    options = ("--controller", "lugre", "--trials", "24")
+    process = subprocess.Popen(
+        [*PROCESS, "tune", str(study), *options, "--out", str(killed), "--jobs", "1"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 120.0
+    while stored(killed) < 6 and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    process.wait(timeout=60.0)
+    assert 6 <= stored(killed) < 24
+    assert not (killed / "tuned").exists()
+    refused = workbench("tune", study, *options, "--out", killed)
+    assert "holds trials already; go on with --resume" in refused.err
+    assert workbench("tune", study, *options, "--out", killed, "--jobs", "2", "--resume").code == 0
+    assert workbench("tune", study, *options, "--out", whole, "--jobs", "1").code == 0
+    for name in ("tuned/lugre.toml", "trials.csv", "results.csv"):
+        assert (killed / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+def stored(folder: Path) -> int:
+    """How many trials a killed search has committed."""
+    try:
+        with sqlite3.connect(f"file:{folder / 'results.sqlite'}?mode=ro", uri=True) as connection:
+            return int(connection.execute("SELECT COUNT(*) FROM trials").fetchone()[0])
+    except sqlite3.Error:
+        return 0
+
+
+def test_trials_of_another_study_are_not_taken(tmp_path: Path) -> None:
+    tuned(tmp_path / "one", STUDY, "p", trials=4)
+    other = write(tmp_path / "one", STUDY.replace('"2 Hz"', '"1 Hz"'))
+    answer = workbench("tune", other, "--controller", "p", "--out", tmp_path / "one", "--resume")
+    assert answer.code == 2
+    assert "its trials of p are of another study, seed or version of the program" in answer.err
+
+
+# --- fair ---
+
+
+def test_all_meet_the_same_machines(tmp_path: Path) -> None:
+    study, names = ready(tmp_path, robust(), "all")
+    tasks = [task_for(study, name) for name in names]
+    for number in range(3):
+        machines = [task.drawn(task.start, number)[0].setup for task in tasks]
+        assert len({to_array(one.parameters).tobytes() for one in machines}) == 1
+        assert len({one.seed for one in machines}) == 1
+    first, second = (to_array(tasks[0].drawn(tasks[0].start, number)[0].setup.parameters) for number in range(2))
+    assert not np.array_equal(first, second)
+
+
+def test_a_pd_is_always_among_them(tmp_path: Path) -> None:
+    without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
+    study, names = ready(tmp_path, without, "all")
+    assert names == ["p", "lugre", "pd"]
+    added = task_for(study, "pd")
+    assert {one.name for one in added.dimensions} == {"kp", "kd", "velocity_time_constant"}
+    assert ready(tmp_path, STUDY, "all")[1] == ["p", "pd", "lugre"]
+    assert ready(tmp_path, without, "p")[1] == ["p"]
+
+
+def test_every_controller_documents_ranges_about_its_defaults() -> None:
+    from controllers.registry import controllers
+
+    for controller in controllers().values():
+        for item in usable(controller).values():
+            if item.tuned is None:
+                continue
+            low, high = item.tuned.low, item.tuned.high
+            assert low < high
+            default = 1.0 if item.tuned.by_factor else item.default
+            assert default is None or low <= float(default) <= high or default == 0.0, (controller.name, item.name)
+            assert item.about.admits(low), (controller.name, item.name)
+
+
+# --- constraints ---
+
+
+def test_a_hunting_loop_is_never_returned(tmp_path: Path) -> None:
+    """K_i 1000 V/(m s) hunts on soft hoses and 500 does not; the error falls with K_i all the way."""
+    found = tuned(tmp_path, HUNTING, "pi", jobs=2).found[0]
+    hunting = [trial for trial in found.trials if trial.constraints["limit cycle"] > 0.0]
+    assert min(found.trials, key=lambda trial: trial.value or math.inf) in hunting
+    assert all(trial.params["ki"] > 500.0 for trial in hunting)
+    assert found.best is not None
+    assert found.best["ki"] <= 1000.0
+    assert found.trials[found.number] not in hunting
+    assert not any(is_candidate(trial) for trial in hunting)
+
+
+def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> None:
+    text = STUDY + "[tune.constraints]\nphase_margin_deg = 89\n"
+    found = tuned(tmp_path, text, "p").found[0]
+    assert found.best is None
+    most = max(trial.user_attrs["score"]["phase_margin_deg"] for trial in found.trials)
+    assert infeasible(found) == (
+        "no trial keeps all constraints; phase margin fails most often, in 10 of 10 trials; the nearest has "
+        f"{most:.1f} deg, 89 deg are asked for"
+    )
+
+
+def test_a_gain_file_carries_the_margins_of_its_loop(tmp_path: Path) -> None:
+    """Read again, the gains give the margins; those of a P also come from the plant's own transfer function."""
+    tuning = tuned(tmp_path, STUDY, "all", trials=8, jobs=2)
+    for found in tuning.found:
+        path = write(tmp_path, gain_file(found), f"{found.task.name}.toml")
+        kept = read_gain_file(path)
+        using = STUDY.replace("[controllers]\n", f'[controllers]\nagain = {{ gains = "{path.name}" }}\n')
+        using = using.replace('controller = ["p", "pd", "lugre"]', 'controller = ["again"]')
+        study = read_study(write(tmp_path, using, "using.toml"))
+        setup = resolve(study, unfold(study)[0]).setup
+        loop = open_loop(setup, 2.0 * np.pi * 2.0 * 5e-3)
+        gain, phase, _, _ = control.margin(control.frd(loop, np.geomspace(0.1, np.pi / setup.sample_time, 40_000)))
+        assert kept.margins.gain_margin_dB == pytest.approx(20.0 * math.log10(gain), abs=0.05)
+        assert kept.margins.phase_margin_deg == pytest.approx(phase, abs=0.1)
+        assert kept.margins.gain_margin_dB >= 6.0
+        assert kept.margins.phase_margin_deg >= 45.0
+
+
+# --- gain files ---
+
+
+def test_a_study_runs_with_a_gain_file_as_with_its_numbers(tmp_path: Path) -> None:
+    found = tuned(tmp_path, STUDY, "lugre").found[0]
+    assert found.best is not None
+    write(tmp_path, gain_file(found), "lugre.toml")
+    using = STUDY.replace(
+        'lugre = { type = "lugre", law = "valve_inversion" }', 'lugre = { gains = "lugre.toml", injection = 0.2 }'
+    )
+    study = read_study(write(tmp_path, using, "using.toml"))
+    resolved = resolve(study, unfold(study)[2])
+    assert resolved.settings == found.task.settings_at(found.best)._replace(injection=0.2)
+    answer = workbench("check", tmp_path / "lugre.toml")
+    assert "tuned gains of lugre, in order: law valve_inversion" in answer.out
+    lost = workbench("check", write(tmp_path, using.replace("lugre.toml", "lugres.toml"), "lost.toml"))
+    assert "controllers.lugre.gains: " in lost.err
+    assert 'did you mean "lugre.toml"' in lost.err
+
+
+# --- quantiles ---
+
+
+def test_the_quantile_is_the_draw_of_that_rank() -> None:
+    values = [float(value) for value in range(32, 0, -1)]
+    assert quantile(values, 0.9) == 29.0
+    assert quantile(values, 0.5) == 16.0
+    assert quantile([3.0, math.inf, 1.0], 0.6) == 3.0
+
+
+def test_the_interval_of_a_quantile_has_its_probability() -> None:
+    """200 draws: between ranks of which the binomial distribution says at least 95 %, and no narrower one does."""
+    found = interval([float(rank) for rank in range(1, 201)], 0.9)
+    low, high = int(found.low), int(found.high)
+    assert (found.value, low, high) == (180.0, 171, 189)
+    assert binom.cdf(high - 1, 200, 0.9) - binom.cdf(low - 1, 200, 0.9) >= 0.95
+    few = interval([1.0, 2.0, 3.0, 4.0], 0.9)
+    assert (few.value, few.high) == (4.0, math.inf)
+
+
+def test_giving_up_never_loses_the_best(tmp_path: Path) -> None:
+    """Points that are given up are those that could not win: judged to the end they are worse."""
+    assert not beyond_reach([2.0, 2.0, 2.0], 32, 0.9, 1.0)
+    assert beyond_reach([2.0, 2.0, 2.0, 2.0], 32, 0.9, 1.0)
+    study, _ = ready(tmp_path, robust(draws=16), "lugre")
+    found = tuned(tmp_path, robust(draws=16), "lugre", trials=16).found[0]
+    pruned = [trial for trial in found.trials if trial.value is None]
+    assert pruned
+    assert found.score is not None
+    with ThreadPoolExecutor(1) as executor:
+        bench = Bench(task_for(study, "lugre"), goal_of(study, executor), executor)
+        assert all(bench.judge([trial.params], math.inf)[0].value > found.score.value for trial in pruned)
+
+
+def test_the_gains_are_measured_on_machines_that_the_search_has_not_met(tmp_path: Path) -> None:
+    found = tuned(tmp_path, robust(), "pd").found[0]
+    assert found.score is not None
+    assert found.on_searched["tuned"].value == found.score.value == found.trials[found.number].value
+    assert (found.on_searched["tuned"].draws, found.on_fresh["tuned"].draws) == (8, 12)
+    assert found.on_fresh["tuned"].value != found.on_searched["tuned"].value
+    assert found.on_fresh["tuned"].low <= found.on_fresh["tuned"].value <= found.on_fresh["tuned"].high
+
+
+# --- the rotation ---
+
+
+def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
+    """Power has its price: with much weight on it the rod hardly turns, with none it turns faster."""
+    turning = (
+        '[tune.gains.p]\nkp = { min = "499 V/m", max = "501 V/m" }\n'
+        '[tune.rotation]\nrpm = { min = "5 rpm", max = "120 rpm" }\n'
+        "[tune.objective]\nelectric_power = WEIGHT\n"
+    )
+    text = (
+        STUDY.replace('model = "non_rotating"', 'model = "rotating"\nbristle = "isotropic"')
+        .replace("[axes]\n", "[axes]\nrpm = [10]\n")
+        .replace("[tune.objective]\n", turning)
+    )
+    dear, free = (
+        tuned(tmp_path / weight, text.replace("WEIGHT", weight), "p", trials=16).found[0] for weight in ("1", "0")
+    )
+    assert dear.best is not None
+    assert free.best is not None
+    assert dear.best["rpm"] < 15.0 * np.pi / 30.0 < free.best["rpm"]
+    assert read_gain_file(write(tmp_path, gain_file(free), "free.toml")).rotation["rpm"] == (
+        f"{free.best['rpm'] * 30.0 / np.pi:.12g} rpm"
+    )
+
+
+# --- mistakes ---
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[tune.objective]\nrms_error = 1", "", "tune.objective: is missing"),
+        ("rms_error = 1", "rms_error = 0", "all weights are 0; give at least one of rms_error, "),
+        ("rms_error = 1", "rms_errors = 1", 'unknown key; did you mean "rms_error"?'),
+        (
+            "[tune.objective]",
+            "[tune.gains.p]\nkq = {}\n[tune.objective]",
+            'p.kq: "pid" has no such gain; expected one of kp, ki, kd',
+        ),
+        (
+            "[tune.objective]",
+            '[tune.gains.p]\nkp = { min = "9 V/m", max = "5 V/m" }\n[tune.objective]',
+            "tune.gains.p.kp: min 9 is not below max 5 (SI); turn the limits round",
+        ),
+        (
+            "[tune.objective]",
+            '[tune.gains.p]\nkp = { min = "9 m" }\n[tune.objective]',
+            'tune.gains.p.kp.min: got "9 m"',
+        ),
+        (
+            "[tune.objective]",
+            "[tune.gains.p]\nki = {}\n[tune.objective]",
+            "p.ki: has no documented range here; give it min",
+        ),
+        ("trials = 10", 'trials = 10\nyardstick = "q"', 'tune.yardstick: unknown controller "q"'),
+        ("trials = 10", "trials = 10\nwhere = { rpm = 7 }", "[tune] where: no case of p has rpm 7"),
+        ("rms_error = 1", "steady_state_error = 1", "steady_state_error_m does not apply to any of the cases"),
+    ],
+)
+def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert STUDY.count(old) == 1
+    answer = workbench("tune", write(tmp_path, STUDY.replace(old, new)), "--controller", "p", "--out", tmp_path / "out")
+    assert answer.code == 2
+    assert said in answer.err
+    assert "Traceback" not in answer.err
+    assert answer.err.count("\n") == 1
