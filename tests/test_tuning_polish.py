@@ -64,7 +64,7 @@ def test_positions_are_those_of_the_simulation(name: str, chosen: dict[str, str]
 
 @pytest.mark.parametrize(
     ("plant", "rpm", "substeps"),
-    [("rotating_helical", 230.0, 6), ("rotating_anisotropic", 230.0, 6), ("two_chamber", 0.0, 2)],
+    [("rotating_helical", 230.0, 6), ("rotating_anisotropic", 230.0, 6), ("two_chamber", 0.0, 4)],
 )
 def test_other_plants_agree_with_steps_as_fine_as_their_bristles_need(plant: str, rpm: float, substeps: int) -> None:
     setup, _, _ = tracking("pid", 0.4, plant, rpm=rpm)
@@ -269,5 +269,10 @@ def test_mistakes_are_named() -> None:
         polish(replace(problem, bounds={"ki": Bound(0.0, 1.0, logarithmic=True)}))
     with pytest.raises(UserError, match=r"^case 1: window of samples 0 to 301, expected one within 0 to 300$"):
         polish(replace(problem, cases=(replace(case, last=301),), bounds={"kp": Bound(100.0, 600.0, logarithmic=True)}))
+    refused = replace(problem, settings=PID.Settings(kp=200.0, velocity_time_constant=0.0))
+    with pytest.raises(UserError, match=r"^pid: velocity_time_constant is 0, expected a value above 0$"):
+        polish(refused)
+    with pytest.raises(UserError, match=r"^0 evaluations, expected at least 1$"):
+        polish(refused, evaluations=0)
     with pytest.raises(UserError, match=r"^nothing to polish"):
         polish(replace(problem, cases=()))

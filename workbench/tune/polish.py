@@ -87,7 +87,8 @@ def polish(problem: PolishProblem, evaluations: int = 15) -> Polished:
     """Descend from the problem's settings with at most `evaluations` values and gradients (L-BFGS-B).
 
     Raises:
-        UserError: a case that has no gradient, an unknown setting, bounds that do not serve.
+        UserError: a case that has no gradient, an unknown setting, bounds that do not serve, settings that the
+            controller refuses.
     """
     search = _Search(problem, evaluations)
     start = point_of(problem)
@@ -121,10 +122,16 @@ class _Search:
 
     def __init__(self, problem: PolishProblem, evaluations: int) -> None:
         _check(problem)
-        chosen = problem.controller.choose
+        if evaluations < 1:
+            raise UserError(f"{evaluations} evaluations, expected at least 1")
         self.problem = problem
-        self.controller = problem.controller if chosen is None else chosen(problem.settings, problem.belief)
-        self.loops = [self._loop(place, case) for place, case in enumerate(problem.cases)]
+        self.controller = problem.controller
+        try:
+            if self.controller.choose is not None:
+                self.controller = self.controller.choose(problem.settings, problem.belief)
+            self.loops = [self._loop(place, case) for place, case in enumerate(problem.cases)]
+        except ValueError as error:
+            raise UserError(f"{problem.controller.name}: {error}") from None
         self.allowed, self.spent = evaluations, 0
         self.unit = 1.0
         self.start_value = self.best_value = np.inf

@@ -73,8 +73,8 @@ def sampled_loop(plant: Plant, controller: Controller, substeps: int) -> Sampled
     x = casadi.SX.sym("x", len(fields(plant.State)))
     memory = casadi.SX.sym("memory", len(fields(controller.State)))
     wanted = casadi.SX.sym("wanted", WANTED)
-    position, velocity, acceleration, time = casadi.vertsplit(wanted)
-    reference = Reference(position, velocity, acceleration)
+    *profile, time = casadi.vertsplit(wanted)
+    reference = from_array(Reference, profile)
     try:
         with numpy_functions_of_symbols():
             reading = plant.measure(from_array(plant.State, casadi.vertsplit(x)), parameters)

@@ -19,12 +19,16 @@ from workbench.linear import jacobians
 from workbench.simulation.simulate import Run, Setup, simulate
 from workbench.tune.sampled_loop import BLOCK, NotSymbolicError, SampledLoop, sampled_loop
 
-FEWEST_SUBSTEPS, MOST_SUBSTEPS = 2, 40
-"""Runge-Kutta steps a sample. Two at 1 kHz leave the hydraulic resonance (1207 rad/s) 0.6 rad a step."""
+LONGEST_STEP = 2.5e-4
+"""s. Steps of Runge and Kutta are no longer: the bristle of the simulation plant, whose rate sigma0 |v| / g grows with
+the speed, is then stable up to 0.71 m/s, the valve's largest flow, and the hydraulic resonance turns by 0.3 rad."""
 
 STABLE_TURN = 1.4
-"""Step times fastest eigenvalue: half of what the method bears (2.78 for a decay, 2.83 for an oscillation). The
-bristle's rate sigma0 |v| / g grows with the speed; gains that move the piston twice as fast are still served."""
+"""Step times fastest eigenvalue: half of what the method bears (2.78 for a decay, 2.83 for an oscillation), so that
+gains which move a turning piston's bristle twice as fast are still served."""
+
+MOST_SUBSTEPS = 40
+"""Steps a sample. A plant that needs more is not worth an explicit method."""
 
 PROBED = 100
 """States of a run at which its eigenvalues are found."""
@@ -130,7 +134,7 @@ def not_served(setup: Setup) -> str | None:
         if any(getattr(channel, flaw) for flaw in FLAWS):
             return f"its sensor of {name} is not ideal"
     try:
-        sampled_loop(setup.plant, setup.loop.controller, FEWEST_SUBSTEPS)
+        sampled_loop(setup.plant, setup.loop.controller, _fewest_substeps(setup))
     except NotSymbolicError as error:
         return str(error)
     return None
@@ -182,8 +186,8 @@ def _compare(loop: ClosedLoop, run: Run) -> None:
 def needed_substeps(setup: Setup, run: Run) -> int:
     """Steps of Runge and Kutta a sample that `run` of `setup` needs, from the plant's eigenvalues along it.
 
-    The smallest number of at least `FEWEST_SUBSTEPS` at which step times largest |eigenvalue| is within `STABLE_TURN`,
-    over `PROBED` states of the run and that of its largest speed.
+    The smallest number at which the step is within `LONGEST_STEP`, and step times largest |eigenvalue| within
+    `STABLE_TURN`, over `PROBED` states of the run and that of its largest speed.
     """
     usable = np.flatnonzero(np.all(np.isfinite(run.states), axis=1))
     chosen = usable[np.linspace(0, usable.size - 1, PROBED).astype(int)]
@@ -194,7 +198,11 @@ def needed_substeps(setup: Setup, run: Run) -> int:
         slopes, _ = jacobians(setup.plant, setup.parameters, state, inputs)
         if np.all(np.isfinite(slopes)):
             largest = max(largest, float(np.max(np.abs(np.linalg.eigvals(slopes)))))
-    return max(FEWEST_SUBSTEPS, int(np.ceil(largest * setup.sample_time / STABLE_TURN)))
+    return max(_fewest_substeps(setup), int(np.ceil(largest * setup.sample_time / STABLE_TURN)))
+
+
+def _fewest_substeps(setup: Setup) -> int:
+    return int(np.ceil(setup.sample_time / LONGEST_STEP - 1e-9))
 
 
 def _whole_blocks(wanted: np.ndarray) -> np.ndarray:
