@@ -100,7 +100,7 @@ def polish(problem: PolishProblem, evaluations: int = 15) -> Polished:
         return search.ended("the objective has no gradient at the start")
     if steepness == 0.0:
         return search.ended("no setting moves the objective")
-    search.unit = steepness / FIRST_STEP
+    search.unit, search.first = steepness / FIRST_STEP, (value, slope)
     try:
         result = minimize(
             search.scaled,
@@ -134,6 +134,7 @@ class _Search:
             raise UserError(f"{problem.controller.name}: {error}") from None
         self.allowed, self.spent = evaluations, 0
         self.unit = 1.0
+        self.first: tuple[float, np.ndarray] | None = None
         self.start_value = self.best_value = np.inf
         self.best = problem.settings
 
@@ -163,7 +164,8 @@ class _Search:
 
     def scaled(self, point: np.ndarray) -> tuple[float, np.ndarray]:
         """J over `unit`; a wall where a run diverges or no gradient is had."""
-        value, slope = self(point)
+        value, slope = self.first or self(point)  # the descent begins where the first evaluation was
+        self.first = None
         if not np.all(np.isfinite(slope)):
             return WALL * self.start_value / self.unit, np.zeros_like(point)
         return value / self.unit, slope / self.unit
