@@ -226,8 +226,8 @@ def ekf_at_rest(measurement: Measurement, gains: EkfGains) -> EkfState:
     """
     noise, stiffness = gains.noise, gains.friction.positive.bristle_stiffness
     pressure = measurement.pressure_1 - measurement.pressure_2
-    force = float(hyd.pressure_force(pressure, gains.hydraulics)) - gains.body.load_force
-    bristle = float(np.clip(force / stiffness, -gains.largest_bristle, gains.largest_bristle))
+    force = hyd.pressure_force(pressure, gains.hydraulics) - gains.body.load_force
+    bristle = np.minimum(np.maximum(force / stiffness, -gains.largest_bristle), gains.largest_bristle)
     covariance = Covariance(
         *(noise.measured_position, 0.0, 0.0, 0.0),
         *(noise.velocity, 0.0, 0.0),

@@ -66,8 +66,8 @@ def lugre_adaptive(seen: Seen, memory: Memory, belief: Belief, sample_time: Scal
     residual = RESIDUAL_RATE * (memory.momentum - belief.mass * seen.velocity)
     momentum = memory.momentum + sample_time * (seen.applied_force - force - residual)
     steady = np.abs(seen.velocity) / np.maximum(memory.theta * relaxation, 1e-12)
-    adapting = (np.abs(seen.velocity) > SLOWEST_ADAPTATION) & (np.abs(bristle) > SATURATED_BRISTLE * steady)
     step = -sample_time * belief.adaptation * relaxation * bristle * residual
     moved = np.minimum(np.maximum(memory.theta + step, THETA_RANGE[0]), THETA_RANGE[1])
-    theta = select(adapting, moved, memory.theta)
+    saturated = select(np.abs(bristle) > SATURATED_BRISTLE * steady, moved, memory.theta)
+    theta = select(np.abs(seen.velocity) > SLOWEST_ADAPTATION, saturated, memory.theta)
     return force, Memory(memory.level, bristle, theta, momentum, seen.velocity)

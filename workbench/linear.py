@@ -157,7 +157,7 @@ def symbolic(plant: Plant) -> casadi.Function:
     classes = {"state": plant.State, "inputs": plant.Inputs, "parameters": plant.Parameters}
     vectors = {name: casadi.SX.sym(name, len(fields(cls))) for name, cls in classes.items()}
     arguments = [from_array(cls, casadi.vertsplit(vectors[name])) for name, cls in classes.items()]
-    with _numpy_functions_of_symbols():
+    with numpy_functions_of_symbols():
         rates = casadi.vertcat(*leaves(plant.derivatives(EVALUATION_TIME, *arguments)))
         signals = casadi.vertcat(*plant.signals(EVALUATION_TIME, *arguments))
     return casadi.Function(plant.name, [*vectors.values()], [rates, signals], [*vectors], ["rates", "signals"])
@@ -187,7 +187,7 @@ def _symbolic_readings(plant: Plant) -> casadi.Function:
 
 
 @contextmanager
-def _numpy_functions_of_symbols() -> Iterator[None]:
+def numpy_functions_of_symbols() -> Iterator[None]:
     """Let NumPy's functions take CasADi symbols; a global switch of CasADi's, put back as it was."""
     before = casadi.GlobalOptions.getNumpyMode()
     casadi.GlobalOptions.setNumpyMode(1)
