@@ -181,7 +181,7 @@ def _symbolic_readings(plant: Plant) -> casadi.Function:
         casadi.SX.sym(name, len(fields(cls))) for name, cls in zip(("state", "parameters"), classes, strict=True)
     ]
     arguments = [from_array(cls, casadi.vertsplit(vector)) for cls, vector in zip(classes, vectors, strict=True)]
-    with _numpy_functions_of_symbols():
+    with numpy_functions_of_symbols():
         readings = casadi.vertcat(*plant.measure(*arguments))
     return casadi.Function(f"{plant.name}_readings", vectors, [casadi.jacobian(readings, vectors[0])])
 
