@@ -87,7 +87,7 @@ def margins_of(a: np.ndarray, b: np.ndarray, c: np.ndarray, sample_time: float, 
     phase = _nearest(_phase_distances(response, grid, values))
     stable = is_stable(a, b, c)
     sign, note = (1.0, "") if stable else (-1.0, "the linearised loop is unstable")
-    return Margins(sign * gain[0], sign * phase[0], gain[1], phase[1], stable, speed, note)
+    return Margins(*map(float, (sign * gain[0], sign * phase[0], gain[1], phase[1])), stable, speed, note)
 
 
 def is_stable(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:

@@ -114,7 +114,7 @@ def _trouble(run: Run, speed: float, window: int) -> str:
     velocity, command = _mean_over(run.state("velocity"), window), _mean_over(run.command, window)
     quarter = velocity.size // 4
     before, last = velocity[-2 * quarter : -quarter], velocity[-quarter:]
-    if np.any(np.abs(command[-quarter:]) >= run.plant.command_limit(run.parameters)):
+    if np.all(np.abs(command[-quarter:]) >= run.plant.command_limit(run.parameters)):
         return "the command is at the amplifier's limit"
     if np.ptp(last) > TOLERANCE * abs(speed):
         return OSCILLATES if np.ptp(last) > SUSTAINED * np.ptp(before) else "the rod does not slide steadily in time"
