@@ -73,10 +73,10 @@ def slide(setup: Setup, speed: float) -> OperatingPoint:
         raise UserError(
             f"speed is {speed:g} m/s, expected one that slides: at rest a loop with friction has no margins"
         )
-    setup, window = _ideal(setup), _window(setup)
+    setup, window = without_end_stops(replace(setup, feeds=(), sensors=Sensors())), _window(setup)
     longest = USED_TRAVEL * float(setup.plant.travel(setup.parameters)) / abs(speed)
     for duration in DURATIONS:
-        run = simulate(_along_ramp(setup, speed, min(duration, longest)))
+        run = simulate(along_ramp(setup, speed, min(duration, longest)))
         trouble = _trouble(run, speed, window)
         lasting = duration > DURATIONS[0] and trouble == OSCILLATES
         if not trouble or lasting or run.diverged or duration >= longest:
@@ -84,17 +84,18 @@ def slide(setup: Setup, speed: float) -> OperatingPoint:
     return _taken(run, window, trouble)
 
 
-def _ideal(setup: Setup) -> Setup:
-    """The setup without feeds, sensors' errors and end stops."""
+def without_end_stops(setup: Setup) -> Setup:
+    """The setup of a plant whose end stops do not act, so that a slide may be as long as it takes."""
     names = [item.name for item in fields(setup.plant.Parameters)]
     numbers = to_array(setup.parameters)
     if END_STOP in names:
         numbers[names.index(END_STOP)] = 0.0
     parameters = from_array(setup.plant.Parameters, numbers.tolist())
-    return replace(setup, parameters=parameters, feeds=(), sensors=Sensors())
+    return replace(setup, parameters=parameters)
 
 
-def _along_ramp(setup: Setup, speed: float, duration: float) -> Setup:
+def along_ramp(setup: Setup, speed: float, duration: float) -> Setup:
+    """The setup with a ramp of that speed (m/s) and duration (s) that ends where `setup` starts."""
     start = setup.state.position - speed * duration
     state = setup.state._replace(position=start)
     return replace(setup, state=state, duration=duration, reference=Ramp(speed, offset=start))
