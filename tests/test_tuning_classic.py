@@ -224,7 +224,6 @@ def test_starting_points_without_an_answer_say_so() -> None:
     assert all("not stable" in point.note or "no closed loop" in point.note for point in falling)
     rising = {point.name: point for point in starting_points(setup, setup.parameters, 0.15)}
     assert rising["pole_placement_pd"].margins.stable
+    unlimited = registered("drive_force", duration=1.0)
     with pytest.raises(UserError, match="give largest_command"):
-        starting_points(
-            registered("drive_force", duration=1.0), registered("drive_force", duration=1.0).parameters, SPEED
-        )
+        starting_points(unlimited, unlimited.parameters, SPEED)

@@ -240,12 +240,8 @@ def _judged(name: str, method: str, gains: PidGains, basis: str, believed: Setup
 
 def _under(setup: Setup, gains: PidGains) -> Setup:
     """The setup under a PID of those gains."""
-    return replace(
-        setup,
-        loop=Loop(
-            PID, PID.design(PidSettings(gains["kp"], gains["ki"], gains["kd"]), setup.parameters, setup.sample_time)
-        ),
-    )
+    settings = PidSettings(gains["kp"], gains["ki"], gains["kd"])
+    return replace(setup, loop=Loop(PID, PID.design(settings, setup.parameters, setup.sample_time)))
 
 
 def _words(found: Margins) -> str:

@@ -27,6 +27,9 @@ SUSTAINED = 0.9
 USED_TRAVEL = 0.9
 """Share of the travel that a slide may take, where a plant keeps its end stops."""
 
+CROSSINGS = 8
+"""Of its mean by the velocity in a quarter: with fewer, what looks like an oscillation may be the start."""
+
 OSCILLATES = "the velocity keeps oscillating"
 END_STOP = "end_stop_stiffness"
 """The parameter by which the plants have end stops; one that has others keeps them, and its slide keeps clear."""
@@ -78,8 +81,7 @@ def slide(setup: Setup, speed: float) -> OperatingPoint:
     for duration in DURATIONS:
         run = simulate(along_ramp(setup, speed, min(duration, longest)))
         trouble = _trouble(run, speed, window)
-        lasting = duration > DURATIONS[0] and trouble == OSCILLATES
-        if not trouble or lasting or run.diverged or duration >= longest:
+        if not trouble or trouble == OSCILLATES or run.diverged or duration >= longest:
             break
     return _taken(run, window, trouble)
 
@@ -118,7 +120,9 @@ def _trouble(run: Run, speed: float, window: int) -> str:
     if np.all(np.abs(command[-quarter:]) >= run.plant.command_limit(run.parameters)):
         return "the command is at the amplifier's limit"
     if np.ptp(last) > TOLERANCE * abs(speed):
-        return OSCILLATES if np.ptp(last) > SUSTAINED * np.ptp(before) else "the rod does not slide steadily in time"
+        crossings = np.sum(np.diff(np.sign(last - np.mean(last))) != 0.0)
+        lasting = crossings >= CROSSINGS and np.ptp(last) > SUSTAINED * np.ptp(before)
+        return OSCILLATES if lasting else f"the rod does not slide steadily within {run.time[-1]:.3g} s"
     if np.max(np.abs(last - speed)) > TOLERANCE * abs(speed):
         return f"the rod moves at {np.mean(last):.3g} m/s in place of {speed:.3g} m/s"
     return ""
