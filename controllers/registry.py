@@ -8,6 +8,7 @@ from controllers.interface import Controller
 from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.open_loop import OPEN_LOOP
 from controllers.pid import PID
+from controllers.relay import RELAY
 from controllers.settings import settings_of
 from plants.plugins import Registry
 
@@ -18,6 +19,7 @@ _OURS = (
     NONLINEAR_PI,
     DITHER,
     DISTURBANCE_OBSERVER,
+    RELAY,
     OPEN_LOOP,
 )
 

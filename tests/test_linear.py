@@ -14,7 +14,7 @@ from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
 from plants.rotating import HELICAL, HelicalState, Inputs
 from workbench.errors import UserError
-from workbench.linear import jacobians, linearise, nonlinear_system, output_jacobians
+from workbench.linear import jacobians, linearise, measurement_jacobian, nonlinear_system, output_jacobians
 from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
@@ -164,6 +164,18 @@ def test_jacobians_are_finite_differences(plant: Plant, parameters: Any, seed: i
         )
         rows = np.max(np.abs(exact), axis=1, keepdims=True)
         assert np.max(np.abs(exact - numeric) / np.where(rows > 0.0, rows, 1.0)) < 1e-6
+
+
+def test_measurement_jacobian_is_finite_differences(plant: Plant, parameters: Any) -> None:
+    state, _ = plant.equilibrium(parameters, 0.9)
+    scales = np.array([item.scale for item in fields(plant.State)])
+    x = to_array(state) + np.random.default_rng(5).uniform(0.2, 1.5, scales.size) * scales
+
+    def readings(x: np.ndarray) -> np.ndarray:
+        return np.nan_to_num(to_array(plant.measure(from_array(plant.State, x), parameters)))
+
+    exact = measurement_jacobian(plant, parameters, from_array(plant.State, x)) * scales
+    np.testing.assert_allclose(exact, central_differences(readings, x, scales), rtol=1e-6, atol=1e-6)
 
 
 def test_state_space_carries_names_and_chosen_outputs() -> None:

@@ -125,6 +125,7 @@ def test_ramp_dwells_before_and_after() -> None:
     assert reference.dwells(3.0) == [(0.0, 0.5), (2.0, 3.0)]
     assert reference.dwells(1.0) == [(0.0, 0.5)]
     assert Ramp(0.02).dwells(1.0) == []
+    np.testing.assert_allclose(Ramp(0.02, 0.5, offset=-0.01)(np.array([0.0, 1.5]))[0], [-0.01, 0.01], atol=1e-15)
     position, velocity, _ = reference(np.array([0.25, 0.5, 1.0, 2.0, 9.0]))
     assert position == pytest.approx([0.0, 0.0, 0.01, 0.03, 0.03], abs=1e-15)
     assert list(velocity) == [0.0, 0.02, 0.02, 0.0, 0.0]

@@ -129,7 +129,7 @@ def _gain_distances(response: Response, grid: np.ndarray, values: np.ndarray) ->
         frequency = brentq(lambda w: float(response(w)[0].imag), grid[i], grid[i + 1], xtol=1e-12, rtol=1e-10)
         found.append((frequency, response(frequency)[0]))
     found.append((grid[-1], values[-1]))  # L is real at the Nyquist frequency
-    return [(abs(20.0 * np.log10(-value.real)), w) for w, value in found if value.real < 0.0]
+    return [(abs(20.0 * float(np.log10(-value.real))), float(w)) for w, value in found if value.real < 0.0]
 
 
 def _phase_distances(response: Response, grid: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
@@ -138,5 +138,5 @@ def _phase_distances(response: Response, grid: np.ndarray, values: np.ndarray) -
     excess = np.log(np.maximum(np.abs(values), 1e-300))
     for i in np.flatnonzero(excess[:-1] * excess[1:] < 0.0):
         frequency = brentq(lambda w: float(np.log(np.abs(response(w)[0]))), grid[i], grid[i + 1], rtol=1e-10)
-        found.append((abs(np.angle(-response(frequency)[0], deg=True)), frequency))
+        found.append((abs(float(np.angle(-response(frequency)[0], deg=True))), float(frequency)))
     return found

@@ -21,7 +21,7 @@ from workbench.linear import jacobians, measurement_jacobian
 from workbench.simulation.compilation import controller_addresses
 from workbench.simulation.simulate import DELAY_SLACK, Loop, Setup
 from workbench.tune.frequency_margins import Margins, margins_of
-from workbench.tune.sliding import OperatingPoint, slide
+from workbench.tune.sliding import OperatingPoint, slide, without_end_stops
 
 RELATIVE_STEP = 1e-7
 """Of a central difference, in shares of the quantity's reach. Its square is the truncation where the equation bends on
@@ -86,7 +86,8 @@ def margins(setup: Setup, speed: float) -> Margins:
 
 
 def _loop_matrices(setup: Setup, point: OperatingPoint) -> Matrices:
-    """A, B, C of L = C (zI - A)^-1 B, without states that play no part in it."""
+    """A, B, C of L = C (zI - A)^-1 B, without states that play no part in it; end stops do not act, as in the slide."""
+    setup = without_end_stops(setup)
     controller = linear_controller(setup.loop, point, setup.sample_time)
     a, b, c = _plant_with_filters(setup, point)
     plant = _sampled(a, b, c, setup.sensors.delay, setup.sample_time)
