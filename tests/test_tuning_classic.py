@@ -18,7 +18,7 @@ from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Loop, Setup
 from workbench.tune.classic import lqr, pole_placement, starting_points, ziegler_nichols
 from workbench.tune.loop import margins
-from workbench.tune.relay_test import relay_test
+from workbench.tune.relay_experiment import relay_test
 from workbench.tune.slow_model import SlowModel, slow_model
 
 SPEED = 0.03

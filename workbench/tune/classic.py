@@ -19,7 +19,7 @@ from workbench.errors import UserError
 from workbench.simulation.simulate import Loop, Setup
 from workbench.tune.frequency_margins import Margins
 from workbench.tune.loop import margins
-from workbench.tune.relay_test import relay_test
+from workbench.tune.relay_experiment import relay_test
 from workbench.tune.slow_model import SlowModel, slow_model
 
 PidGains = dict[str, float]

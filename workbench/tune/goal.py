@@ -78,10 +78,14 @@ def fastest(resolved: Resolved) -> float:
     return float(np.max(np.abs(setup.reference(times)[1])))
 
 
+def margin_speed(resolved: Resolved, constraints: ConstraintsTable) -> float:
+    """The speed (m/s) at which a case's loop is linearised."""
+    return constraints.margin_speed or fastest(resolved) or SLOW
+
+
 def margins_of(cases: Sequence[Resolved], constraints: ConstraintsTable) -> Margins:
     """The smallest margins over the cases; unstable if any of them is."""
-    speeds = [constraints.margin_speed or fastest(case) or SLOW for case in cases]
-    found = [margins(case.setup, speed) for case, speed in zip(cases, speeds, strict=True)]
+    found = [margins(case.setup, margin_speed(case, constraints)) for case in cases]
     worst = [one for one in found if not one.stable] or found
     by_gain = min(worst, key=lambda one: one.gain_dB)
     by_phase = min(worst, key=lambda one: one.phase_deg)

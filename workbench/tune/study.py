@@ -14,10 +14,10 @@ from workbench.study.resolve import resolve
 from workbench.study.runner import PROGRAM_FOLDERS
 from workbench.study.tune_schema import TuneTable
 from workbench.tune.bench import Bench
-from workbench.tune.classic import StartingPoint, starting_points
+from workbench.tune.classic import StartingPoint
 from workbench.tune.goal import Goal, Score, run
 from workbench.tune.task import cases_for, task_for, tune_table
-from workbench.tune.tuning import Tuned, tune
+from workbench.tune.tuning import Tuned, classic_points, tune
 
 PD = "pd"
 """What a PD that is added is called."""
@@ -80,8 +80,8 @@ def classics(study: Study, goal: Goal, executor: Executor) -> list[Classic]:
     """The classic tunings of a PID for a study's plant, judged as all others are on the declared machine."""
     names = list(study.file.controllers)
     bare = task_for(study, names[0], tuned=False)
-    points = starting_points(bare.declared({})[0])
-    tables = {point.name: {"type": "pid", **point.settings} for point in points}
+    points = [point for point in classic_points(bare, {}) if point.settings]
+    tables = {point.name: {"type": point.controller, **point.settings} for point in points}
     controllers = {**study.file.controllers, **tables}
     with_them = replace(study, file=study.file.model_copy(update={"controllers": controllers}))
     judged = [Bench(task_for(with_them, point.name, tuned=False), goal, executor).declared({}) for point in points]
@@ -113,8 +113,13 @@ def _is_pd(table: Mapping[str, object]) -> bool:
 def _with_pd(study: Study, names: list[str]) -> tuple[Study, list[str]]:
     """The study with a PD controller, placed by its poles, beside the others."""
     plain = task_for(study, names[0])
-    placed = [{"type": "pid", **point.settings} for point in starting_points(plain.declared(plain.start)[0])]
-    table = next(filter(_is_pd, placed))
+    placed = [{"type": point.controller, **point.settings} for point in classic_points(plain, plain.start)]
+    table = next(filter(_is_pd, placed), None)
+    if table is None:
+        raise UserError(
+            f"{study.path}: no PD is among the controllers, and none could be placed for this plant; give one a kp and "
+            'a kd, such as pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }'
+        )
     controllers = {**study.file.controllers, PD: table}
     return replace(study, file=study.file.model_copy(update={"controllers": controllers})), [*names, PD]
 

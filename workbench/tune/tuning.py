@@ -9,9 +9,9 @@ from optuna.trial import FrozenTrial
 from scipy.stats import binom
 
 from workbench.tune.bench import FRESH, SEARCHED, Bench
-from workbench.tune.classic import starting_points
+from workbench.tune.classic import StartingPoint, starting_points
 from workbench.tune.descent import descended
-from workbench.tune.goal import Score, quantile
+from workbench.tune.goal import Score, margin_speed, quantile
 from workbench.tune.search import SCORE, is_candidate, search, trials_in
 from workbench.tune.space import Point
 from workbench.tune.task import Task, tune_table
@@ -112,11 +112,17 @@ def _quantiles(bench: Bench, best: Point, count: int, stream: int) -> dict[str, 
     }
 
 
+def classic_points(task: Task, point: Point) -> list[StartingPoint]:
+    """The classic tunings of a PID for the plant of a task's first case, at the speed of its margins."""
+    case, asked = task.declared(point)[0], tune_table(task.study).constraints
+    return starting_points(case.setup, case.belief, margin_speed(case, asked))
+
+
 def _classic(task: Task) -> list[dict[str, float]]:
     """Classic starting points of just the PID gains that are tuned, within their limits; the rest is the study's."""
     pid = {one.name for one in task.dimensions} & {"kp", "ki", "kd"}
     found = []
-    for point in starting_points(task.declared(task.start)[0]):
+    for point in classic_points(task, task.start):
         gains = {name: value for name, value in point.settings.items() if value}
         if set(gains) == pid:
             wanted = {**task.start, **gains}
