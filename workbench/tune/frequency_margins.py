@@ -1,8 +1,9 @@
 """Gain and phase margin of a sampled loop L(z) = C (zI - A)^-1 B, at crossings that are refined, and its stability.
 
-Not by `control.margin`: of a discrete system python-control 0.10 takes the roots of polynomials of twice its order,
-whose coefficients span too many decades here, or falls back to an interpolated response with a warning; and it leaves
-out the Nyquist frequency, where a P loop on an integrator has its gain margin. The definitions are its own.
+The definitions are those of `control.stability_margins`, whose numbers come out to 1e-5 dB and degrees. That takes 20
+to 200 ms a loop, since the polynomials that it prefers for discrete systems span too many decades here and it falls
+back, with a warning, to an interpolated response; and it leaves out the Nyquist frequency, where a P loop on an
+integrator has its gain margin.
 """
 
 from dataclasses import dataclass
