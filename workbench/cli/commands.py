@@ -155,6 +155,7 @@ def tune(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
 ) -> None:
     """Find gains: the same budget, objective and constraints for every controller."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
     from workbench.report.tuning import open_folder, say_tuning, write_tuning
     from workbench.study.document import read_study
     from workbench.tune.study import prepared, tune_all

@@ -1,6 +1,7 @@
 """From the sampler's best downhill, by exact derivatives, where the goal has them."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,7 +10,10 @@ from workbench.tune.bench import Bench
 from workbench.tune.goal import Score
 from workbench.tune.polish import Bound, PolishCase, PolishProblem, polish
 from workbench.tune.search import SHORT
-from workbench.tune.space import Point
+from workbench.tune.space import Dimension, Point
+
+SHARES = (1.0, 0.7, 0.4, 0.2, 0.1)
+"""Of the way that a descent goes, at which it is looked at: constraints may end it before its end."""
 
 
 def descended(bench: Bench, best: Point) -> tuple[Point, Score, str]:
@@ -18,19 +22,30 @@ def descended(bench: Bench, best: Point) -> tuple[Point, Score, str]:
     reason = _obstacle(bench)
     if reason:
         return best, score, reason
-    descent = polish(_problem(bench, best))
+    task, descent = bench.task, polish(_problem(bench, best))
     if descent.value >= descent.start_value:
         return best, score, f"no gain: {descent.reason}"
-    task = bench.task
-    moved = {one.name: float(f"{getattr(descent.settings, one.name):.{SHORT}g}") for one in task.dimensions}
-    again = bench.judge([moved], math.inf)[0]
-    if not again.feasible:
-        failed = ", ".join(name for name, beyond in again.violations.items() if beyond > 0.0)
-        return best, score, f"no gain: what it leads to does not keep {failed}"
-    if again.value >= score.value:
-        return best, score, "no gain: the simulation does not confirm what it leads to"
-    share = 1.0 - again.value / score.value
-    return moved, again, f"{100.0 * share:.2g} % in {descent.gradient_evaluations} evaluations of the gradient"
+    end = {one.name: float(getattr(descent.settings, one.name)) for one in task.dimensions}
+    points = [_between(task.dimensions, best, end, share) for share in SHARES]
+    tried = list(zip(points, bench.judge(points, math.inf), strict=True))
+    better = [(point, one) for point, one in tried if one.feasible and one.value < score.value]
+    if not better:
+        failed = ", ".join(name for name, beyond in tried[0][1].violations.items() if beyond > 0.0)
+        why = f"what it leads to does not keep {failed}" if failed else "the simulation does not confirm it"
+        return best, score, f"no gain: {why}"
+    point, again = min(better, key=lambda one: one[1].value)
+    share = 100.0 * (1.0 - again.value / score.value)
+    return point, again, f"{share:.2g} % by {descent.gradient_evaluations} evaluations of the gradient"
+
+
+def _between(dimensions: Sequence[Dimension], start: Point, end: Point, share: float) -> dict[str, float]:
+    """The point at a share of the way, on each number's own scale."""
+    point = {}
+    for one in dimensions:
+        a, b = start[one.name], end[one.name]
+        value = a * (b / a) ** share if one.logarithmic else a + share * (b - a)
+        point[one.name] = min(max(float(f"{value:.{SHORT}g}"), one.low), one.high)
+    return point
 
 
 def _obstacle(bench: Bench) -> str:
