@@ -245,7 +245,7 @@ def test_the_gains_are_measured_on_machines_that_the_search_has_not_met(tmp_path
 
 
 def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
-    """Power has its price: with much weight on it the rod hardly turns, with none it turns faster."""
+    """Power has its price: with weight on it the rod turns slowly, with none as fast as helps."""
     turning = (
         '[tune.gains.p]\nkp = { min = "499 V/m", max = "501 V/m" }\n'
         '[tune.rotation]\nrpm = { min = "5 rpm", max = "120 rpm" }\n'
@@ -261,7 +261,7 @@ def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
     )
     assert dear.best is not None
     assert free.best is not None
-    assert dear.best["rpm"] < 15.0 * np.pi / 30.0 < free.best["rpm"]
+    assert dear.best["rpm"] < 0.5 * free.best["rpm"]
     assert read_gain_file(write(tmp_path, gain_file(free), "free.toml")).rotation["rpm"] == (
         f"{free.best['rpm'] * 30.0 / np.pi:.12g} rpm"
     )
