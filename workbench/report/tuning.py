@@ -28,7 +28,7 @@ from workbench.report.tuning_page import page
 from workbench.report.tuning_panels import Picture
 from workbench.report.tuning_rows import row_of
 from workbench.report.tuning_search import history_picture, importance_picture
-from workbench.report.tuning_tables import Table, tables_of
+from workbench.report.tuning_tables import Table, brief, tables_of
 from workbench.report.tuning_traces import error_picture, step_picture, traces_of
 from workbench.report.tuning_words import first_lines, infeasible_lines
 from workbench.study.runner import PACKAGES, ran_on
@@ -139,10 +139,13 @@ def _pictures(tuning: Tuning, jobs: int | None) -> tuple[dict[str, Picture], dic
     """Figures by name: those of all controllers, and one of each."""
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
         traced = traces_of(tuning, executor)
-    shared = {"history": history_picture(tuning), "step": step_picture(traced), "error": error_picture(traced)}
-    important = importance_picture(tuning)
-    if important is not None:
-        shared["importance"] = important
+    drawn = {
+        "history": history_picture(tuning),
+        "importance": importance_picture(tuning),
+        "step": step_picture(traced),
+        "error": error_picture(traced),
+    }
+    shared = {name: picture for name, picture in drawn.items() if picture is not None}
     return shared, {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
 
 
@@ -165,6 +168,6 @@ def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
 def say_tuning(written: Written) -> None:
     """Print what a tuning found, and where it is."""
     print("\n".join(written.lines))
-    print(f"\n{written.table.cells.to_markdown(index=False, disable_numparse=True)}\n")
+    print(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n")
     print(f"wrote {written.folder / PAGE}")
     print(f"results in {written.folder}: {', '.join(name for name in SAID if (written.folder / name).exists())}")

@@ -1,7 +1,8 @@
 """Bode plots of a controller's linearised loop before and after tuning, with its margins."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -23,40 +24,45 @@ POINTS = 4000
 BELOW = 0.02
 """Of the lowest crossing: where the frequency axis begins."""
 
-ABOVE_NYQUIST = 1.15
+UNCROSSED = 0.1
+"""Of the Nyquist frequency: what stands for the crossing of a loop that has none."""
+
+LABEL = 90
+"""Letters in a line of the legend."""
+
+SMALLEST = 1e-9
+"""Amplitude below which none is drawn."""
+
 HALF_TURN = 180.0
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """L over frequency (rad/s): dB and degrees, the phase without jumps from about -90; and the margins.
-
-    `trouble` says in words why there is none.
-    """
+    """L over frequency (rad/s): dB and degrees, the phase without jumps from about -90; empty without a loop."""
 
     frequency: np.ndarray
     amplitude: np.ndarray
     phase: np.ndarray
     margins: Margins
-    trouble: str = ""
 
 
-def curve_of(setup: Setup, speed: float) -> Curve:
-    """The loop of `setup` about the rod's sliding at `speed` (m/s)."""
-    found = margins(setup, speed)
-    nothing = np.empty(0)
+def curve_of(setup: Setup, found: Margins, lowest: float) -> Curve:
+    """The loop of `setup` with the margins `found`, at the speed of these, from `lowest` (rad/s) to Nyquist."""
     try:
-        loop = open_loop(setup, speed)
+        loop = open_loop(setup, found.speed)
     except UserError:
-        return Curve(nothing, nothing, nothing, found, found.note)
-    nyquist = np.pi / setup.sample_time
-    crossings = [one for one in (found.gain_frequency, found.phase_frequency) if np.isfinite(one)]
-    frequency = np.geomspace(BELOW * min([*crossings, 0.1 * nyquist]), nyquist, POINTS)
+        return Curve(np.empty(0), np.empty(0), np.empty(0), found)
+    frequency = np.geomspace(lowest, np.pi / setup.sample_time, POINTS)
     values = Response(loop.A, loop.B, loop.C, setup.sample_time)(frequency)
     phase = np.unwrap(np.angle(values, deg=True), period=2.0 * HALF_TURN)
     phase -= 2.0 * HALF_TURN * np.round((phase[0] + 0.5 * HALF_TURN) / (2.0 * HALF_TURN))
-    with np.errstate(divide="ignore"):
-        return Curve(frequency, 20.0 * np.log10(np.abs(values)), phase, found)
+    return Curve(frequency, 20.0 * np.log10(np.maximum(np.abs(values), SMALLEST)), phase, found)
+
+
+def lowest_frequency(found: Iterable[Margins], sample_time: float) -> float:
+    """Where the axis of loops begins (rad/s): well below their lowest crossing."""
+    crossings = [at for one in found for at in (one.gain_frequency, one.phase_frequency) if np.isfinite(at)]
+    return BELOW * min([*crossings, UNCROSSED * np.pi / sample_time])
 
 
 def sets_margins(cases: Sequence[Resolved], constraints: ConstraintsTable) -> tuple[int, float]:
@@ -72,7 +78,10 @@ def bode_picture(one: Tuned) -> Picture:
     constraints = tune_table(one.task.study).constraints
     points = {"before": one.task.start, **({} if one.best is None else {"after": one.best})}
     number, speed = sets_margins(one.task.declared(points[list(points)[-1]]), constraints)
-    curves = {when: curve_of(one.task.declared(point)[number].setup, speed) for when, point in points.items()}
+    setups = {when: one.task.declared(point)[number].setup for when, point in points.items()}
+    found = {when: margins(setup, speed) for when, setup in setups.items()}
+    lowest = lowest_frequency(found.values(), setups["before"].sample_time)
+    curves = {when: curve_of(setup, found[when], lowest) for when, setup in setups.items()}
     with figure_style():
         figure, panels = grid(2, 1, f"{one.task.name}: loop before and after", 2.3, sharex=True)
         amplitude, phase = panels[:, 0]
@@ -82,15 +91,16 @@ def bode_picture(one: Tuned) -> Picture:
         _half_turns(phase)
         amplitude.set_ylabel("amplitude (dB)")
         phase.set_ylabel("phase (deg)")
-        phase.set_xlabel("frequency (rad/s); up to the Nyquist frequency")
-        amplitude.set_xscale("log")
+        phase.set_xlabel("frequency (rad/s), up to the Nyquist frequency")
+        if any(curve.frequency.size for curve in curves.values()):
+            amplitude.set_xscale("log")
         legend(figure, [amplitude], 1)
     return Picture(figure, _caption(one.task.name, speed, curves))
 
 
 def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: dict[str, Any]) -> None:
     """A loop and its margins: from the curve to 0 dB and to -180 degrees."""
-    label = f"{style.pop('label')}: {_words(curve)}"
+    label = "\n".join(wrap(f"{style.pop('label')}: {_words(curve)}", LABEL))
     amplitude.plot(curve.frequency, curve.amplitude, label=label, **style)
     phase.plot(curve.frequency, curve.phase, **style)
     marked: dict[str, Any] = {"color": style["color"], "linewidth": 2.5, "alpha": 0.6, "solid_capstyle": "butt"}
@@ -128,10 +138,10 @@ def _half_turns(axes: Axes) -> None:
 
 def _words(curve: Curve) -> str:
     found = curve.margins
-    if curve.trouble:
-        return f"no loop to linearise, {curve.trouble}"
-    gain = f"{found.gain_dB:.1f} dB" if np.isfinite(found.gain_dB) else "no gain crossing"
-    phase = f"{found.phase_deg:.1f} deg" if np.isfinite(found.phase_deg) else "no phase crossing"
+    if not curve.frequency.size:
+        return f"no loop to linearise, {found.note}"
+    gain = f"gain margin {found.gain_dB:.1f} dB" if np.isfinite(found.gain_dB) else "no gain crossing"
+    phase = f"phase margin {found.phase_deg:.1f} deg" if np.isfinite(found.phase_deg) else "no phase crossing"
     return f"{gain}, {phase}" + ("" if found.stable else ", unstable")
 
 
@@ -140,5 +150,5 @@ def _caption(name: str, speed: float, curves: dict[str, Curve]) -> str:
     return (
         f"Loop L of {name}, linearised while the rod slides at {1e3 * speed:.3g} mm/s, in the case with the smallest "
         f"phase margin. Thick bars are the margins: gain from the curve to 0 dB, phase from the curve to -180 deg "
-        f"({said})."
+        f"({said}). The table has the smallest margins over all cases."
     )

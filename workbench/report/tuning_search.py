@@ -28,8 +28,11 @@ KINDS: Mapping[str, dict[str, Any]] = {
 FEASIBLE, INFEASIBLE, PRUNED = KINDS
 BEST: dict[str, Any] = {"color": "black", "linewidth": 1.2, "drawstyle": "steps-post", "label": "best so far"}
 
-HIGHEST = 1e3
-"""Objectives above this many times the smallest are drawn at the top edge, as infinite ones are."""
+HIGHEST = 10.0
+"""Objectives above this many times the largest that a controller has before or after stand at the upper edge."""
+
+BEYOND: dict[str, Any] = {"marker": "^", "markersize": 5.0, "linestyle": "none", "fillstyle": "none"}
+"""What stands there."""
 
 ROOM = 1.6
 """By what factor the top edge is above the largest objective that is drawn at its own height."""
@@ -44,10 +47,8 @@ BEST_SHARE = 0.25
 def history_picture(tuning: Tuning) -> Picture:
     """Objective of each trial over its number, a panel a controller."""
     rows = {one.task.name: history(one) for one in tuning.found}
-    finite = [row["value"] for own in rows.values() for row in own if math.isfinite(row["value"])]
-    low = min(finite, default=0.1)
-    drawn = [value for value in finite if value <= HIGHEST * low]
-    top = ROOM * max(drawn, default=1.0)
+    values = [row["value"] for own in rows.values() for row in own]
+    low, top = _edges(tuning, values)
     with figure_style():
         options: dict[str, Any] = {"sharex": True, "sharey": True}
         figure, panels = small_multiples(len(rows), "Objective of every trial", **options)
@@ -55,19 +56,19 @@ def history_picture(tuning: Tuning) -> Picture:
             _history(axes, rows[one.task.name], top)
             axes.set_title(one.task.name, fontsize="small")
             axes.set_ylabel("objective")
-            axes.set_ylim(low / ROOM, top * 1.15)
+            axes.set_ylim(low / ROOM, top * ROOM)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         for axes in panels[-2:]:
             axes.set_xlabel("trial")
-        legend(figure, panels, 4)
+        legend(figure, panels)
     table = tune_table(tuning.study)
     caption = (
-        "Objective of each trial over its number; lower is better, and 1 is as good as the yardstick. Trial 0 has the "
+        "Objective of each trial over its number; lower is better. Trial 0 has the "
         "gains of the study. The line is the best trial so far that keeps all constraints."
     )
-    if len(drawn) < sum(len(own) for own in rows.values()):
+    if max(values) > top:
         caption += (
-            " Points on the upper edge are runs that failed, whose objective is infinite, or are above it by far."
+            " Triangles at the upper edge: a run failed, so that the objective is infinite, or it is beyond the axis."
         )
     if table.draws:
         caption += (
@@ -75,6 +76,15 @@ def history_picture(tuning: Tuning) -> Picture:
             "objective on the declared machine; one that was given up at the quantile of the draws until then."
         )
     return Picture(figure, caption)
+
+
+def _edges(tuning: Tuning, values: Sequence[float]) -> tuple[float, float]:
+    """The smallest objective, and the height at which all stand that are above it."""
+    finite = [value for value in values if math.isfinite(value)]
+    reached = [score.nominal for one in tuning.found for score in (one.start, one.score) if score is not None]
+    largest = max((value for value in reached if math.isfinite(value)), default=math.inf)
+    top = ROOM * min(max(finite, default=1.0), HIGHEST * largest)
+    return min(finite, default=0.1 * top), top
 
 
 def kind_of(row: Mapping[str, Any]) -> str:
@@ -86,9 +96,14 @@ def _history(axes: Axes, rows: Sequence[Mapping[str, Any]], top: float) -> None:
     axes.set_yscale("log")
     for kind, style in KINDS.items():
         own = [row for row in rows if kind_of(row) == kind]
-        if own:
-            heights = [min(row["value"], top) for row in own]
-            axes.plot([row["trial"] for row in own], heights, linestyle="none", label=kind, **style)
+        within = [row for row in own if row["value"] <= top]
+        if within:
+            drawn = [[row[key] for row in within] for key in ("trial", "value")]
+            axes.plot(*drawn, linestyle="none", label=kind, **style)
+        if len(within) < len(own):
+            above = [row["trial"] for row in own if row["value"] > top]
+            label = f"{kind.partition(' (')[0]}, infinite or beyond the axis"
+            axes.plot(above, [top] * len(above), label=label, color=style["color"], **BEYOND)
     best = np.minimum.accumulate([row["value"] if row["candidate"] else np.inf for row in rows])
     if np.isfinite(best).any():
         axes.plot([row["trial"] for row in rows], np.where(np.isfinite(best), best, np.nan), **BEST)
@@ -115,8 +130,8 @@ def importance_picture(tuning: Tuning) -> Picture | None:
         for axes in panels[-2:]:
             axes.set_xlabel("share of the importance (%)")
     caption = (
-        "How much each gain tells good trials from the others, as shares of 100 %: PED-ANOVA, which compares where the "
-        f"best {BEST_SHARE:.0%} of the feasible trials lie in a gain's range with where all of them lie. It says what "
+        "How much each gain tells good trials from the others, as shares of 100 %: PED-ANOVA, which holds where "
+        f"the best {100.0 * BEST_SHARE:g} % of the feasible trials lie against where all of them lie. It says what "
         "mattered among the gains that were tried, not how far a gain may be moved."
     )
     return Picture(figure, caption)

@@ -10,14 +10,14 @@ import pandas as pd
 
 from controllers.pid import PID
 from controllers.settings import settings_of
-from workbench.report.tables import shown_number, with_unit
+from workbench.report.tables import REMARK, shown_number, with_unit
 from workbench.report.tuning_rows import TUNED, Basis, When, broken, case_labels, end_of, objective_of
 from workbench.study.names import shown_factor, unit_of_column
 from workbench.tune.goal import Score
 from workbench.tune.space import RPM, THRESHOLD, Dimension
 from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
-from workbench.tune.tuning import Quantile, Tuned
+from workbench.tune.tuning import Quantile, Tuned, interval
 
 DIGITS = 3
 
@@ -31,6 +31,9 @@ FIGURE_WORDS = {
     "jerk_rms_m_per_s3": ("jerk, rms", "m/s^3"),
 }
 """What a figure that may be weighed is called, and the unit in which it is shown."""
+
+WIDEST = 13
+"""Columns of the result that a terminal shows."""
 
 PID_GAINS = ("kp", "ki", "kd")
 
@@ -52,6 +55,15 @@ def tables_of(tuning: Tuning) -> dict[str, Table]:
     return {name: table for name, table in found.items() if not table.cells.empty}
 
 
+def brief(table: Table) -> pd.DataFrame:
+    """The columns of the result that fit a terminal: without the figures of each case where there are many."""
+    if len(table.cells.columns) <= WIDEST:
+        return table.cells
+    kept = ("controller", "objective", "gain margin", "phase margin", "outcome")
+    chosen = [name for name in table.cells.columns if name.startswith(kept) or " quantile, " in name]
+    return table.cells[chosen]
+
+
 def number(value: float | None, digits: int = DIGITS) -> str:
     """A number as a table shows it; "" where there is none."""
     if value is None or math.isnan(value):
@@ -64,13 +76,13 @@ def margin(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else ("infinite" if value > 0.0 else "unstable")
 
 
-def with_interval(one: Quantile) -> str:
-    """A quantile with the interval in which that of all machines is: "0.41 (0.38 to 0.47)"."""
-    if math.isinf(one.value):
-        return f"infinite (from {number(one.low)}; not bounded by so few draws)"
-    high = f"to {number(one.high)}" if math.isfinite(one.high) else "not bounded by so few draws"
-    joint = " " if math.isfinite(one.high) else "; above "
-    return f"{number(one.value)} ({number(one.low)}{joint}{high})"
+def with_interval(one: Quantile, share: float) -> str:
+    """The quantile of a `share` with the interval in which that of all machines is: "0.41 (0.38 to 0.47)"."""
+    if math.isfinite(one.high):
+        return f"{number(one.value)} ({number(one.low)} to {number(one.high)})"
+    few = math.isinf(interval([0.0] * one.draws, share).high)
+    why = "not bounded by so few draws" if few else "infinite: runs fail on too many draws"
+    return f"{number(one.value)} ({number(one.low)} upwards, {why})"
 
 
 # --- what was reached ---
@@ -81,8 +93,7 @@ def result_table(tuning: Tuning) -> Table:
     table = tune_table(tuning.study)
     cells = pd.DataFrame([_result(one, bool(table.draws), table.quantile) for one in tuning.found]).fillna("")
     notes = [
-        "Before: with the gains of the study; after: with the tuned ones. An objective of 1 is as good as "
-        f"{yardstick(tuning)} with the gains of the study.",
+        f"Before: with the gains of the study; after: with the tuned ones. {yardstick_words(tuning)}",
         "Gain and phase margin are the smallest over the cases, of the loop linearised while the rod slides.",
     ]
     if table.draws:
@@ -103,7 +114,7 @@ def _result(one: Tuned, draws: bool, share: float) -> Line:
     for basis in _ON_DRAWS if draws else ():
         for when in _WHENS:
             found = objective_of(one, when, basis)
-            line[f"{share:g} quantile, {basis} draws, {when}"] = "" if found is None else with_interval(found)
+            line[f"{share:g} quantile, {basis} draws, {when}"] = "" if found is None else with_interval(found, share)
     line |= _figures(one)
     for heading, name in (("gain margin", "gain_dB"), ("phase margin", "phase_deg")):
         for when in _WHENS:
@@ -156,6 +167,12 @@ def yardstick(tuning: Tuning) -> str:
     return tune_table(tuning.study).yardstick or next(iter(tuning.study.file.controllers))
 
 
+def yardstick_words(tuning: Tuning) -> str:
+    """What the yardstick's objective is: the sum of the weights."""
+    weights = sum(tune_table(tuning.study).objective.used.values())
+    return f"An objective of {weights:g} is that of {yardstick(tuning)} with the gains of the study."
+
+
 def plain(name: str) -> str:
     """A name in words."""
     return name.replace("_", " ")
@@ -197,7 +214,7 @@ def shown_unit(dimension: Dimension) -> tuple[str, float]:
 
 
 def classic_table(tuning: Tuning) -> Table:
-    """controller | method | gains | objective | margins | what it breaks | note; the tuned PID controllers below."""
+    """controller | method | gains | objective | margins | what it breaks | remark; the tuned PID controllers below."""
     first = tuning.found[0].task
     command = first.declared(first.start)[0].setup.plant.command_unit
     lines = [
@@ -238,7 +255,7 @@ def _tuning(name: str, method: str, settings: Mapping[str, Any], score: Score, c
         "gain margin (dB)": margin(score.margins.gain_dB),
         "phase margin (deg)": margin(score.margins.phase_deg),
         "breaks": ", ".join(broken(score)),
-        "note": note,
+        REMARK: note,
     }
 
 

@@ -3,14 +3,14 @@
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from workbench.metrics.window import first_sample
 from workbench.report.style import figure_style
-from workbench.report.tuning_panels import HEIGHT, SIDES, Picture, grid, legend, note
+from workbench.report.tuning_panels import SIDES, Picture, grid, legend, note
 from workbench.report.tuning_rows import case_labels
 from workbench.report.tuning_tables import plain
 from workbench.simulation.simulate import Run, simulate
@@ -21,8 +21,11 @@ from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
 from workbench.tune.tuning import Tuned
 
-SETTLED = 0.02
+SETTLED = 0.1
 """Of a step: what is left of it when the rise is over."""
+
+FINEST = 1e-4
+"""Share of a step that the scale of what is left of it has at least: no rounding is magnified."""
 
 SHOWN_RISE = 1.5
 """How much longer than the slowest rise the jump is drawn."""
@@ -30,8 +33,14 @@ SHOWN_RISE = 1.5
 SHORTEST = 0.02
 """Share of a step's duration that its jump is drawn for at least."""
 
-SPREAD = 4.0
-"""An error more than this many times the middle one of its column does not set the scale of the column."""
+LATE = 0.5
+"""Share of a step's duration after which what is left of it is drawn."""
+
+SPREAD = 10.0
+"""An error before tuning that is this many times larger than that after it is cut off."""
+
+LOW = 1.5
+"""Inches of a panel of these figures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +81,7 @@ def held_step(cases: Sequence[Resolved], constraints: ConstraintsTable) -> Resol
 def step_picture(traced: Sequence[Traced]) -> Picture:
     """Position at the jump, and the error that is left of it, a row a controller."""
     with figure_style():
-        figure, panels = grid(len(traced), 2, "A step that is held, before and after", HEIGHT, sharex="col")
+        figure, panels = grid(len(traced), 2, "A step that is held, before and after", LOW, sharex="col")
         rise = max(_rise(run) for each in traced for _, run in each.held.values())
         for (jump, left), each in zip(panels, traced, strict=True):
             _step(jump, left, each, rise)
@@ -81,28 +90,30 @@ def step_picture(traced: Sequence[Traced]) -> Picture:
         legend(figure, list(panels.ravel()))
     level = 1e3 * _jump(next(iter(traced[0].held.values()))[1])
     caption = (
-        f"A step of {level:.3g} mm, held. Left: position, until the slowest controller has settled. Right: the error "
-        "that is left from then on, each on its own scale: a level line is a steady-state error, a wave that does not "
-        "die out is a limit cycle."
+        f"A step of {level:.3g} mm, held. Left: position, until the slowest controller has come near. Right: the error "
+        "in the second half of the hold, each on a scale of its own: a level line is a steady-state error, a wave that "
+        f"does not die out a limit cycle. Scales are not finer than {100.0 * FINEST:g} % of the step."
     )
     return Picture(figure, caption)
 
 
 def _step(jump: Axes, left: Axes, each: Traced, rise: float) -> None:
-    scale, unit = _length(
-        error[time >= rise] for time, error in (_error(run) for _, run in each.held.values()) if time[-1] > rise
-    )
+    late = {when: _late(run) for when, (_, run) in each.held.items()}
+    scale, unit = _length(error for _, error in late.values())
     for when, (_, run) in each.held.items():
         time, error = _error(run)
-        assert run.reference is not None
-        jump.plot(time, 1e3 * (run.reference[0] - error - run.state("position")[0]), **SIDES[when])
-        left.plot(time[time >= rise], scale * error[time >= rise], **SIDES[when])
+        jump.plot(time, 1e3 * (_jump(run) - error), **SIDES[when])
+        left.plot(late[when][0], scale * late[when][1], **SIDES[when])
     _, run = next(iter(each.held.values()))
     jump.axhline(1e3 * _jump(run), color="#666666", linewidth=0.8, label="reference")
     left.axhline(0.0, color="#666666", linewidth=0.8)
+    finest = scale * FINEST * abs(_jump(run))
+    low, high = left.get_ylim()
+    left.set_ylim(min(low, -finest), max(high, finest))
     jump.set_xlim(0.0, rise)
+    jump.xaxis.set_major_locator(MaxNLocator(5))
     jump.set_title(f"{each.one.task.name}: position", fontsize="small")
-    left.set_title(f"{each.one.task.name}: error that is left", fontsize="small")
+    left.set_title(f"{each.one.task.name}: error, second half", fontsize="small")
     jump.set_ylabel("position (mm)")
     left.set_ylabel(f"error ({unit})")
 
@@ -121,13 +132,19 @@ def _error(run: Run) -> tuple[np.ndarray, np.ndarray]:
     return run.time[first], run.signals["error"][first]
 
 
+def _late(run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Time and error (m) over the second half of the dwell."""
+    time, error = _error(run)
+    start = first_sample(time, LATE * float(time[-1])) if time.size > 1 else 0
+    return time[start:], error[start:]
+
+
 def _rise(run: Run) -> float:
     """For how long (s) the jump of a run is drawn."""
     time, error = _error(run)
     late = np.flatnonzero(np.abs(error) > SETTLED * abs(_jump(run)))
     until = float(time[late[-1]]) if late.size else 0.0
-    longest = 0.5 * float(time[-1])
-    return min(max(SHOWN_RISE * until, SHORTEST * float(time[-1])), longest)
+    return min(max(SHOWN_RISE * until, SHORTEST * float(time[-1])), LATE * float(time[-1]))
 
 
 # --- the error of each case ---
@@ -137,27 +154,39 @@ def error_picture(traced: Sequence[Traced]) -> Picture:
     """Error over the last period of each case, a row a controller, a column a case."""
     labels = case_labels(traced[0].one.task.cases)
     with figure_style():
-        options: dict[str, Any] = {"sharex": "col", "sharey": "col"}
-        figure, panels = grid(len(traced), len(labels), "Tracking error over the last period", HEIGHT, **options)
-        cut = False
-        for column, label in enumerate(labels):
-            series = [_errors(each, column) for each in traced]
-            scale, unit = _length(error for own in series for _, error in own.values())
-            for axes, each, own in zip(panels[:, column], traced, series, strict=True):
-                for when, (time, error) in own.items():
-                    axes.plot(time, scale * error, **SIDES[when])
-                axes.set_title(", ".join(part for part in (each.one.task.name, plain(label)) if part), fontsize="small")
-                axes.set_ylabel(f"error ({unit})")
-                if not own:
-                    note(axes, "every run failed")
-            cut |= _limit(panels[0, column], [scale * error for own in series for _, error in own.values()])
-            panels[-1, column].set_xlabel("time (s)")
+        figure, panels = grid(len(traced), len(labels), "Tracking error over the last period", LOW, sharex="col")
+        cut = [
+            _errors_drawn(panels[row, column], each, column, label)
+            for row, each in enumerate(traced)
+            for column, label in enumerate(labels)
+        ]
+        for axes in panels[-1]:
+            axes.set_xlabel("time (s)")
         legend(figure, list(panels.ravel()))
     caption = (
-        "Reference less true position over the last period of each case, on the declared machine; one scale a case, so "
-        "that controllers can be held against each other." + (" Larger errors are cut off." if cut else "")
+        "Reference less true position over the last period of each case, on the declared machine. Each panel has a "
+        "scale of its own: it shows where in a period the error arises; the table says which controller has the least."
+        + (f" Errors before tuning above {SPREAD:g} times those after it are cut off." if any(cut) else "")
     )
     return Picture(figure, caption)
+
+
+def _errors_drawn(axes: Axes, each: Traced, number: int, label: str) -> bool:
+    """Draw the error of one case; returns whether that before tuning is cut off."""
+    own = _errors(each, number)
+    peaks = {when: float(np.max(np.abs(error))) for when, (_, error) in own.items()}
+    scale, unit = _length(error for _, error in own.values())
+    for when, (time, error) in own.items():
+        axes.plot(time, scale * error, **SIDES[when])
+    axes.set_title(", ".join(part for part in (each.one.task.name, plain(label)) if part), fontsize="small")
+    axes.set_ylabel(f"error ({unit})")
+    if not own:
+        note(axes, "every run failed")
+    cut = len(peaks) == len(SIDES) and peaks["before"] > SPREAD * peaks["after"] > 0.0
+    if cut:
+        limit = scale * SPREAD * peaks["after"]
+        axes.set_ylim(-limit, limit)
+    return cut
 
 
 def _errors(each: Traced, number: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -178,14 +207,3 @@ def _length(errors: Iterable[np.ndarray]) -> tuple[float, str]:
     """What to multiply lengths in m with to show them in the unit that suits them, and the unit."""
     largest = max((float(np.max(np.abs(one))) for one in errors if one.size), default=0.0)
     return (1e3, "mm") if largest >= 1e-4 else (1e6, "µm")
-
-
-def _limit(axes: Axes, errors: Sequence[np.ndarray]) -> bool:
-    """Let the largest errors not flatten all others; returns whether some are cut."""
-    peaks = sorted(float(np.max(np.abs(one))) for one in errors if one.size)
-    if not peaks:
-        return False
-    limit = min(peaks[-1], SPREAD * peaks[len(peaks) // 2])
-    if limit > 0.0:
-        axes.set_ylim(-1.1 * limit, 1.1 * limit)
-    return peaks[-1] > limit

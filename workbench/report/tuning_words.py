@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from workbench.report.tuning_rows import Basis, active, basis_of, broken, end_of, objective_of
-from workbench.report.tuning_tables import number, plain, shown_unit, with_interval, yardstick
+from workbench.report.tuning_tables import number, plain, shown_unit, with_interval, yardstick, yardstick_words
 from workbench.study.tune_schema import FIGURES, TuneTable
 from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
@@ -49,9 +49,9 @@ def compared(tuning: Tuning, basis: Basis) -> list[Found]:
     return sorted(found, key=lambda each: each[2].value)
 
 
-def shown(one: Quantile) -> str:
-    """An objective, with its interval where it is a quantile of draws."""
-    return with_interval(one) if one.draws else number(one.value)
+def shown(one: Quantile, share: float) -> str:
+    """An objective, with its interval where it is the quantile of a `share` of draws."""
+    return with_interval(one, share) if one.draws else number(one.value)
 
 
 # --- who is best ---
@@ -65,18 +65,19 @@ def _best(tuning: Tuning, found: Sequence[Found], basis: Basis) -> str:
         "searched": f"{table.quantile:g} quantile of the objective on the draws of the search",
         "fresh": f"{table.quantile:g} quantile of the objective on draws that the search has not seen",
     }[basis]
+    share = table.quantile
     if not others:
-        return f"{best.task.name} reaches an {what} of {shown(value)}."
-    said = f"Best is {best.task.name} with {_a(what)} of {shown(value)}"
+        return f"{best.task.name} reaches {_a(what)} of {shown(value, share)}. {yardstick_words(tuning)}"
+    said = f"Best is {best.task.name} with {_a(what)} of {shown(value, share)}"
     second, _, next_value = others[0]
-    said += f", before {second.task.name} with {shown(next_value)}"
+    said += f", before {second.task.name} with {shown(next_value, share)}"
     if len(others) > 1:
         last, _, last_value = others[-1]
-        said += f"; last is {last.task.name} with {shown(last_value)}"
+        said += f"; last is {last.task.name} with {shown(last_value, share)}"
     level = [one.task.name for one, _, other in others if basis != "declared" and _overlap(value, other)]
     if level:
-        said += f". The intervals of {best.task.name} and {_list(level)} overlap: they are not told apart"
-    return f"{said}. 1 is {yardstick(tuning)} with the gains of the study."
+        said += f". The intervals of {best.task.name} and {_list(level)} overlap: on other machines the order may be another"
+    return f"{said}. {yardstick_words(tuning)}"
 
 
 def _a(noun: str) -> str:
@@ -161,7 +162,7 @@ def _active(tuning: Tuning) -> list[str]:
             continue
         held = active(one)
         for name, count in held.items():
-            trials = "" if count is None else f" ({count} better trial{'s' * (count > 1)} would break it)"
+            trials = "" if count is None else f" ({_better(count)} it)"
             by_name.setdefault(name, []).append(f"{one.task.name}{trials}")
         if not held:
             free.append(one.task.name)
@@ -171,9 +172,13 @@ def _active(tuning: Tuning) -> list[str]:
     return said
 
 
+def _better(count: int) -> str:
+    return "1 trial with a smaller objective breaks" if count == 1 else f"{count} with a smaller objective break"
+
+
 def _fitted_to_draws(tuning: Tuning) -> list[str]:
     """Whether what was found on the draws of the search holds on others."""
-    said, fine = [], []
+    said, fine, quantile = [], [], tune_table(tuning.study).quantile
     for one in tuning.found:
         searched, fresh = objective_of(one, "after", "searched"), objective_of(one, "after", "fresh")
         if searched is None or fresh is None:
@@ -184,8 +189,8 @@ def _fitted_to_draws(tuning: Tuning) -> list[str]:
         share = 100.0 * (fresh.value / searched.value - 1.0)
         by = f", {share:+.0f} %" if math.isfinite(share) else ""
         said.append(
-            f"{one.task.name} does otherwise on machines that the search has not seen: {shown(fresh)} in place of "
-            f"{shown(searched)}{by}; "
+            f"{one.task.name} does otherwise on machines that the search has not seen: "
+            f"{shown(fresh, quantile)} in place of {shown(searched, quantile)}{by}; "
             + ("it is fitted to its draws." if share > 0.0 else "the fresh draws happen to be kinder.")
         )
     if fine:
