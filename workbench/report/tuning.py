@@ -25,7 +25,7 @@ from workbench.report.style import figure_style
 from workbench.report.tables import write_frame
 from workbench.report.tuning_bode import bode_picture
 from workbench.report.tuning_page import page
-from workbench.report.tuning_panels import Picture
+from workbench.report.tuning_panels import Picture, Pictures
 from workbench.report.tuning_rows import row_of
 from workbench.report.tuning_search import history_picture, importance_picture
 from workbench.report.tuning_tables import Table, brief, tables_of
@@ -105,13 +105,13 @@ def write_tuning(
     for name, table in tables.items():
         write_frame(name, table.title, table.cells, list(table.notes), folder / "tables")
     tell("figures", 0.95)
-    shared, own = _pictures(tuning, jobs)
-    for name, picture in {**shared, **own}.items():
+    pictures = _pictures(tuning, jobs)
+    for name, picture in {**pictures.shared, **pictures.own}.items():
         with figure_style():
             picture.figure.draw_without_rendering()
             picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
         save(picture.figure, name, folder / "figures")
-    html = page(tuning, tables, shared, own)
+    html = page(tuning, tables, pictures)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
     write_json(folder / RECORD, _record(tuning, began, jobs))
     lines = [*first_lines(tuning), *infeasible_lines(tuning)]
@@ -135,18 +135,21 @@ def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
     return frame
 
 
-def _pictures(tuning: Tuning, jobs: int | None) -> tuple[dict[str, Picture], dict[str, Picture]]:
-    """Figures by name: those of all controllers, and one of each."""
+def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
         traced = traces_of(tuning, executor)
-    drawn = {
+    shared = {
         "history": history_picture(tuning),
         "importance": importance_picture(tuning),
         "step": step_picture(traced),
         "error": error_picture(traced),
     }
-    shared = {name: picture for name, picture in drawn.items() if picture is not None}
-    return shared, {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
+    own = {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
+    return Pictures(
+        {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
+        {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
+        [drawn for drawn in (*shared.values(), *own.values()) if isinstance(drawn, str)],
+    )
 
 
 def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:

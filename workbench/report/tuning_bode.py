@@ -73,8 +73,8 @@ def sets_margins(cases: Sequence[Resolved], constraints: ConstraintsTable) -> tu
     return number, speeds[number]
 
 
-def bode_picture(one: Tuned) -> Picture:
-    """Amplitude and phase of a controller's loop, before and after."""
+def bode_picture(one: Tuned) -> Picture | str:
+    """Amplitude and phase of a controller's loop, before and after; or why there is nothing to draw."""
     constraints = tune_table(one.task.study).constraints
     points = {"before": one.task.start, **({} if one.best is None else {"after": one.best})}
     number, speed = sets_margins(one.task.declared(points[list(points)[-1]]), constraints)
@@ -82,6 +82,8 @@ def bode_picture(one: Tuned) -> Picture:
     found = {when: margins(setup, speed) for when, setup in setups.items()}
     lowest = lowest_frequency(found.values(), setups["before"].sample_time)
     curves = {when: curve_of(setup, found[when], lowest) for when, setup in setups.items()}
+    if not any(curve.frequency.size for curve in curves.values()):
+        return f"No loop of {one.task.name}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
     with figure_style():
         figure, panels = grid(2, 1, f"{one.task.name}: loop before and after", 2.3, sharex=True)
         amplitude, phase = panels[:, 0]
@@ -92,8 +94,7 @@ def bode_picture(one: Tuned) -> Picture:
         amplitude.set_ylabel("amplitude (dB)")
         phase.set_ylabel("phase (deg)")
         phase.set_xlabel("frequency (rad/s), up to the Nyquist frequency")
-        if any(curve.frequency.size for curve in curves.values()):
-            amplitude.set_xscale("log")
+        amplitude.set_xscale("log")
         legend(figure, [amplitude], 1)
     return Picture(figure, _caption(one.task.name, speed, curves))
 

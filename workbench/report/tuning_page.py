@@ -1,9 +1,9 @@
 """The page of a tuning: what the numbers say, what was held equal, tables and figures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from workbench.report.html import html_environment
-from workbench.report.tuning_panels import Picture
+from workbench.report.tuning_panels import Pictures
 from workbench.report.tuning_tables import Table
 from workbench.report.tuning_words import held_equal, sentences
 from workbench.tune.study import Tuning
@@ -47,10 +47,11 @@ td { white-space: nowrap; }
 <h2>Figures</h2>
 {% for name in shared %}{{ draw(name) }}
 {% endfor %}
-<h2>Loops</h2>
 <div class="pairs">
 {% for name in own %}{{ draw(name) }}
 {% endfor %}</div>
+{% for line in missing %}<p>{{ line }}</p>
+{% endfor %}
 <p>Files: tuned/NAME.toml (a study names one by <code>gains = "tuned/NAME.toml"</code>),
 <a href="results.csv">results.csv</a> and <a href="trials.csv">trials.csv</a> (SI, for programs), tables/, figures/,
 <a href="run.json">run.json</a>.</p>
@@ -58,20 +59,17 @@ td { white-space: nowrap; }
 """
 
 
-def page(tuning: Tuning, tables: Mapping[str, Table], shared: Mapping[str, Picture], own: Mapping[str, Picture]) -> str:
-    """The page as HTML; it names the figures in `figures/` beside it: those of all controllers, then one of each."""
-    words: Sequence[str] = sentences(tuning)
-    return (
-        html_environment()
-        .from_string(_HTML)
-        .render(
-            title=tuning.study.file.title,
-            question=tuning.study.file.question,
-            words=words,
-            equal=held_equal(tuning),
-            tables=list(tables.values()),
-            pictures={**shared, **own},
-            shared=list(shared),
-            own=list(own),
-        )
+def page(tuning: Tuning, tables: Mapping[str, Table], pictures: Pictures) -> str:
+    """The page as HTML; it names the figures in `figures/` beside it."""
+    template = html_environment().from_string(_HTML)
+    return template.render(
+        title=tuning.study.file.title,
+        question=tuning.study.file.question,
+        words=sentences(tuning),
+        equal=held_equal(tuning),
+        tables=list(tables.values()),
+        pictures={**pictures.shared, **pictures.own},
+        shared=list(pictures.shared),
+        own=list(pictures.own),
+        missing=pictures.missing,
     )

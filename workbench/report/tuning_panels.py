@@ -1,5 +1,6 @@
 """What the figures of a tuning have in common: panels by controller, colours of before and after."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +33,15 @@ class Picture:
 
     figure: Figure
     caption: str
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """Figures by name, those of all controllers and one of each, and what is said of those that there are not."""
+
+    shared: Mapping[str, Picture]
+    own: Mapping[str, Picture]
+    missing: Sequence[str]
 
 
 def grid(rows: int, columns: int, title: str, height: float = HEIGHT, **options: Any) -> tuple[Figure, np.ndarray]:

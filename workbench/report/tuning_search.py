@@ -8,7 +8,7 @@ from warnings import catch_warnings, simplefilter
 import numpy as np
 import optuna
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from optuna.importance import PedAnovaImportanceEvaluator, get_param_importances
 from optuna.trial import FrozenTrial
 
@@ -37,6 +37,9 @@ BEYOND: dict[str, Any] = {"marker": "^", "markersize": 5.0, "linestyle": "none",
 ROOM = 1.6
 """By what factor the top edge is above the largest objective that is drawn at its own height."""
 
+NARROW = 50.0
+"""An axis that spans less than this factor has plain numbers between the powers of ten."""
+
 FEWEST = 12
 """Feasible trials below which the importance of gains is not told."""
 
@@ -58,6 +61,10 @@ def history_picture(tuning: Tuning) -> Picture:
             axes.set_ylabel("objective")
             axes.set_ylim(low / ROOM, top * ROOM)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            if top < NARROW * low:
+                axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axes.yaxis.set_minor_formatter(NullFormatter())
         for axes in panels[-2:]:
             axes.set_xlabel("trial")
         legend(figure, panels)
@@ -109,11 +116,12 @@ def _history(axes: Axes, rows: Sequence[Mapping[str, Any]], top: float) -> None:
         axes.plot([row["trial"] for row in rows], np.where(np.isfinite(best), best, np.nan), **BEST)
 
 
-def importance_picture(tuning: Tuning) -> Picture | None:
-    """Importance of each gain, a panel a controller; None where it can be told of none."""
+def importance_picture(tuning: Tuning) -> Picture | str:
+    """Importance of each gain, a panel a controller; or why it is told of none."""
     found = [importance(one) for one in tuning.found]
     if all(isinstance(each, str) for each in found):
-        return None
+        why = "; ".join(f"{one.task.name}: {each}" for one, each in zip(tuning.found, found, strict=True))
+        return f"The importance of gains is not told. {why}."
     with figure_style():
         figure, panels = small_multiples(len(found), "Which gains mattered", 1.5, sharex=True)
         for axes, one, each in zip(panels, tuning.found, found, strict=True):

@@ -185,6 +185,8 @@ def gains_table(tuning: Tuning) -> Table:
     """controller | gain | unit | before | after | range | whether it stands at an end of it."""
     lines = [_gain(one, dimension) for one in tuning.found for dimension in one.task.dimensions]
     notes = ["Before: what the study says, or where that lies outside the range the end next to it."]
+    if any(one.task.rotates for one in tuning.found):
+        notes.append("Of a rotation that is tuned it is the end of the range from which the search begins.")
     return Table("Tuned gains", pd.DataFrame(lines), notes)
 
 

@@ -10,6 +10,9 @@ from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
 from workbench.tune.tuning import Quantile, Tuned, infeasible
 
+ALIKE = 1e-4
+"""Objectives that differ by less than this share are the same: trials have gains of five digits."""
+
 Found = tuple[Tuned, Quantile, Quantile]
 """A tuned controller with its objective before and after."""
 
@@ -76,7 +79,9 @@ def _best(tuning: Tuning, found: Sequence[Found], basis: Basis) -> str:
         said += f"; last is {last.task.name} with {shown(last_value, share)}"
     level = [one.task.name for one, _, other in others if basis != "declared" and _overlap(value, other)]
     if level:
-        said += f". The intervals of {best.task.name} and {_list(level)} overlap: on other machines the order may be another"
+        said += (
+            f". The intervals of {best.task.name} and {_list(level)} overlap: on other machines the order may change"
+        )
     return f"{said}. {yardstick_words(tuning)}"
 
 
@@ -98,9 +103,9 @@ def _list(names: Iterable[str]) -> str:
 
 def _helped(found: Sequence[Found]) -> list[str]:
     """By how much the objective moved, for each controller."""
-    lowered = [(one, before, after) for one, before, after in found if after.value < before.value]
-    raised = [(one, before, after) for one, before, after in found if after.value > before.value]
-    same = [one.task.name for one, before, after in found if after.value == before.value]
+    lowered = [each for each in found if each[2].value < each[1].value and not _alike(each)]
+    raised = [each for each in found if each[2].value > each[1].value and not _alike(each)]
+    same = [each[0].task.name for each in found if _alike(each)]
     said = []
     if lowered:
         most_first = sorted(lowered, key=lambda each: each[2].value / each[1].value)
@@ -116,6 +121,10 @@ def _helped(found: Sequence[Found]) -> list[str]:
     if same:
         said.append(f"It left that of {_list(same)} as it was.")
     return said
+
+
+def _alike(each: Found) -> bool:
+    return math.isclose(each[1].value, each[2].value, rel_tol=ALIKE)
 
 
 def _moved(one: Tuned, before: Quantile, after: Quantile) -> str:
