@@ -1,6 +1,7 @@
 """Linearisation against the thesis's Appendix C, finite differences and python-control's own solver."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,7 @@ from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
 from plants.rotating import HELICAL, HelicalState, Inputs
 from workbench.errors import UserError
-from workbench.linear import jacobians, linearise, measurement_jacobian, nonlinear_system, output_jacobians
+from workbench.linear import jacobians, linearise, measurement_jacobian, nonlinear_system, output_jacobians, symbolic
 from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
@@ -234,3 +235,10 @@ def test_unknown_output_names_the_nearest() -> None:
     with pytest.raises(UserError) as error:
         nonlinear_system(NON_ROTATING, parameters, ("position", "axial_fricton"))
     assert str(error.value) == message
+
+
+def test_threads_may_linearise_at_once() -> None:
+    """CasADi's switch for NumPy's functions is one for the whole process; without it a warning is raised."""
+    with ThreadPoolExecutor(4) as executor:
+        made = list(executor.map(lambda _: symbolic.__wrapped__(NON_ROTATING), range(40)))
+    assert {function.name() for function in made} == {NON_ROTATING.name}

@@ -12,6 +12,7 @@ compiles, so there is no second copy to keep in step.
 import functools
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from threading import Lock
 from typing import Any
 
 import casadi
@@ -21,6 +22,8 @@ import numpy as np
 from plants.equation import fields, from_array, leaves, to_array
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
+
+_SWITCH = Lock()
 
 EVALUATION_TIME = 0.0
 """s. The built-in plants do not depend on time; one that does is linearised at its start."""
@@ -188,10 +191,14 @@ def _symbolic_readings(plant: Plant) -> casadi.Function:
 
 @contextmanager
 def numpy_functions_of_symbols() -> Iterator[None]:
-    """Let NumPy's functions take CasADi symbols; a global switch of CasADi's, put back as it was."""
-    before = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    try:
-        yield
-    finally:
-        casadi.GlobalOptions.setNumpyMode(before)
+    """Let NumPy's functions take CasADi symbols; a global switch of CasADi's, put back as it was.
+
+    One thread at a time: another would find the switch put back while it still needs it.
+    """
+    with _SWITCH:
+        before = casadi.GlobalOptions.getNumpyMode()
+        casadi.GlobalOptions.setNumpyMode(1)
+        try:
+            yield
+        finally:
+            casadi.GlobalOptions.setNumpyMode(before)

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -161,15 +162,16 @@ def tune(
     from workbench.tune.study import prepared, tune_all
 
     ready, names = prepared(read_study(study), controller, trials)
-    database = open_folder(out, resume=resume, overwrite=overwrite)
+    database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
     try:
         with ProgressLine() as told:
-            found = tune_all(ready, names, database, jobs, told or (lambda said, done: None))
+            tell = told or (lambda said, done: None)
+            found = tune_all(ready, names, database, jobs, tell)
+            written = write_tuning(found, out, began=began, jobs=jobs, tell=tell)
     except KeyboardInterrupt:
         print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
-    frame = write_tuning(found, out)
-    say_tuning(frame)
+    say_tuning(written)
 
 
 @app.command("list")

@@ -4,23 +4,45 @@ tuned/NAME.toml            gains of each controller, as a study names them
 results.csv, trials.csv    a row a controller; a row a trial (SI)
 tuning.html, tables/, figures/
 results.sqlite             the trials, while they are found: optuna's tables
-study.toml, run.json       the study, and what ran it
+study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
+import json
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from workbench.errors import UserError
 from workbench.folders import held, remove, write_whole
-from workbench.study.store import DATABASE, STUDY_COPY
+from workbench.report.figures import save
+from workbench.report.style import figure_style
+from workbench.report.tables import write_frame
+from workbench.report.tuning_bode import bode_picture
+from workbench.report.tuning_page import page
+from workbench.report.tuning_panels import Picture, Pictures
+from workbench.report.tuning_rows import row_of
+from workbench.report.tuning_search import history_picture, importance_picture
+from workbench.report.tuning_tables import Table, brief, tables_of
+from workbench.report.tuning_traces import error_picture, step_picture, traces_of
+from workbench.report.tuning_words import first_lines, infeasible_lines
+from workbench.study.runner import PACKAGES, ran_on
+from workbench.study.store import DATABASE, STUDY_COPY, write_json
 from workbench.tune.gains import gain_file, history
-from workbench.tune.study import Tuning
-from workbench.tune.tuning import Tuned, infeasible
+from workbench.tune.study import Tuning, identity_of
+from workbench.tune.task import tune_table
 
-GAINS, RESULTS, TRIALS = "tuned", "results.csv", "trials.csv"
-REPLACED = (STUDY_COPY, GAINS, RESULTS, TRIALS, "tuning.html", "tables", "figures", "run.json", DATABASE)
+GAINS, RESULTS, TRIALS, PAGE, RECORD = "tuned", "results.csv", "trials.csv", "tuning.html", "run.json"
+LAST = (PAGE, RECORD)
+"""What is there only where all is."""
+
+SAID = (GAINS, RESULTS, TRIALS, "tables", "figures")
+REPLACED = (STUDY_COPY, *SAID, *LAST, DATABASE)
 """What a tuning may write, and replace; the database, which marks the folder as its own, last."""
 
 
@@ -49,45 +71,106 @@ def open_folder(folder: Path, *, resume: bool, overwrite: bool) -> Path:
     return database
 
 
-def write_tuning(tuning: Tuning, folder: Path) -> pd.DataFrame:
-    """Write gains, results and trials; returns the results, a row a controller."""
-    found = tuning.found
+@dataclass(frozen=True, eq=False)
+class Written:
+    """What a tuning has left: its folder, its results a row a controller, and what is said of them."""
+
+    folder: Path
+    results: pd.DataFrame
+    lines: Sequence[str]
+    table: Table
+
+
+def write_tuning(
+    tuning: Tuning,
+    folder: Path,
+    *,
+    began: float,
+    jobs: int | None = None,
+    tell: Callable[[str, float], None] = lambda said, done: None,
+) -> Written:
+    """Write gains, results, trials, tables, figures and the page; run.json, which says that all are there, last.
+
+    `began`: when the tuning did (s since the epoch). `tell` is told what is being made, and how far all is.
+    """
+    for name in LAST:
+        remove(folder / name)
     (folder / STUDY_COPY).write_text(tuning.study.text, encoding="utf-8")
-    (folder / GAINS).mkdir(exist_ok=True)
-    for one in found:
-        path = folder / GAINS / f"{one.task.name}.toml"
+    _write_gains(tuning, folder / GAINS)
+    _write_frame([row for one in tuning.found for row in history(one)], folder / TRIALS)
+    results = _write_frame([row_of(one) for one in tuning.found], folder / RESULTS)
+    for name in ("tables", "figures"):
+        remove(folder / name)
+    tables = tables_of(tuning)
+    for name, table in tables.items():
+        write_frame(name, table.title, table.cells, list(table.notes), folder / "tables")
+    tell("figures", 0.95)
+    pictures = _pictures(tuning, jobs)
+    for name, picture in {**pictures.shared, **pictures.own}.items():
+        with figure_style():
+            picture.figure.draw_without_rendering()
+            picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
+        save(picture.figure, name, folder / "figures")
+    html = page(tuning, tables, pictures)
+    write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
+    write_json(folder / RECORD, _record(tuning, began, jobs))
+    lines = [*first_lines(tuning), *infeasible_lines(tuning)]
+    return Written(folder, results, lines, tables["tuning"])
+
+
+def _write_gains(tuning: Tuning, folder: Path) -> None:
+    """A gain file of each controller that has feasible gains, and none of the others."""
+    folder.mkdir(exist_ok=True)
+    for one in tuning.found:
+        path = folder / f"{one.task.name}.toml"
         if one.best is None:
             path.unlink(missing_ok=True)
         else:
             write_whole(path, partial(Path.write_text, data=gain_file(one), encoding="utf-8"))
-    rows = pd.DataFrame([row for one in found for row in history(one)])
-    write_whole(folder / TRIALS, lambda path: rows.to_csv(path, index=False, lineterminator="\n"))
-    frame = pd.DataFrame([_row(one) for one in found])
-    write_whole(folder / RESULTS, lambda path: frame.to_csv(path, index=False, lineterminator="\n"))
+
+
+def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
+    frame = pd.DataFrame(rows)
+    write_whole(path, lambda beside: frame.to_csv(beside, index=False, lineterminator="\n"))
     return frame
 
 
-def _row(one: Tuned) -> dict[str, object]:
-    """What became of a controller: objective before and after, margins, quantiles, errors of each case."""
-    row: dict[str, object] = {
-        "controller": one.task.name,
-        "outcome": "tuned" if one.score is not None else infeasible(one),
-        "objective_before": one.start.value,
-        "objective": None if one.score is None else one.score.value,
-        "polish": one.polished,
+def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+        traced = traces_of(tuning, executor)
+    shared = {
+        "history": history_picture(tuning),
+        "importance": importance_picture(tuning),
+        "step": step_picture(traced),
+        "error": error_picture(traced),
     }
-    for kind, quantiles in (("searched", one.on_searched), ("fresh", one.on_fresh)):
-        for when, quantile in quantiles.items():
-            row |= {f"{when}_on_{kind}_{key}": getattr(quantile, key) for key in ("value", "low", "high")}
-    for when, score in (("before", one.start), ("after", one.score)):
-        if score is None:
-            continue
-        row |= {f"gain_margin_dB_{when}": score.margins.gain_dB, f"phase_margin_deg_{when}": score.margins.phase_deg}
-        for case, ran in zip(one.task.cases, score.ran, strict=True):
-            label = "_".join(str(value) for value in case.columns.values()) or "case"
-            row |= {f"{name}_{label}_{when}": value for name, value in ran.figures.items()}
-    return row
+    own = {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
+    return Pictures(
+        {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
+        {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
+        [drawn for drawn in (*shared.values(), *own.values()) if isinstance(drawn, str)],
+    )
 
 
-def say_tuning(frame: pd.DataFrame) -> None:
-    print(frame.T.to_string())
+def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
+    """What ran: as run.json of a study says it."""
+    table = tune_table(tuning.study)
+    seeds = {"search": table.seed}
+    if tuning.study.file.uncertainty is not None:
+        seeds["draws"] = tuning.study.file.uncertainty.seed
+    return {
+        "title": tuning.study.file.title,
+        **json.loads(identity_of(tuning.study, table)),
+        "controllers": [one.task.name for one in tuning.found],
+        "trials": table.trials,
+        "seeds": seeds,
+        **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna")),
+    }
+
+
+def say_tuning(written: Written) -> None:
+    """Print what a tuning found, and where it is."""
+    print("\n".join(written.lines))
+    print(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n")
+    print(f"wrote {written.folder / PAGE}")
+    print(f"results in {written.folder}: {', '.join(name for name in SAID if (written.folder / name).exists())}")

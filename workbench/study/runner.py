@@ -232,10 +232,17 @@ def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) 
         **planned.identity,
         "cases": len(planned.cases),
         "simulated_seconds": planned.simulated_seconds,
+        "seeds": sorted({item.setup.seed for item in planned.resolved}),
+        **ran_on(began, cluster or jobs or os.cpu_count(), PACKAGES),
+    }
+
+
+def ran_on(began: float, jobs: int | str | None, packages: Sequence[str]) -> dict[str, Any]:
+    """What run.json says of the machine: how long it took since `began` (s since the epoch), jobs, versions, cores."""
+    return {
         "wall_seconds": round(time.time() - began, 3),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
-        "jobs": cluster or jobs or os.cpu_count(),
-        "seeds": sorted({item.setup.seed for item in planned.resolved}),
-        "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+        "jobs": jobs,
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
         "machine": {"system": platform.system(), "machine": platform.machine(), "cores": os.cpu_count()},
     }
