@@ -8,6 +8,7 @@ import pytest
 from workbench.report.comparison import best, cases_of, cheapest, exactness, pivots, rule, sentences
 from workbench.report.comparison_figures import non_dominated
 from workbench.report.comparison_page import write_comparison
+from workbench.report.comparison_tuned import changes, of_tuned
 from workbench.study.document import Study
 from workbench.study.report_schema import ComparisonTable
 from workbench.study.schema import StudyFile
@@ -170,3 +171,24 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
     assert not (tmp_path / "quiet" / "figures" / "limit_cycle_map.png").exists()
     assert b"A &lt; B" in texts[0][1]
     assert b"6 cases" in texts[0][0] or b"12 cases" in texts[0][0]
+
+
+def test_what_tuning_changes_is_told() -> None:
+    """Compensation beats rotation with the gains before; tuned, rotation wins; steps stay as they are."""
+    spec = SPEC.model_copy(update={"before": {"p": "p_before", "lugre": "lugre_before"}})
+    tuned = frame({0: 9e-4, 10: 3e-4}, {0: 5e-4})
+    old = frame({0: 9e-4, 10: 6e-4}, {0: 5e-4})
+    old["controller"] += "_before"
+    both = pd.concat([tuned, old], ignore_index=True)
+    first, *others = changes(spec, both)
+    assert first == "1 of 2 conclusions are others with tuned gains than with those before."
+    assert others == [
+        "Nominal, sine. Before: with neither, p leaves 0.9 mm. Compensation, lugre without rotation (0.5 mm), beats "
+        "rotation, p at 10 rpm (0.6 mm), which would have cost 10 W at the rod, 40 W at the motor's terminals. Tuned: "
+        "with neither, p leaves 0.9 mm. Rotation beats compensation, lugre without rotation (0.5 mm): cheapest with p at "
+        "10 rpm (0.3 mm), 10 W at the rod, 40 W at the motor's terminals."
+    ]
+    assert set(of_tuned(spec, both)["controller"]) == {"p", "lugre"}
+    same = pd.concat([old, old.assign(controller=old["controller"].str.removesuffix("_before"))], ignore_index=True)
+    assert changes(spec, same) == ["No conclusion changes: 2 of 2 are the same."]
+    assert changes(SPEC, tuned) == []

@@ -22,6 +22,9 @@ LEAST = 1e-4
 MM = 1e3
 
 
+NOTHING = "nothing is needed"
+
+
 @dataclass(frozen=True)
 class Best:
     """One case: its controller, rpm, error (m), solver error (m) and row of the results."""
@@ -48,6 +51,14 @@ class Best:
         """What its rotation costs, in words."""
         rotary, electric = self.row["rotation_power_W"], self.row["motor_electric_power_W"]
         return f"{_watts(rotary)} at the rod, {_watts(electric)} at the motor's terminals"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the cases of one scenario and reference say: which side wins, and in full."""
+
+    kind: str
+    words: str
 
 
 @dataclass(frozen=True)
@@ -113,49 +124,54 @@ def error_column(spec: ComparisonTable, reference: str) -> str:
 def sentences(spec: ComparisonTable, frame: pd.DataFrame) -> dict[str, list[str]]:
     """By scenario, what its tables say: a verdict a reference, and a sentence about limit cycles."""
     found: dict[str, list[str]] = {}
-    for scenario in frame["scenario"].unique():
-        part = frame[frame["scenario"] == scenario]
-        lines = [
-            f"{plain_name(reference).capitalize()}: "
-            + _verdict(spec, cases_of(part[part["reference"] == reference], error_column(spec, reference)))
-            for reference in part["reference"].unique()
-        ]
-        found[str(scenario)] = [*lines, _hunting(part)]
-    return found
+    for (scenario, reference), verdict in verdicts(spec, frame).items():
+        found.setdefault(scenario, []).append(f"{plain_name(reference).capitalize()}: {verdict.words}")
+    return {name: [*lines, _hunting(frame[frame["scenario"] == name])] for name, lines in found.items()}
 
 
-def _verdict(spec: ComparisonTable, cases: list[Best]) -> str:
+def verdicts(spec: ComparisonTable, frame: pd.DataFrame) -> dict[tuple[str, str], Verdict]:
+    """By scenario and reference, what its cases say."""
+    return {
+        (str(scenario), str(reference)): _verdict(spec, cases_of(rows, error_column(spec, str(reference))))
+        for (scenario, reference), rows in frame.groupby(["scenario", "reference"], sort=False)
+    }
+
+
+def _verdict(spec: ComparisonTable, cases: list[Best]) -> Verdict:
     """What the cases of one scenario and reference say."""
     neither, compensated, rotated, both = (
         [case for case in cases if (case.controller in spec.plain) == plain and (case.rpm > 0) == turning]
         for plain, turning in ((True, False), (False, False), (True, True), (False, True))
     )
     if not (neither and compensated and rotated):
-        return "no comparison, since no case of one side has an error."
+        return Verdict("no comparison", "no comparison, since no case of one side has an error.")
     bare, top, compensation = best(neither), best(cases), best(compensated)
     if bare.error <= spec.negligible:
         simplest = next(case for case in neither if case.error <= spec.negligible)
-        return f"nothing is needed: {simplest.words} is within {spec.negligible * MM:g} mm."
+        return Verdict(NOTHING, f"nothing is needed: {simplest.words} is within {spec.negligible * MM:g} mm.")
     if not beats(spec, top, bare):
-        return f"nothing is needed: {bare.words} is level with the best of all, {top.words}."
+        return Verdict(NOTHING, f"nothing is needed: {bare.words} is level with the best of all, {top.words}.")
     start = f"with neither, {plain_name(bare.controller)} leaves {bare.size}. "
     idle = "" if beats(spec, compensation, bare) else ", by this rule no better than neither"
     together = [case for case in both if beats(spec, case, compensation) and beats(spec, case, best(rotated))]
     end = f" Both together beat either alone: {_offers(spec, together)}." if together else ""
-    return start + _against(spec, compensation, idle, rotated) + end
+    found = _against(spec, compensation, idle, rotated)
+    return Verdict(found.kind, start + found.words + end)
 
 
-def _against(spec: ComparisonTable, compensation: Best, idle: str, rotated: list[Best]) -> str:
+def _against(spec: ComparisonTable, compensation: Best, idle: str, rotated: list[Best]) -> Verdict:
     """Rotation without compensation against the best compensation without rotation."""
     winning = [case for case in rotated if beats(spec, case, compensation)]
     if winning:
-        return f"Rotation beats compensation, {compensation.words}{idle}: {_offers(spec, winning)}."
+        words = f"Rotation beats compensation, {compensation.words}{idle}: {_offers(spec, winning)}."
+        return Verdict("rotation beats compensation", words)
     compensated = f"Compensation, {compensation.words}{idle},"
     if beats(spec, compensation, best(rotated)):
         least = _cheapest_of_the_best(spec, rotated)
-        return f"{compensated} beats rotation, {least.words}, which would have cost {least.cost}."
+        words = f"{compensated} beats rotation, {least.words}, which would have cost {least.cost}."
+        return Verdict("compensation beats rotation", words)
     level = cheapest([case for case in rotated if not beats(spec, compensation, case)])
-    return f"{compensated} and rotation, {level.words}, are level; rotation costs {level.cost}."
+    return Verdict("level", f"{compensated} and rotation, {level.words}, are level; rotation costs {level.cost}.")
 
 
 def _cheapest_of_the_best(spec: ComparisonTable, cases: list[Best]) -> Best:

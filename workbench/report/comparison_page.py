@@ -7,6 +7,7 @@ from jinja2 import Environment
 
 from workbench.report.comparison import exactness, plain_name, rule, sentences, write_tables
 from workbench.report.comparison_figures import write_figures
+from workbench.report.comparison_tuned import changes, of_tuned
 from workbench.report.html import html_environment
 from workbench.study.document import Study
 from workbench.study.scenarios import read_scenario
@@ -32,6 +33,12 @@ Tables: {% for scenario in words %}[{{ scenario | plain }}](#tables-{{ scenario 
 - {{ line }}
 {%- endfor %}
 {% endfor %}
+{%- if changes %}
+## What tuning changes
+{% for line in changes %}
+- {{ line }}
+{%- endfor %}
+{% endif %}
 ## Figures
 {% for picture in pictures %}
 ![{{ picture.path.stem | plain }}](figures/{{ picture.path.name }})
@@ -63,6 +70,10 @@ _HTML = """\
 <ul>{% for line in lines %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% endfor %}
+{% if changes %}<h2>What tuning changes</h2>
+<ul>{% for line in changes %}<li>{{ line }}</li>
+{% endfor %}</ul>
+{% endif -%}
 <h2 id="figures">Figures</h2>
 {% for picture in pictures %}
 <figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
@@ -89,10 +100,13 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
     spec = study.file.comparison
     if spec is None:
         return []
+    tuning, whole = changes(spec, frame), frame
+    frame = of_tuned(spec, frame)
     content = {
         "title": study.file.title,
         "question": study.file.question,
-        "scope": _scope(frame),
+        "scope": _scope(whole),
+        "changes": tuning,
         "assumptions": [rule(spec), exactness(spec, frame), *spec.assumptions],
         "titles": {name: read_scenario(path)[0].title for name, (path, _) in study.sources.items()},
         "words": sentences(spec, frame),

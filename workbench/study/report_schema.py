@@ -194,10 +194,12 @@ class ComparisonTable(Strict):
 
     `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `steps` the
     references that are judged by steady-state error and limit cycles; errors that differ by less than `negligible` are
-    level.
+    level. `before` has for controllers with tuned gains the name of the one with the gains before: the page is of the
+    tuned ones, and says which conclusions are others.
     """
 
     plain: list[str] = Field(min_length=1)
     steps: list[str] = []
+    before: dict[str, str] = {}
     negligible: Metre = Field(1e-6, gt=0.0)
     assumptions: list[str] = []
