@@ -33,7 +33,7 @@ def first_lines(tuning: Tuning) -> list[str]:
     basis = basis_of(tuning)
     found = compared(tuning, basis)
     if not found:
-        return []
+        return ["No controller has gains that keep all constraints."]
     return [_best(tuning, found, basis), *_helped(found), *_order(found)]
 
 
