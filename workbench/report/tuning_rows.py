@@ -80,13 +80,9 @@ def active(one: Tuned) -> dict[str, int | None]:
 
 
 def _better_but_broken(one: Tuned, best: float) -> Mapping[str, int]:
-    counts: dict[str, int] = {}
-    for trial in one.trials:
-        if trial.user_attrs[SCORE]["nominal"] < best:
-            for name, beyond in trial.constraints.items():
-                if beyond > 0.0:
-                    counts[name] = counts.get(name, 0) + 1
-    return counts
+    better = [trial for trial in one.trials if trial.user_attrs[SCORE]["nominal"] < best]
+    counts = {name: sum(trial.constraints[name] > 0.0 for trial in better) for name in one.start.violations}
+    return {name: count for name, count in counts.items() if count}
 
 
 def row_of(one: Tuned) -> dict[str, Any]:

@@ -122,6 +122,7 @@ def _result(one: Tuned, draws: bool, share: float) -> Line:
             unit = name.rpartition("_")[2]
             line[f"{heading}, {when} ({unit})"] = "" if score is None else margin(getattr(score.margins, name))
     line["breaks, before"] = ", ".join(broken(one.start))
+    line["polish"] = one.polished.partition(":")[0].partition(" in ")[0]
     return line | {"outcome": TUNED if one.score is not None else "no feasible gains"}
 
 

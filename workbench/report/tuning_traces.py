@@ -82,38 +82,51 @@ def step_picture(traced: Sequence[Traced]) -> Picture:
     """Position at the jump, and the error that is left of it, a row a controller."""
     with figure_style():
         figure, panels = grid(len(traced), 2, "A step that is held, before and after", LOW, sharex="col")
-        rise = max(_rise(run) for each in traced for _, run in each.held.values())
+        level = _jump(next(iter(traced[0].held.values()))[1])
+        rise = max((_rise(run) for each in traced for run in _finished(each).values()), default=1.0)
         for (jump, left), each in zip(panels, traced, strict=True):
-            _step(jump, left, each, rise)
+            _step(jump, left, each, level)
+            jump.set_xlim(0.0, rise)
         panels[-1, 0].set_xlabel("time from the step (s)")
         panels[-1, 1].set_xlabel("time from the step (s)")
         legend(figure, list(panels.ravel()))
-    level = 1e3 * _jump(next(iter(traced[0].held.values()))[1])
     caption = (
-        f"A step of {level:.3g} mm, held. Left: position, until the slowest controller has come near. Right: the error "
-        "in the second half of the hold, each on a scale of its own: a level line is a steady-state error, a wave that "
-        f"does not die out a limit cycle. Scales are not finer than {100.0 * FINEST:g} % of the step."
+        f"A step of {1e3 * level:.3g} mm, held. Left: position, until the slowest controller has come near. Right: the "
+        "error in the second half of the hold, each on a scale of its own: a level line is a steady-state error, a "
+        f"wave that does not die out a limit cycle. Scales are not finer than {100.0 * FINEST:g} % of the step."
     )
     return Picture(figure, caption)
 
 
-def _step(jump: Axes, left: Axes, each: Traced, rise: float) -> None:
-    late = {when: _late(run) for when, (_, run) in each.held.items()}
+def _say_failed(axes: Axes) -> None:
+    note(axes, "every run failed")
+    axes.set_yticks([])
+
+
+def _finished(each: Traced) -> dict[str, Run]:
+    """Runs of the step that did not diverge."""
+    return {when: run for when, (_, run) in each.held.items() if not run.diverged}
+
+
+def _step(jump: Axes, left: Axes, each: Traced, level: float) -> None:
+    runs = _finished(each)
+    late = {when: _late(run) for when, run in runs.items()}
     scale, unit = _length(error for _, error in late.values())
-    for when, (_, run) in each.held.items():
+    for when, run in runs.items():
         time, error = _error(run)
-        jump.plot(time, 1e3 * (_jump(run) - error), **SIDES[when])
+        jump.plot(time, 1e3 * (level - error), **SIDES[when])
         left.plot(late[when][0], scale * late[when][1], **SIDES[when])
-    _, run = next(iter(each.held.values()))
-    jump.axhline(1e3 * _jump(run), color="#666666", linewidth=0.8, label="reference")
-    left.axhline(0.0, color="#666666", linewidth=0.8)
-    finest = scale * FINEST * abs(_jump(run))
-    low, high = left.get_ylim()
-    left.set_ylim(min(low, -finest), max(high, finest))
-    jump.set_xlim(0.0, rise)
+    if runs:
+        jump.axhline(1e3 * level, color="#666666", linewidth=0.8, label="reference")
+        left.axhline(0.0, color="#666666", linewidth=0.8)
+        finest = scale * FINEST * abs(level)
+        low, high = left.get_ylim()
+        left.set_ylim(min(low, -finest), max(high, finest))
     jump.xaxis.set_major_locator(MaxNLocator(5))
-    jump.set_title(f"{each.one.task.name}: position", fontsize="small")
-    left.set_title(f"{each.one.task.name}: error, second half", fontsize="small")
+    for axes, what in ((jump, "position"), (left, "error, second half")):
+        axes.set_title(f"{each.one.task.name}: {what}", fontsize="small")
+        if not runs:
+            _say_failed(axes)
     jump.set_ylabel("position (mm)")
     left.set_ylabel(f"error ({unit})")
 
@@ -181,7 +194,7 @@ def _errors_drawn(axes: Axes, each: Traced, number: int, label: str) -> bool:
     axes.set_title(", ".join(part for part in (each.one.task.name, plain(label)) if part), fontsize="small")
     axes.set_ylabel(f"error ({unit})")
     if not own:
-        note(axes, "every run failed")
+        _say_failed(axes)
     cut = len(peaks) == len(SIDES) and peaks["before"] > SPREAD * peaks["after"] > 0.0
     if cut:
         limit = scale * SPREAD * peaks["after"]

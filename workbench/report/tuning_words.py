@@ -33,7 +33,7 @@ def first_lines(tuning: Tuning) -> list[str]:
     basis = basis_of(tuning)
     found = compared(tuning, basis)
     if not found:
-        return []
+        return ["No controller has gains that keep all constraints."]
     return [_best(tuning, found, basis), *_helped(found), *_order(found)]
 
 
@@ -171,18 +171,18 @@ def _active(tuning: Tuning) -> list[str]:
             continue
         held = active(one)
         for name, count in held.items():
-            trials = "" if count is None else f" ({_better(count)} it)"
+            trials = "" if count is None else f" ({count})"
             by_name.setdefault(name, []).append(f"{one.task.name}{trials}")
         if not held:
             free.append(one.task.name)
     said = [f"The constraint {name} holds back {_list(names)}." for name, names in by_name.items()]
+    if said:
+        said[-1] += (
+            " In brackets: how many trials have a smaller objective and break it; without: the gains are near it."
+        )
     if free:
         said.append(f"No constraint holds back {_list(free)}.")
     return said
-
-
-def _better(count: int) -> str:
-    return "1 trial with a smaller objective breaks" if count == 1 else f"{count} with a smaller objective break"
 
 
 def _fitted_to_draws(tuning: Tuning) -> list[str]:

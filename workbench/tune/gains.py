@@ -124,7 +124,7 @@ def history(found: Tuned) -> list[dict[str, Any]]:
             "ended": trial.state.name.lower(),
             "feasible": all(beyond <= 0.0 for beyond in trial.constraints.values()),
             "candidate": is_candidate(trial),
-            "breaks": ", ".join(name for name, beyond in trial.constraints.items() if beyond > 0.0),
+            "breaks": ", ".join(name for name in found.start.violations if trial.constraints[name] > 0.0),
             "nominal": trial.user_attrs[SCORE]["nominal"],
             "gain_margin_dB": trial.user_attrs[SCORE]["gain_margin_dB"],
             "phase_margin_deg": trial.user_attrs[SCORE]["phase_margin_deg"],

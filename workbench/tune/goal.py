@@ -98,7 +98,8 @@ def run(resolved: Resolved, columns: Sequence[str]) -> Ran:
     done = simulate(setup)
     judged = [*columns, "limit_cycle"] if rests(resolved) else columns
     figures = evaluate(done, resolved.signal, resolved.transient, resolved.band, judged)
-    start = min(first_sample(done.time, resolved.transient), done.time.size - 1)
+    last = done.time.size - 1  # 0 of a run that diverges at once
+    start = min(first_sample(done.time, resolved.transient), last) if last else 0
     limit = float(setup.plant.command_limit(setup.parameters))
     wanted = {name: figures[name] for name in columns}
     return Ran(

@@ -145,7 +145,8 @@ def infeasible(found: Tuned) -> str:
     counts = Counter(name for trial in found.trials for name, beyond in trial.constraints.items() if beyond > 0.0)
     if not counts:
         return "every trial that keeps the constraints hunts on too many of the drawn machines"
-    name, count = counts.most_common(1)[0]
+    name = max(found.start.violations, key=lambda one: counts[one])  # in that order: a trial from a file has another
+    count = counts[name]
     closest = min(found.trials, key=lambda trial: trial.constraints[name])
     asked, shown = tune_table(found.task.study).constraints, closest.user_attrs[SCORE]
     reached = {
