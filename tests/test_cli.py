@@ -78,8 +78,8 @@ def test_list_shows_of_each_controller_what_it_can_use() -> None:
 
 def test_list_says_what_each_setting_means() -> None:
     words = [" ".join(line.split()) for line in workbench("list", "controllers").out.splitlines()]
-    assert "kp command/m needed gain on the position error; >= 0" in words
-    assert "retained 1 default 0.0 share of the integral that outlives a reversal; 0 to 1" in words
+    assert "kp command/m needed gain on the position error; >= 0; tuned from 0.1 to 10 times the study's" in words
+    assert "retained 1 default 0.0 share of the integral that outlives a reversal; 0 to 1; tuned from 0 to 1" in words
     assert "hold choice default linear how it goes on between samples; linear | zero" in words
 
 

@@ -185,8 +185,8 @@ def test_what_tuning_changes_is_told() -> None:
     assert others == [
         "Nominal, sine. Before: with neither, p leaves 0.9 mm. Compensation, lugre without rotation (0.5 mm), beats "
         "rotation, p at 10 rpm (0.6 mm), which would have cost 10 W at the rod, 40 W at the motor's terminals. Tuned: "
-        "with neither, p leaves 0.9 mm. Rotation beats compensation, lugre without rotation (0.5 mm): cheapest with p at "
-        "10 rpm (0.3 mm), 10 W at the rod, 40 W at the motor's terminals."
+        "with neither, p leaves 0.9 mm. Rotation beats compensation, lugre without rotation (0.5 mm): cheapest with p "
+        "at 10 rpm (0.3 mm), 10 W at the rod, 40 W at the motor's terminals."
     ]
     assert set(of_tuned(spec, both)["controller"]) == {"p", "lugre"}
     same = pd.concat([old, old.assign(controller=old["controller"].str.removesuffix("_before"))], ignore_index=True)

@@ -155,7 +155,7 @@ def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> No
     assert found.best is None
     most = max(trial.user_attrs["score"]["phase_margin_deg"] for trial in found.trials)
     assert infeasible(found) == (
-        "no trial keeps all constraints; phase margin fails most often, in 10 of 10 trials; the nearest has "
+        "no trial keeps all constraints; most often broken: phase margin, in 10 of 10 trials; the nearest has "
         f"{most:.1f} deg, 89 deg are asked for"
     )
 

@@ -72,7 +72,7 @@ def active(one: Tuned) -> dict[str, int | None]:
     if one.score is None:
         return {}
     asked = tune_table(one.task.study).constraints
-    limits = {"saturated": asked.saturated, "gain margin": 1.0, "phase margin": 1.0}
+    limits = {"saturation": asked.saturated, "gain margin": 1.0, "phase margin": 1.0}
     near = {
         name: None for name, limit in limits.items() if limit and -NEAR * limit <= one.score.violations[name] <= 0.0
     }

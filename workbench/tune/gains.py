@@ -46,7 +46,7 @@ def gain_file(found: Tuned) -> str:
         "rotation": rotation,
         "objective": {
             "value": found.score.value,
-            "with_the_study_s_gains": found.start.value,
+            "with_the_study_s_gains": found.on_searched["start"].value if found.on_searched else found.start.value,
             "on_the_declared_machine": found.score.nominal,
             "yardstick": table.yardstick or next(iter(task.study.file.controllers)),
             "weights": {name: weight for name, weight in table.objective.model_dump().items() if weight},

@@ -28,6 +28,9 @@ SLOW = 0.01
 HOLD_SHARE = 0.25
 """Of the largest level that any reference asks for: the step after which a rest is judged."""
 
+FARTHEST = 5.0
+"""Shares by which a margin counts as short at most: an unstable loop may have none at all."""
+
 BROKEN = ("diverged", "step too small", "end stop", "saturated throughout", "stuck")
 """Outcomes of a run with which gains have failed."""
 
@@ -175,11 +178,11 @@ class Goal:
         """By constraint, how far beyond its limit a point is, as a share of the limit (<= 0: kept)."""
         asked = self.table.constraints
         beyond = {
-            "runs": 1.0 if any(one.broken for one in (*ran, *held)) else -1.0,
-            "saturated": max(one.saturated for one in ran) - asked.saturated,
+            "run to its end": 1.0 if any(one.broken for one in (*ran, *held)) else -1.0,
+            "saturation": max(one.saturated for one in ran) - asked.saturated,
             "stable loop": -1.0 if found.stable else 1.0,
-            "gain margin": _short(found.gain_dB if found.stable else 0.0, asked.gain_margin_dB),
-            "phase margin": _short(found.phase_deg if found.stable else 0.0, asked.phase_margin_deg),
+            "gain margin": _short(found.gain_dB, asked.gain_margin_dB),
+            "phase margin": _short(found.phase_deg, asked.phase_margin_deg),
         }
         if asked.limit_cycle:
             beyond["limit cycle"] = 1.0 if any(one.hunting for one in (*ran, *held)) else -1.0
@@ -194,8 +197,8 @@ class Goal:
 
 
 def _short(value: float, asked: float) -> float:
-    """By which share of what is asked a margin is short, within -1 and 1."""
-    return float(np.clip((asked - value) / asked, -1.0, 1.0)) if asked else -1.0
+    """By which share of what is asked a margin is short; that of a loop that is not stable is negative."""
+    return float(np.clip((asked - value) / asked, -1.0, FARTHEST)) if asked else -1.0
 
 
 def quantile(values: Sequence[float], share: float) -> float:

@@ -32,7 +32,7 @@ class Dimension:
 
 
 def space_of(name: str, controller: Controller, settings: Any, table: TuneTable, command_unit: str) -> list[Dimension]:
-    """The dimensions of a controller's gains, and of the rotation where that is tuned too.
+    """The dimensions of a controller's gains.
 
     Without a table of its own under `gains` all settings are tuned that have a documented range, count, and are not 0:
     a term that the study leaves out stays out.
@@ -62,7 +62,6 @@ def space_of(name: str, controller: Controller, settings: Any, table: TuneTable,
         _dimension(declared[gain], getattr(settings, gain), bound, command_unit, (*key, gain))
         for gain, bound in chosen.items()
     ]
-    found += _rotation(table)
     if not found:
         raise SchemaError(key, f'"{controller.name}" has nothing to tune here; name a gain with min and max')
     return found
@@ -103,11 +102,12 @@ def _documented(tuned: Tuned | None, value: float) -> tuple[float, float]:
     return tuned.low * factor, tuned.high * factor
 
 
-def _rotation(table: TuneTable) -> list[Dimension]:
+def rotation_of(table: TuneTable, rpm: float, threshold: float | None) -> list[Dimension]:
+    """What is tuned of the rotation, which the study has at `rpm` (rpm), or beyond a `threshold` (m/s)."""
     if table.rotation is None:
         return []
-    if (rpm := table.rotation.rpm) is not None:
-        return [Dimension(RPM, "rad/s", rpm.min, rpm.max, False, rpm.min)]
+    if (speeds := table.rotation.rpm) is not None:
+        return [Dimension(RPM, "rad/s", speeds.min, speeds.max, False, rpm * math.pi / 30.0)]
     speed = table.rotation.minimum_helical_speed
     assert speed is not None  # the schema wants one of them
-    return [Dimension(THRESHOLD, "m/s", speed.min, speed.max, True, speed.max)]
+    return [Dimension(THRESHOLD, "m/s", speed.min, speed.max, True, speed.max if threshold is None else threshold)]

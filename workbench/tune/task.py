@@ -17,7 +17,7 @@ from workbench.study.names import in_words, matches
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.tune_schema import TuneTable, UncertaintyTable
 from workbench.study.uncertainty import drawn_case
-from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, space_of
+from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, rotation_of, space_of
 
 MACHINES = 4096
 """Drawn machines that are kept resolved."""
@@ -128,7 +128,10 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
     if controller.choose is not None:
         controller = first.setup.loop.controller
     try:
-        dimensions = space_of(name, controller, settings, table, first.setup.plant.command_unit) if tuned else []
+        dimensions = list[Dimension]()
+        if tuned:
+            dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
+            dimensions += rotation_of(table, cases[0].rpm, cases[0].tables["plant"].get(THRESHOLD))
         uncertainty = study.file.uncertainty or UncertaintyTable()
         task = Task(study, name, controller, settings, cases, dimensions, uncertainty)
         if table.draws:

@@ -150,13 +150,14 @@ def infeasible(found: Tuned) -> str:
     closest = min(found.trials, key=lambda trial: trial.constraints[name])
     asked, shown = tune_table(found.task.study).constraints, closest.user_attrs[SCORE]
     reached = {
-        "gain margin": f"; the nearest has {shown['gain_margin_dB']:.1f} dB, {asked.gain_margin_dB:g} dB are asked for",
-        "phase margin": f"; the nearest has {shown['phase_margin_deg']:.1f} deg, {asked.phase_margin_deg:g} deg are "
-        "asked for",
-        "saturated": f"; the nearest saturates for {closest.constraints[name] + asked.saturated:.0%} of the time, "
+        "gain margin": f"{shown['gain_margin_dB']:.1f} dB, {asked.gain_margin_dB:g} dB are asked for",
+        "phase margin": f"{shown['phase_margin_deg']:.1f} deg, {asked.phase_margin_deg:g} deg are asked for",
+        "saturation": f"{closest.constraints[name] + asked.saturated:.0%} of the time at the limit, "
         f"{asked.saturated:.0%} are allowed",
     }
+    if "margin" in name and not shown["stable"]:
+        reached[name] = "a loop that is not stable"
+    nearest = f"; the nearest has {reached[name]}" if name in reached else ""
     return (
-        f"no trial keeps all constraints; {name} fails most often, in {count} of {len(found.trials)} trials"
-        f"{reached.get(name, '')}"
+        f"no trial keeps all constraints; most often broken: {name}, in {count} of {len(found.trials)} trials{nearest}"
     )
