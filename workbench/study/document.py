@@ -27,7 +27,7 @@ CASE = "case"
 REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "comparison", "friction_curves"}
 """What a study says of its report: no result depends on it."""
 
-TUNED = {"uncertainty", "tune"}
+TUNED = {"uncertainty", "tune", "decide"}
 """What a study says of other commands than `run`."""
 
 
