@@ -29,7 +29,9 @@ def check_motions(study: Study, table: DecideTable, speeds: Sequence[float], sam
         told = f"{speed:g} m/s over {table.amplitude:g} m is a period of {period:.3g} s"
         if period < LEAST_SAMPLES * sample_time:
             most = table.period(1.0) / (LEAST_SAMPLES * sample_time)
-            raise study.error(key, f"{told}, under {LEAST_SAMPLES} samples of {sample_time:g} s: at most {most:.3g} m/s")
+            raise study.error(
+                key, f"{told}, under {LEAST_SAMPLES} samples of {sample_time:g} s: at most {most:.3g} m/s"
+            )
         if table.cycles * period > MOST_SAMPLES * sample_time:
             least = table.cycles * table.period(1.0) / (MOST_SAMPLES * sample_time)
             raise study.error(key, f"{told}, which takes too many samples: expected at least {least:.3g} m/s")

@@ -23,6 +23,7 @@ STREAM = 2
 MOTION = "decision"
 """The name of the reference that a decision makes."""
 
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """What is run: each candidate at each speed (m/s), on each machine of each spread.
@@ -67,7 +68,9 @@ def plan_decision(study: Study) -> Plan:
     """
     table = study.file.decide
     if table is None:
-        raise UserError(f"{study.path}: has no [decide]; expected one with accuracy, speed, amplitude, power, rpm, plain")
+        raise UserError(
+            f"{study.path}: has no [decide]; expected one with accuracy, speed, amplitude, power, rpm, plain"
+        )
     speeds = sorted({*(table.speeds or []), table.speed})
     names = _controllers(study, table)
     _check_uncertainty(study, table)

@@ -12,7 +12,7 @@ from workbench.study.report_schema import Column, Row, TableSpec
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 
-WORDS = ("quantity", "law", "model", "account", "direction", "parameter", "unit", REMARK)
+WORDS = ("quantity", "law", "model", "account", "direction", "parameter", "candidate", "unit", REMARK)
 """Columns of text, which are aligned to the left."""
 
 

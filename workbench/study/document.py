@@ -104,6 +104,11 @@ def read_study(path: Path) -> Study:
     return _with_scenarios(study, {name: beside[name] for name in wanted})
 
 
+def only_decides(study: Study) -> bool:
+    """Whether a study has a question for `decide` and nothing to run: a decision makes its own reference."""
+    return study.file.decide is not None and not study.file.references and not study.file.cases
+
+
 def _named_scenarios(file: StudyFile) -> list[str]:
     """What the axes `scenario` name, in whatever shape they are."""
     tables = [file.axes, *(overrides.get("axes") for overrides in file.cases.values())]
