@@ -8,7 +8,7 @@ STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observe
 THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
 IDENTIFICATIONS := 0_rpm rotary rotating
 
-.PHONY: study study-thesis study-closed-loop test lint benchmark diagnosis clean
+.PHONY: study study-thesis study-closed-loop study-decision test lint benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -30,6 +30,10 @@ study-closed-loop: $(ENVIRONMENT)/ready
 	$(BIN)/workbench run studies/closed_loop/rig.toml --out results/closed_loop_rig --overwrite
 	$(BIN)/workbench diagnose studies/closed_loop/experiment.toml --out results/closed_loop_diagnosis --overwrite
 	$(BIN)/workbench run studies/closed_loop.toml --out results/closed_loop --overwrite
+
+# Which controller and rpm meet an accuracy at a speed, on machines that are drawn.
+study-decision: $(ENVIRONMENT)/ready
+	$(BIN)/workbench decide studies/decision.toml --out results/decision --overwrite
 
 test: lint
 	$(BIN)/python -m pytest -n 2
