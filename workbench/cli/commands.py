@@ -99,7 +99,7 @@ def decide(
     jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
 ) -> None:
-    """Say which controllers and rpm meet an accuracy, and how probably."""
+    """Say which controllers meet an accuracy, and how probably."""
     import time
 
     from workbench.decide.decision import decide as decided

@@ -72,8 +72,8 @@ class Judged:
         return self.probability >= table.probability
 
     def settled(self, table: DecideTable) -> bool:
-        """Whether the probability that is asked for is outside the interval, so that more draws change nothing."""
-        return not self.low < table.probability < self.high
+        """Whether the probability that is asked for is outside the interval; a single machine leaves nothing open."""
+        return self.draws == 1 or not self.low < table.probability < self.high
 
 
 def judge(draws: pd.DataFrame, table: DecideTable) -> list[Judged]:

@@ -43,15 +43,22 @@ HATCH = "#00000038"
 
 
 def write_figures(found: Decision, folder: Path) -> list[Picture]:
-    """Write the figures that the decision has: a map of one cell, or a curve of one speed, is none."""
-    plan = found.plan
+    """Write the figures that the decision has: none of points without an error, of one cell, of a single speed."""
+    plan, drawn = found.plan, list[tuple[str, Figure, str]]()
+    known = any(_is_known(row) for row in found.asked)
     with figure_style():
-        drawn = [("error_against_power", *_trade(found))]
+        if known:
+            drawn.append(("error_against_power", *_trade(found)))
         if len(plan.speeds) * len(plan.spreads) > 1:
             drawn.append(("map", *_map(found)))
-        if len(plan.speeds) > 1:
+        if known and len(plan.speeds) > 1:
             drawn.append(("error_against_speed", *_curves(found)))
     return [Picture(save(figure, name, folder)[-1], caption) for name, figure, caption in drawn]
+
+
+def _is_known(row: Judged) -> bool:
+    """Whether enough runs complete for an error and a power."""
+    return math.isfinite(row.error) and math.isfinite(row.mean_power)
 
 
 def _figure(width: float, height: float, title: str) -> tuple[Figure, Axes]:
@@ -74,7 +81,7 @@ def _trade(found: Decision) -> tuple[Figure, str]:
     """Every candidate that was asked about: error against power, limits, and the non-dominated set."""
     figure, axes = _figure(WIDTH * 1.15, PANEL_HEIGHT * 1.6, f"Error against power: {_where(found)}")
     table = found.table
-    known = [row for row in found.asked if math.isfinite(row.error) and math.isfinite(row.mean_power)]
+    known = [row for row in found.asked if _is_known(row)]
     names = list(dict.fromkeys(row.controller for row in found.rows))
     speeds = sorted({row.rpm for row in found.rows})
     for row in known:
@@ -125,7 +132,9 @@ def _trade_legend(found: Decision, names: Sequence[str], speeds: Sequence[float]
         for i, speed in enumerate(speeds)
     ]
     lines = [
-        Line2D([], [], color="black", marker="o", ms=RING, fillstyle="none", linewidth=1.0, label="non-dominated"),
+        Line2D(
+            [], [], color="black", marker="o", ms=0.5 * RING, fillstyle="none", linewidth=1.0, label="non-dominated"
+        ),
         Line2D([], [], color=COLOURS[1], linestyle="--", label=f"accuracy, {table.accuracy * MM:g} mm"),
         Line2D([], [], color=COLOURS[1], linestyle=":", label=f"power, {table.power:g} W"),
     ]
@@ -137,7 +146,9 @@ def _map(found: Decision) -> tuple[Figure, str]:
     """What suffices over speed and spread."""
     plan, table = found.plan, found.table
     width = max(WIDTH, CELL[0] * len(plan.speeds) + 0.9)
-    figure, axes = _figure(width, CELL[1] * len(plan.spreads) + 1.5, "What suffices, over speed and spread of friction")
+    figure, axes = _figure(
+        width, CELL[1] * max(2, len(plan.spreads)) + 1.5, "What suffices, over speed and spread of friction"
+    )
     used: dict[Kind | None, None] = {}
     for i, spread in enumerate(plan.spreads):
         for j, speed in enumerate(plan.speeds):
@@ -145,7 +156,7 @@ def _map(found: Decision) -> tuple[Figure, str]:
             used[given.kind] = None
             _cell(axes, j, i, given, plan.draws > 1)
     place = (plan.speeds.index(table.speed), plan.spreads.index(table.spread))
-    axes.add_patch(Rectangle(place, 1, 1, fill=False, edgecolor="black", linewidth=3.0, zorder=3))
+    axes.add_patch(Rectangle(place, 1, 1, fill=False, edgecolor="black", linewidth=3.0, zorder=3, clip_on=False))
     axes.set_xlim(0, len(plan.speeds))
     axes.set_ylim(0, len(plan.spreads))
     axes.set_xticks([j + 0.5 for j in range(len(plan.speeds))], [f"{speed * MM:g}" for speed in plan.speeds])
@@ -201,7 +212,7 @@ def _curves(found: Decision) -> tuple[Figure, str]:
     plain_numbers(axes.yaxis)
     axes.set_xlabel("peak speed (mm/s)")
     axes.set_ylabel(_error_label(found))
-    axes.legend(loc="best")
+    figure.legend(loc="outside lower center", ncols=2)
     band = "; the band is the 95 % interval of the quantile" if found.plan.draws > 1 else ""
     return figure, f"The choice of each kind that does best where it was asked, at every speed{band}."
 

@@ -11,9 +11,9 @@ from workbench.study.decide_schema import DecideTable
 
 
 def candidate_table(found: Decision) -> pd.DataFrame:
-    """A row a candidate at the speed and spread that were asked for, the best first."""
+    """A row a candidate at the speed and spread that were asked for, the best first; one machine has no interval."""
     table = found.table
-    return pd.DataFrame(
+    cells = pd.DataFrame(
         [
             {
                 "candidate": plain_name(row.controller),
@@ -30,16 +30,17 @@ def candidate_table(found: Decision) -> pd.DataFrame:
             for row in found.asked
         ]
     )
+    return cells if found.plan.draws > 1 else cells.drop(columns=["on", "probability (95 %)", "its interval (mm)"])
 
 
 def short_table(found: Decision) -> pd.DataFrame:
     """The same without what a terminal has no room for."""
-    return candidate_table(found).drop(columns=["its interval (mm)", "outcome"])
+    return candidate_table(found).drop(columns=["its interval (mm)", "outcome"], errors="ignore")
 
 
 def _meets(row: Judged, table: DecideTable) -> str:
     said = "yes" if row.meets(table) else "no"
-    return said if row.draws == 1 or row.settled(table) else f"{said}, unsettled"
+    return said if row.settled(table) else f"{said}, unsettled"
 
 
 def _number(value: float) -> str:
@@ -54,7 +55,7 @@ def map_table(found: Decision) -> pd.DataFrame:
         line = {"spread of friction": f"{spread:g}"}
         for speed in found.plan.speeds:
             given = found.answer(speed, spread)
-            mark = "" if given.settled or found.plan.draws == 1 else "?"
+            mark = "" if given.settled else "?"
             line[f"{speed * MM:g} mm/s"] = (
                 f"{NAMES[given.kind]}: {choice(given.best)}, {given.best.probability:.2f}{mark}"
             )

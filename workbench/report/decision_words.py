@@ -33,13 +33,13 @@ def choice(row: Judged) -> str:
 
 
 def millimetres(value: float) -> str:
-    """A length (m) as shown; what is not finite is none."""
-    return f"{shown_number(value * MM, 3)} mm" if math.isfinite(value) else "none"
+    """A length (m) as shown."""
+    return f"{shown_number(value * MM, 3)} mm"
 
 
 def watts(value: float) -> str:
     """A power (W) as shown."""
-    return f"{shown_number(value, 3)} W" if math.isfinite(value) else "none"
+    return f"{shown_number(value, 3)} W"
 
 
 def speed_of(value: float) -> str:
@@ -62,7 +62,7 @@ def question(found: Decision) -> str:
     table = found.table
     motion = f"a sine of {table.amplitude * MM:g} mm, {1.0 / table.period(table.speed):.3g} Hz"
     machines = (
-        f", with a probability of {table.probability:g} over machines whose friction is spread by "
+        f", with a probability of at least {table.probability:g} over machines whose friction is spread by "
         f"{table.spread:g} standard deviation{'s' * (table.spread != 1)}"
     )
     return (
@@ -87,18 +87,25 @@ def _does(found: Decision, row: Judged) -> str:
     """On how many machines a candidate meets what is asked, at which error and power."""
     table = found.table
     if not _several(found):
-        return f"{choice(row)}, with {millimetres(row.error)} at {watts(row.mean_power)}"
+        kept = millimetres(row.error) if math.isfinite(row.error) else f"no error ({row.outcome})"
+        return f"{choice(row)}, with {kept}{_at(row)}"
     sure = f"{100.0 * SURE:g} % interval {row.low:.2f} to {row.high:.2f}"
     return (
         f"{choice(row)} on {row.met} of {row.draws} machines (probability {row.probability:.2f}, {sure}), "
-        f"with {_reached(row, table)} at {watts(row.mean_power)} on average"
+        f"with {_reached(row, table)}"
     )
 
 
 def _reached(row: Judged, table: DecideTable) -> str:
+    """The quantile of the error, and the mean power."""
     if not math.isfinite(row.error):
-        return f"no error that {percent(table)} of them keep to, since too few runs complete ({row.outcome}),"
-    return f"at most {millimetres(row.error)} on {percent(table)} of them"
+        return f"no error that {percent(table)} of them keep to, since too few runs complete ({row.outcome}){_at(row)}"
+    return f"at most {millimetres(row.error)} on {percent(table)} of them{_at(row)} on average"
+
+
+def _at(row: Judged) -> str:
+    """At which mean power, if any run completes."""
+    return f" at {watts(row.mean_power)}" if math.isfinite(row.mean_power) else ""
 
 
 def _verdict(found: Decision, given: Answer) -> str:
@@ -112,10 +119,10 @@ def _miss(found: Decision, row: Judged) -> str:
     """By how much a candidate misses accuracy and power."""
     table, missed = found.table, []
     if not math.isfinite(row.error):
-        return "it has no such error to miss the accuracy by"
+        return "how far it misses the accuracy cannot be told"
     if row.error > table.accuracy:
-        times = shown_number(row.error / table.accuracy, 3)
-        missed.append(f"the accuracy by {millimetres(row.error - table.accuracy)} ({times} times what is allowed)")
+        times = f"{row.error / table.accuracy:.3g} times what is allowed"
+        missed.append(f"the accuracy by {millimetres(row.error - table.accuracy)} ({times})")
     if row.power > table.power:
         missed.append(f"the power by {watts(row.power - table.power)}")
     quantile = f"at the {percent(table)} quantile " if _several(found) else ""
@@ -139,39 +146,50 @@ def _others(found: Decision, given: Answer) -> list[str]:
 
 
 def _apart(found: Decision) -> list[str]:
-    """Whether the draws tell the two best candidates apart, on machine after machine."""
-    if not _several(found) or len(found.asked) < 2:
+    """Whether the draws tell the best from the next, and from the best of another kind that meets what is asked."""
+    if not _several(found) or len(found.asked) < 2 or not found.asked[0].met:
         return []
     first, second = found.asked[:2]
+    meeting = [row for row in found.asked[1:] if row.meets(found.table)]
+    other = next((row for row in meeting if row.kind != first.kind), second)
+    return [_compared(first, rival) for rival in dict.fromkeys([second, other])]
+
+
+def _compared(first: Judged, second: Judged) -> str:
+    """Two candidates on the same machines."""
     overlap = first.low <= second.high and second.low <= first.high
     only_first, only_second, p = sign_test(first.passed, second.passed)
-    told = (
-        f"The two best of the table are {choice(first)} and {choice(second)}: their intervals "
-        f"{'overlap' if overlap else 'do not overlap'}, and the same machines met by only the one or the other are "
-        f"{only_first} and {only_second} of {first.draws}"
+    apart = "told apart" if p < LIKELY else "not told apart"
+    return (
+        f"{choice(first).capitalize()} and {choice(second)} are {apart} by these draws: "
+        f"{only_first} of the {first.draws} machines are met by the first alone, {only_second} by the second alone "
+        f"(sign test, p = {shown_number(p, 2)}), and their intervals {'overlap' if overlap else 'do not overlap'}."
     )
-    apart = "which tells them apart" if p < LIKELY else "which does not tell them apart"
-    return [f"{told}, {apart} (sign test, p = {shown_number(p, 2)})."]
 
 
 def _doubt(found: Decision, given: Answer) -> list[str]:
+    """That more draws may change the answer, and what they would not."""
+    table = found.table
     if not _several(found) or given.settled:
         return []
-    return [
-        f"{found.plan.draws} draws do not settle this: the interval of a candidate on which it rests holds the "
-        f"{found.table.probability:g} that is asked for."
-    ]
+    sure = next((row for row in found.asked if row.meets(table) and row.settled(table)), None)
+    told = (
+        f"{found.plan.draws} draws do not settle the answer: an interval on which it rests holds {table.probability:g}"
+    )
+    if sure is None:
+        return [f"{told}, and no candidate is settled to meet it."]
+    return [f"{told}. The first of the table that is settled to meet it is {choice(sure)}."]
 
 
 def _changes(found: Decision) -> list[str]:
     """Where on the map the answer changes, along the speed and along the spread that were asked for."""
     plan, table, told = found.plan, found.table, []
     if len(plan.speeds) > 1:
-        kinds = [found.answer(speed, table.spread).kind for speed in plan.speeds]
-        told.append(f"At this spread {_along(kinds, [speed * MM for speed in plan.speeds], ' mm/s')}.")
+        row = [found.answer(speed, table.spread) for speed in plan.speeds]
+        told.append(f"At this spread {_along(row, [speed * MM for speed in plan.speeds], ' mm/s')}.")
     if len(plan.spreads) > 1:
-        kinds = [found.answer(table.speed, spread).kind for spread in plan.spreads]
-        told.append(f"At this speed {_along(kinds, plan.spreads, ' standard deviations')}.")
+        column = [found.answer(table.speed, spread) for spread in plan.spreads]
+        told.append(f"At this speed {_along(column, plan.spreads, ' standard deviations')}.")
     cells = [found.answer(speed, spread) for speed in plan.speeds for spread in plan.spreads]
     open_cells = sum(not cell.settled for cell in cells)
     if told and _several(found):
@@ -179,15 +197,15 @@ def _changes(found: Decision) -> list[str]:
     return told
 
 
-def _along(kinds: Sequence[Kind | None], values: Sequence[float], unit: str) -> str:
+def _along(answers: Sequence[Answer], values: Sequence[float], unit: str) -> str:
     """What suffices along an axis of the map, neighbours with one answer taken together."""
-    if len(set(kinds)) == 1:
-        return f"{_suffices(kinds[0])} all along, from {values[0]:g} to {values[-1]:g}{unit}"
     parts, begin = [], 0
-    for i in range(1, len(kinds) + 1):
-        if i == len(kinds) or kinds[i] != kinds[begin]:
+    for i in range(1, len(answers) + 1):
+        if i == len(answers) or answers[i].kind != answers[begin].kind:
             span = f"at {values[begin]:g}" if i - begin == 1 else f"from {values[begin]:g} to {values[i - 1]:g}"
-            parts.append(f"{_suffices(kinds[begin])} {span}{unit}")
+            settled = [one.settled for one in answers[begin:i]]
+            doubt = "" if all(settled) else " (settled in part)" if any(settled) else " (not settled)"
+            parts.append(f"{_suffices(answers[begin].kind)} {span}{unit}{doubt}")
             begin = i
     return ", ".join(parts)
 

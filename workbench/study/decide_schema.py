@@ -40,7 +40,7 @@ class DecideTable(Strict):
     power_figure: Literal["total", "electric"] = "total"
     probability: float = Field(0.9, gt=0.0, lt=1.0)
     spread: float = Field(1.0, ge=0.0)
-    draws: int = Field(64, ge=1)
+    draws: int = Field(64, ge=2)
     speeds: list[Annotated[MetrePerSecond, Field(gt=0.0)]] | None = Field(None, min_length=1)
     spreads: list[Annotated[float, Field(ge=0.0)]] | None = Field(None, min_length=1)
     rpm: list[Rotation] = Field(min_length=1)
