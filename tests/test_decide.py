@@ -11,7 +11,7 @@ from workbench.decide.decision import Decision, decide
 from workbench.decide.judgement import Judged, judge, non_dominated, ordered, results
 from workbench.decide.plan import Plan, plan_decision
 from workbench.decide.statistics import quantile, quantile_interval, share_interval, sign_test
-from workbench.report.decision_words import millimetres, paragraph, question
+from workbench.report.decision_words import assumptions, millimetres, paragraph, question
 from workbench.study.decide_schema import DecideTable
 from workbench.study.document import read_study
 
@@ -240,6 +240,7 @@ def test_without_uncertainty_there_is_one_machine(tmp_path: Path) -> None:
         ("[decide]", "[decide]\nspred = 1", 'study.toml:19: decide.spred: unknown key; did you mean "spread"?'),
         ("scale.mass", "scale.mas", 'study.toml:16: uncertainty.scale.mas: unknown parameter; did you mean "mass"?'),
         ('law = "valve_inversion"', 'law = "valve_inversion"\nkp = "1 V/m"', "study.toml:15: controllers.lugre.kp: "),
+        ('"owen2001_simulation"', '"owen2002"', 'study.toml:5: plant.parameters: unknown parameter set "owen2002"'),
         ('type = "lugre"', 'type = "lugr"', 'study.toml:13: controllers.lugre.type: unknown controller "lugr"'),
         ("[simulation]", "spread.coulomb = 1\n[simulation]", "study.toml:6: plant.spread: [decide] spreads friction"),
     ],
@@ -249,6 +250,18 @@ def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: s
     fails(workbench("decide", path, "--out", tmp_path / "out"), said)
     fails(workbench("check", path), said)
     assert not (tmp_path / "out").exists()
+
+
+def test_tuned_gains_are_taken_from_their_file(tmp_path: Path) -> None:
+    gains = (
+        'title = "t"\nsource = "s"\ntype = "pid"\nsettings = { kp = "300 V/m", feedforward = 0.9 }\nobjective = {}\n'
+        'margins = { speed = "1 mm/s" }\nsearch = {}\n'
+    )
+    write(tmp_path, gains, "feed.toml")
+    text = changed('type = "pid"\nkp = "500 V/m"\nfeedforward = 1', 'gains = "feed.toml"', STUDY)
+    found = decided(tmp_path, text)
+    assert found.plan.loops["feed", 0.0].gains.proportional == 300.0
+    assert "Tuned gains: feed; all others as the study gives them." in " ".join(assumptions(found))
 
 
 def test_a_study_without_decide(tmp_path: Path) -> None:
