@@ -13,7 +13,7 @@ from workbench.folders import ResultFolder
 from workbench.report.decision_figures import write_figures
 from workbench.report.decision_page import page
 from workbench.report.decision_tables import candidate_table, map_table, short_table
-from workbench.report.decision_words import paragraph, percent, question, speed_of
+from workbench.report.decision_words import MM, deviations, paragraph, percent, question, speed_of
 from workbench.report.tables import write_frame
 from workbench.study.runner import PACKAGES, PROGRAM_FOLDERS
 from workbench.study.scenarios import FOLDER as SCENARIOS
@@ -39,13 +39,13 @@ def _write(found: Decision, folder: Path, began: float, jobs: int | None) -> Non
     found.draws.to_parquet(folder / DRAWS, index=False)
     write_study(found.plan.study, folder)
     table = found.table
-    where = f"at {speed_of(table.speed)}, friction spread by {table.spread:g} standard deviations"
+    where = f"at {speed_of(table.speed)}, friction spread by {deviations(table.spread)}"
     tables = [
         ("candidates", f"Candidates {where}, the best first", candidate_table(found)),
         ("map", "What suffices, with the winning choice and its probability", map_table(found)),
     ]
     notes = [
-        f"Met: runs that complete with an error of at most {table.accuracy:g} m and at most {table.power:g} W. "
+        f"Met: runs that complete with an error of at most {table.accuracy * MM:g} mm and at most {table.power:g} W. "
         f"Intervals: 95 %, of probabilities by Wilson's score, of the {percent(table)} quantile by order statistics. "
         'Unsettled, or "?": the interval holds the probability that is asked for.'
     ]

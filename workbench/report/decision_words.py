@@ -47,6 +47,11 @@ def speed_of(value: float) -> str:
     return f"{value * MM:g} mm/s"
 
 
+def deviations(spread: float) -> str:
+    """A spread of friction as shown."""
+    return f"{spread:g} standard deviation{'s' * (spread != 1.0)}"
+
+
 def percent(table: DecideTable) -> str:
     """The probability that is asked for, as the share of a quantile."""
     return f"{100.0 * table.probability:g} %"
@@ -63,7 +68,7 @@ def question(found: Decision) -> str:
     motion = f"a sine of {table.amplitude * MM:g} mm, {1.0 / table.period(table.speed):.3g} Hz"
     machines = (
         f", with a probability of at least {table.probability:g} over machines whose friction is spread by "
-        f"{table.spread:g} standard deviation{'s' * (table.spread != 1)}"
+        + deviations(table.spread)
     )
     return (
         f"Asked: {'an' if table.figure == 'rms_error' else 'a'} {ERRORS[table.figure]} of at most "
