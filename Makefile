@@ -8,7 +8,7 @@ STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observe
 THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
 IDENTIFICATIONS := 0_rpm rotary rotating
 
-.PHONY: study study-thesis study-closed-loop study-tuning test lint benchmark diagnosis clean
+.PHONY: study study-thesis study-closed-loop study-tuning study-decision test lint benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -34,6 +34,10 @@ study-closed-loop: $(ENVIRONMENT)/ready
 # Ten controllers, tuned alike.
 study-tuning: $(ENVIRONMENT)/ready
 	$(BIN)/workbench tune studies/tuning.toml --out results/tuning --overwrite
+
+# Which controller and rpm meet an accuracy at a speed, on machines that are drawn.
+study-decision: $(ENVIRONMENT)/ready
+	$(BIN)/workbench decide studies/decision.toml --out results/decision --overwrite
 
 test: lint
 	$(BIN)/python -m pytest -n 2

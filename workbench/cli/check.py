@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
-from workbench.cli.plan import say_plan
+from workbench.cli.plan import say_decision, say_plan
+from workbench.decide.plan import plan_decision
 from workbench.files import read_toml
 from workbench.identify.experiment import is_experiment, read_experiment
 from workbench.identify.readiness import check_experiment, check_pattern, check_records
 from workbench.identify.records import read_record
 from workbench.parameters import read_parameters, serves
-from workbench.study.document import read_study, scenario_trial
+from workbench.study.document import only_decides, read_study, scenario_trial
 from workbench.study.gain_file import is_gain_file, read_gain_file
 from workbench.study.runner import plan
 from workbench.study.scenarios import is_scenario
@@ -38,9 +39,14 @@ def check_file(file: Path) -> None:
         tables = ", ".join(f"[{name}]" for name in trial.file.scenarios[file.stem]) or "nothing"
         print(f"{file}: a scenario, in order; it changes {tables}")
         return
-    planned = plan(read_study(file))
+    study = read_study(file)
+    planned = None if only_decides(study) else plan(study)
+    decision = None if study.file.decide is None else plan_decision(study)
     print(f"{file}: a study, in order")
-    say_plan(planned)
+    if planned is not None:
+        say_plan(planned)
+    if decision is not None:
+        say_decision(decision)
 
 
 def _check_gains(file: Path) -> None:

@@ -51,14 +51,17 @@ def run(
     from workbench.cli.plan import say_plan
     from workbench.files import read_toml
     from workbench.identify.experiment import is_experiment
-    from workbench.study.document import read_study
+    from workbench.study.document import only_decides, read_study
     from workbench.study.runner import plan, run_study
 
     if is_experiment(read_toml(study)[0]):
         raise UserError(f"{study}: this is an experiment; use workbench identify {study} --out {out}")
     if resume and overwrite:
         raise UserError("--resume and --overwrite: choose one")
-    planned = plan(read_study(study))
+    content = read_study(study)
+    if only_decides(content):
+        raise UserError(f"{study}: has [decide] and no [references]; use workbench decide {study} --out {out}")
+    planned = plan(content)
     say_plan(planned)
     if dry_run:
         return
@@ -88,6 +91,36 @@ def check(
     from workbench.cli.check import check_file
 
     check_file(file)
+
+
+@app.command()
+def decide(
+    study: StudyFile,
+    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
+    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+) -> None:
+    """Say which controllers meet an accuracy, and how probably."""
+    import time
+
+    from workbench.decide.decision import decide as decided
+    from workbench.decide.plan import plan_decision
+    from workbench.report.decision import check_folder, summary, write_decision
+    from workbench.study.document import read_study
+
+    began, planned = time.time(), plan_decision(read_study(study))
+    check_folder(out, overwrite)
+    try:
+        with ProgressLine() as told:
+            tell = told or (lambda said, done: None)
+            found = decided(planned, jobs, lambda done, runs: tell(f"{done} of {runs} runs", done / runs))
+            tell("tables, figures, page", 1.0)
+            write_decision(found, out, began, jobs)
+    except KeyboardInterrupt:
+        print("stopped; nothing is written", file=sys.stderr)
+        raise typer.Exit(130) from None
+    print(summary(found))
+    print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
 
 
 @app.command()

@@ -2,6 +2,7 @@
 
 import sys
 
+from workbench.decide import plan as decision
 from workbench.study.runner import Plan
 
 
@@ -15,6 +16,16 @@ def say_plan(planned: Plan) -> None:
     print(f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time")
     for line in planned.warnings:
         print(f"warning: {line}", file=sys.stderr)
+
+
+def say_decision(planned: decision.Plan) -> None:
+    """Print what a decision would run."""
+    print(f"a decision: {planned.study.file.title}")
+    print(f"  controllers: {', '.join(dict.fromkeys(name for name, _ in planned.candidates))}")
+    print(f"  rpm: {', '.join(f'{rpm:g}' for rpm in dict.fromkeys(rpm for _, rpm in planned.candidates))}")
+    print(f"  speeds (mm/s): {', '.join(f'{1e3 * speed:g}' for speed in planned.speeds)}")
+    print(f"  spreads: {', '.join(f'{spread:g}' for spread in planned.spreads)}")
+    print(f"  {planned.draws} draws: {planned.runs} runs, {planned.simulated_seconds:.0f} s of simulated time")
 
 
 def _axes_of(planned: Plan) -> dict[str, list[str]]:

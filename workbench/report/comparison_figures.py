@@ -7,15 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.report.comparison import MM, Best, beats, best, cases_of, error_column, plain_name
 from workbench.report.figures import save
-from workbench.report.style import PANEL_HEIGHT, WIDTH, figure_style, line_style, marker
+from workbench.report.style import PANEL_HEIGHT, WIDTH, figure_style, line_style, marker, plain_numbers
 from workbench.study.report_schema import ComparisonTable
 
 ACROSS = 2
@@ -94,14 +92,8 @@ def _scales(axes: Axes, spec: ComparisonTable, error: str) -> None:
     axes.set_yscale("log")
     axes.set_ylim(floor / 3.0, max(3.0 * floor, 1.5 * axes.get_ylim()[1]))
     axes.axhspan(floor / 3.0, floor, color="#dddddd", zorder=0, label=f"not told apart (below {floor:g} mm)")
-    _plain_numbers(axes.yaxis)
+    plain_numbers(axes.yaxis)
     axes.set_ylabel("steady-state error (mm)" if error == "steady_state_error_m" else "rms error (mm)")
-
-
-def _plain_numbers(axis: Axis) -> None:
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
@@ -159,7 +151,7 @@ def _trade(spec: ComparisonTable, rows: pd.DataFrame, scenario: str) -> Figure:
         named = _ring(axes, spec, non_dominated(spec, cases_of(known, "rms_error_m")))
         axes.set_title(f"{plain_name(reference)}\n{named or 'no case has an error and a power'}")
         _scales(axes, spec, "rms_error_m")
-        _plain_numbers(axes.xaxis)
+        plain_numbers(axes.xaxis)
         axes.tick_params(axis="x", labelsize="small")
     _legend(figure, panels[0])
     return figure

@@ -12,7 +12,19 @@ from workbench.study.report_schema import Column, Row, TableSpec
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
 
-WORDS = ("quantity", "law", "model", "account", "direction", "parameter", "method", "breaks", "unit", REMARK)
+WORDS = (
+    "quantity",
+    "law",
+    "model",
+    "account",
+    "direction",
+    "parameter",
+    "candidate",
+    "method",
+    "breaks",
+    "unit",
+    REMARK,
+)
 """Columns of text, which are aligned to the left."""
 
 

@@ -76,7 +76,7 @@ class Checks:
             self._figure(("figures", i), figure)
         for i, even in enumerate(self.study.file.break_even):
             self._break_even(("break_even", i), even)
-        self._without_use()
+        self.without_use()
 
     def _name(self, key: Key, what: str, name: str, valid: Iterable[str]) -> None:
         names = list(valid)
@@ -205,8 +205,8 @@ class Checks:
                 found[str(located(self.study, case, ("simulation", "duration"), message))] = None
         return list(found)
 
-    def _without_use(self) -> None:
-        """Settings of plant and controller that change nothing in any case: a mistake, or the reader is misled."""
+    def without_use(self) -> None:
+        """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads."""
         without: dict[Key, tuple[Case, str]] = {}
         used: set[Key] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):

@@ -27,7 +27,7 @@ CASE = "case"
 REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "comparison", "friction_curves"}
 """What a study says of its report: no result depends on it."""
 
-TUNED = {"uncertainty", "tune"}
+TUNED = {"uncertainty", "tune", "decide"}
 """What a study says of other commands than `run`."""
 
 
@@ -102,6 +102,11 @@ def read_study(path: Path) -> Study:
     beside = scenario_files(path.parent)
     wanted = [name for name in _named_scenarios(file) if name in beside and name not in file.scenarios]
     return _with_scenarios(study, {name: beside[name] for name in wanted})
+
+
+def only_decides(study: Study) -> bool:
+    """Whether a study has a question for `decide` and nothing to run: a decision makes its own reference."""
+    return study.file.decide is not None and not study.file.references and not study.file.cases
 
 
 def _named_scenarios(file: StudyFile) -> list[str]:

@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from workbench.files import Strict
 from workbench.simulation.simulate import DEFAULT_TOLERANCE, Method
+from workbench.study.decide_schema import DecideTable
 from workbench.study.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
 from workbench.study.report_schema import (
     BreakEvenTable,
@@ -159,3 +160,4 @@ class StudyFile(Strict):
     friction_curves: FrictionCurvesTable | None = None
     uncertainty: UncertaintyTable | None = None
     tune: TuneTable | None = None
+    decide: DecideTable | None = None

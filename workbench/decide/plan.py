@@ -1,0 +1,177 @@
+"""A study's [decide], checked to the last key: candidates, motions, and the machines on which they are tried."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
+from workbench.errors import UserError, nearest
+from workbench.files import SchemaError, conform
+from workbench.metrics import COLUMNS
+from workbench.parameters import parameter_path, read_parameters
+from workbench.simulation.simulate import Loop
+from workbench.study.checks import Checks
+from workbench.study.decide_schema import DecideTable
+from workbench.study.document import Case, Study, unfold
+from workbench.study.resolve import Resolved, resolve
+from workbench.study.schema import SimulationTable
+from workbench.study.uncertainty import drawn_case
+
+STREAM = 2
+"""The stream of draws of decisions: none of those on which gains were tuned."""
+
+MOTION = "decision"
+"""The name of the reference that a decision makes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is run: each candidate at each speed (m/s), on each machine of each spread.
+
+    `cases` holds the declared machine by speed and candidate, `loops` the controller with its gains by candidate: what
+    it believes is no matter of draws.
+    """
+
+    study: Study
+    table: DecideTable
+    candidates: Sequence[Candidate]
+    speeds: Sequence[float]
+    spreads: Sequence[float]
+    draws: int
+    cases: Mapping[float, Mapping[Candidate, Case]]
+    loops: Mapping[Candidate, Loop]
+
+    @property
+    def runs(self) -> int:
+        """How many runs it takes."""
+        return len(self.candidates) * len(self.speeds) * len(self.spreads) * self.draws
+
+    @property
+    def simulated_seconds(self) -> float:
+        """Duration of all runs together (s)."""
+        each = len(self.candidates) * len(self.spreads) * self.draws
+        return each * sum(self.table.cycles * self.table.period(speed) for speed in self.speeds)
+
+    def machine(self, candidate: Candidate, speed: float, spread: float, number: int) -> Resolved:
+        """A candidate's case on the machine of a draw, with friction spread by `spread` standard deviations."""
+        case, uncertainty = self.cases[speed][candidate], self.study.file.uncertainty
+        if uncertainty is not None:
+            case = drawn_case(case, uncertainty.model_copy(update={"friction": spread}), number, STREAM)
+        return resolve(self.study, case)
+
+
+def plan_decision(study: Study) -> Plan:
+    """Check a study's [decide] and [uncertainty], and build every candidate once.
+
+    Raises:
+        UserError: the first mistake.
+    """
+    table = study.file.decide
+    if table is None:
+        raise UserError(
+            f"{study.path}: has no [decide]; expected one with accuracy, speed, amplitude, power, rpm, plain"
+        )
+    speeds = sorted({*(table.speeds or []), table.speed})
+    names = _controllers(study, table)
+    _check_uncertainty(study, table)
+    sample_time = _sample_time(study)
+    check_motions(study, table, speeds, sample_time)
+    rotations = [round(speed * 30.0 / math.pi, 6) for speed in table.rpm]
+    cases = {speed: _cases(study, table, speed, sample_time, names, rotations) for speed in speeds}
+    check_still(study, table, resolve(study, _still(cases[table.speed])))
+    resolved = {candidate: resolve(study, case) for candidate, case in cases[table.speed].items()}
+    check_candidates(study, table, resolved)
+    _check_scales(study)
+    Checks(study, list(cases[table.speed].values()), list(resolved.values()), [], COLUMNS).without_use()
+    planned = Plan(
+        study,
+        table,
+        list(resolved),
+        speeds,
+        sorted({*(table.spreads or []), table.spread}),
+        table.draws if study.file.uncertainty is not None else 1,
+        cases,
+        {candidate: one.setup.loop for candidate, one in resolved.items()},
+    )
+    _check_draws(planned)
+    return planned
+
+
+def _controllers(study: Study, table: DecideTable) -> list[str]:
+    known = study.file.controllers
+    if not known:
+        raise study.error(("controllers",), "is missing: expected a table such as [controllers.p]")
+    for key, names in (("controllers", table.controllers or []), ("plain", table.plain)):
+        for name in names:
+            if name not in known:
+                raise study.error(("decide", key), f'unknown controller "{name}"; {nearest(name, known)}')
+    return table.controllers or list(known)
+
+
+def _check_uncertainty(study: Study, table: DecideTable) -> None:
+    if "spread" in study.file.plant:
+        raise study.error(("plant", "spread"), "[decide] spreads friction by its own spread: leave this out")
+    if study.file.uncertainty is None:
+        for key, values in (("spread", [table.spread]), ("spreads", table.spreads or [])):
+            if any(values):
+                message = "the study has no [uncertainty]: expected 0, or a table [uncertainty] that says what varies"
+                raise study.error(("decide", key), message)
+
+
+def _check_scales(study: Study) -> None:
+    """Factors need parameters that there are; told where they stand, not where a draw puts them."""
+    if study.file.uncertainty is None:
+        return
+    path = parameter_path(str(study.file.plant["parameters"]), study.path.parent)
+    known = {*read_parameters(path), *study.file.plant.get("set", {})}
+    for name in study.file.uncertainty.scale:
+        if name not in known:
+            raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
+
+
+def _sample_time(study: Study) -> float:
+    """The sample time (s) of a study whose durations are not its own to say."""
+    try:
+        return conform(SimulationTable, {**study.file.simulation, "duration": 1.0, "transient": 0.0}).sample_time
+    except SchemaError as mistake:
+        raise study.error(("simulation", *mistake.key), mistake.message) from None
+
+
+def _cases(
+    study: Study,
+    table: DecideTable,
+    speed: float,
+    sample_time: float,
+    controllers: Sequence[str],
+    rotations: Sequence[float],
+) -> dict[Candidate, Case]:
+    """The candidates' cases at a speed: the study with this motion alone, over controllers and rpm."""
+    period = table.period(speed)
+    # One sample more than the periods, so that rounding to samples takes none of them away.
+    span = {"duration": table.cycles * period + sample_time, "transient": (table.cycles - 1) * period}
+    file = study.file.model_copy(
+        update={
+            "cases": {},
+            "axes": {"controller": list(controllers), "rpm": list(rotations)},
+            "references": {MOTION: {"kind": "sine", "amplitude": table.amplitude, "frequency": 1.0 / period}},
+            "simulation": {**study.file.simulation, **span},
+        }
+    )
+    cases = unfold(replace(study, file=file))
+    return {(case.tables["controller"], case.rpm): replace(case, axes={}) for case in cases}
+
+
+def _still(cases: Mapping[Candidate, Case]) -> Case:
+    """The first candidate without rotation."""
+    first = next(iter(cases.values()))
+    return replace(first, tables={**first.tables, "rpm": 0})
+
+
+def _check_draws(planned: Plan) -> None:
+    """A draw of each spread can be built."""
+    for candidate in planned.candidates[: len(planned.table.rpm)]:
+        for spread in planned.spreads:
+            try:
+                planned.machine(candidate, planned.table.speed, spread, 0)
+            except SchemaError as mistake:
+                raise planned.study.error(mistake.key, mistake.message) from None

@@ -1,0 +1,83 @@
+"""A decision as files: decision.html, results, draws, tables, figures, and how it was made."""
+
+import os
+import platform
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+from plants.equation import source_hash
+from workbench.decide.decision import Decision
+from workbench.decide.judgement import results
+from workbench.folders import ResultFolder
+from workbench.report.decision_figures import write_figures
+from workbench.report.decision_page import page
+from workbench.report.decision_tables import candidate_table, map_table, short_table
+from workbench.report.decision_words import MM, deviations, paragraph, percent, question, speed_of
+from workbench.report.tables import write_frame
+from workbench.study.runner import PACKAGES, PROGRAM_FOLDERS
+from workbench.study.scenarios import FOLDER as SCENARIOS
+from workbench.study.store import STUDY_COPY, export, write_json, write_study
+
+PAGE = "decision.html"
+DRAWS = "draws.parquet"
+
+FOLDER = ResultFolder(
+    "decision",
+    (PAGE, "results.csv", "results.parquet", DRAWS, "run.json", "tables", "figures", STUDY_COPY, SCENARIOS),
+)
+check_folder = FOLDER.check
+
+
+def write_decision(found: Decision, folder: Path, began: float, jobs: int | None) -> None:
+    """Write everything; `began` is when the work did (s since the epoch). Stopped, nothing is written."""
+    FOLDER.write(folder, lambda beside: _write(found, beside, began, jobs))
+
+
+def _write(found: Decision, folder: Path, began: float, jobs: int | None) -> None:
+    export(results(found.rows), folder)
+    found.draws.to_parquet(folder / DRAWS, index=False)
+    write_study(found.plan.study, folder)
+    table = found.table
+    where = f"at {speed_of(table.speed)}, friction spread by {deviations(table.spread)}"
+    tables = [
+        ("candidates", f"Candidates {where}, the best first", candidate_table(found)),
+        ("map", "What suffices, with the winning choice and its probability", map_table(found)),
+    ]
+    notes = [
+        f"Met: runs that complete with an error of at most {table.accuracy * MM:g} mm and at most {table.power:g} W. "
+        f"Intervals: 95 %, of probabilities by Wilson's score, of the {percent(table)} quantile by order statistics. "
+        'Unsettled, or "?": the interval holds the probability that is asked for.'
+    ]
+    for name, title, cells in tables:
+        write_frame(name, title, cells, notes, folder / "tables")
+    pictures = write_figures(found, folder / "figures")
+    shown = [(title, cells) for _, title, cells in tables]
+    (folder / PAGE).write_text(page(found, pictures, shown), encoding="utf-8")
+    write_json(folder / "run.json", _record(found, began, jobs))
+
+
+def summary(found: Decision) -> str:
+    """Question, answer and candidates, for a terminal."""
+    cells = short_table(found)
+    align = ["left" if name == "candidate" else "right" for name in cells.columns]
+    shown = cells.to_markdown(index=False, disable_numparse=True, colalign=align)
+    return "\n\n".join([question(found), paragraph(found), shown])
+
+
+def _record(found: Decision, began: float, jobs: int | None) -> dict[str, object]:
+    plan, file = found.plan, found.plan.study.file
+    return {
+        "title": file.title,
+        "study": plan.study.fingerprint,
+        "decide": None if file.decide is None else file.decide.model_dump(mode="json"),
+        "uncertainty": None if file.uncertainty is None else file.uncertainty.model_dump(mode="json"),
+        "version of the program": source_hash((*PROGRAM_FOLDERS, "workbench/decide")),
+        "runs": plan.runs,
+        "simulated_seconds": plan.simulated_seconds,
+        "wall_seconds": round(time.time() - began, 3),
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
+        "jobs": jobs or os.cpu_count(),
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+        "machine": {"system": platform.system(), "machine": platform.machine(), "cores": os.cpu_count()},
+    }
