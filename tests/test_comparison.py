@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from command import fails, workbench, write
 
 from workbench.report.comparison import best, cases_of, cheapest, exactness, pivots, rule, sentences
 from workbench.report.comparison_figures import non_dominated
@@ -192,3 +193,35 @@ def test_what_tuning_changes_is_told() -> None:
     same = pd.concat([old, old.assign(controller=old["controller"].str.removesuffix("_before"))], ignore_index=True)
     assert changes(spec, same) == ["No conclusion changes: 2 of 2 are the same."]
     assert changes(SPEC, tuned) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('plain = ["p"]', 'plain = ["q"]', 'comparison.plain.0: unknown controller "q"'),
+        ('steps = ["hold"]', 'steps = ["step"]', 'comparison.steps.0: unknown reference "step"; did you mean "steps"?'),
+        ('before = { p = "old" }', 'before = { p = "older" }', 'comparison.before.p: unknown controller "older"'),
+    ],
+)
+def test_names_of_a_comparison_are_checked(tmp_path: Path, old: str, new: str, said: str) -> None:
+    text = """title = "t"
+[plant]
+model = "non_rotating"
+parameters = "owen2001_simulation"
+[controllers]
+p = { type = "pid", kp = "500 V/m" }
+old = { type = "pid", kp = "400 V/m" }
+[references]
+steps = { kind = "steps", levels = ["1 mm"], dwell = "1 s" }
+[simulation]
+duration = "1 s"
+[axes]
+controller = ["p", "old"]
+scenario = ["nominal"]
+[comparison]
+plain = ["p"]
+steps = ["steps"]
+before = { p = "old" }
+"""
+    assert workbench("check", write(tmp_path, text)).code == 0
+    fails(workbench("check", write(tmp_path, text.replace(old.replace("hold", "steps"), new))), said)

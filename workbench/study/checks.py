@@ -76,7 +76,21 @@ class Checks:
             self._figure(("figures", i), figure)
         for i, even in enumerate(self.study.file.break_even):
             self._break_even(("break_even", i), even)
+        self._comparison()
         self.without_use()
+
+    def _comparison(self) -> None:
+        spec = self.study.file.comparison
+        if spec is None:
+            return
+        known = {kind: dict.fromkeys(named(case, kind) for case in self.cases) for kind in ("controller", "reference")}
+        for i, name in enumerate(spec.plain):
+            self._name(("comparison", "plain", i), "controller", name, known["controller"])
+        for i, name in enumerate(spec.steps):
+            self._name(("comparison", "steps", i), "reference", name, known["reference"])
+        for pair in spec.before.items():
+            for name in pair:
+                self._name(("comparison", "before", pair[0]), "controller", name, known["controller"])
 
     def _name(self, key: Key, what: str, name: str, valid: Iterable[str]) -> None:
         names = list(valid)
