@@ -11,7 +11,7 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
-from command import PROCESS, workbench, write
+from command import PROCESS, STUDIES, workbench, write
 from scipy.stats import binom
 from tuned_study import HUNTING, STUDY, ready, robust, tuned
 
@@ -25,7 +25,7 @@ from workbench.tune.gains import gain_file
 from workbench.tune.goal import beyond_reach, quantile
 from workbench.tune.loop import open_loop
 from workbench.tune.search import is_candidate
-from workbench.tune.study import Tuning, goal_of
+from workbench.tune.study import Tuning, goal_of, prepared, tune_all
 from workbench.tune.task import task_for
 from workbench.tune.tuning import infeasible, interval
 
@@ -308,3 +308,23 @@ def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: s
     assert said in answer.err
     assert "Traceback" not in answer.err
     assert answer.err.count("\n") == 1
+
+
+# --- the study that is shipped ---
+
+
+@pytest.mark.parametrize(
+    ("name", "fast", "slow"),
+    [("p", 1.54e-3, 0.079e-3), ("p_feedforward", 0.238e-3, 0.0138e-3), ("lugre", 56e-6, 0.7e-6)],
+)
+def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
+    tmp_path: Path, name: str, fast: float, slow: float
+) -> None:
+    """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
+    study, names = prepared(read_study(STUDIES / "tuning.toml"), name, 24)
+    found = tune_all(study, names, tmp_path / "results.sqlite", 2).found[0]
+    assert found.score is not None
+    errors = [ran.figures["rms_error_m"] for ran in found.score.ran]
+    assert errors[0] < fast
+    assert errors[1] < slow
+    assert min(found.score.margins.gain_dB / 6.0, found.score.margins.phase_deg / 45.0) >= 1.0
