@@ -10,7 +10,7 @@ from command import STUDIES, changed, fails, workbench, write
 from workbench.decide.decision import Decision, decide
 from workbench.decide.judgement import Judged, judge, non_dominated, ordered, results
 from workbench.decide.plan import Plan, plan_decision
-from workbench.decide.statistics import quantile, quantile_interval, share_interval, sign_test
+from workbench.metrics.statistics import quantile, quantile_interval, share_interval, sign_test
 from workbench.report.decision_words import assumptions, millimetres, paragraph, question
 from workbench.study.decide_schema import DecideTable
 from workbench.study.document import read_study

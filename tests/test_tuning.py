@@ -17,12 +17,13 @@ from tuned_study import HUNTING, STUDY, ready, robust, tuned
 
 from controllers.settings import usable
 from plants.equation import to_array
+from workbench.metrics.statistics import quantile
 from workbench.study.document import read_study, unfold
 from workbench.study.gain_file import read_gain_file
 from workbench.study.resolve import resolve
 from workbench.tune.bench import Bench
 from workbench.tune.gains import gain_file
-from workbench.tune.goal import beyond_reach, quantile
+from workbench.tune.goal import beyond_reach
 from workbench.tune.loop import open_loop
 from workbench.tune.search import is_candidate
 from workbench.tune.study import Tuning, goal_of, prepared, tune_all

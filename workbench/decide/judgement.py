@@ -8,7 +8,7 @@ from typing import Literal
 import pandas as pd
 
 from workbench.decide.machines import COMPLETED
-from workbench.decide.statistics import quantile, quantile_interval, share_interval
+from workbench.metrics.statistics import quantile, quantile_interval, share_interval
 from workbench.study.decide_schema import DecideTable
 
 Kind = Literal["plain", "compensation", "rotation"]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from workbench.decide.decision import Decision
 from workbench.decide.judgement import ALIKE, KINDS, Answer, Judged, Kind, of_kind
-from workbench.decide.statistics import SURE, sign_test
+from workbench.metrics.statistics import SURE, sign_test
 from workbench.report.comparison import plain_name
 from workbench.report.tables import shown_number
 from workbench.study.decide_schema import DecideTable

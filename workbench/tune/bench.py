@@ -4,8 +4,9 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
+from workbench.metrics.statistics import quantile
 from workbench.study.resolve import Resolved
-from workbench.tune.goal import Goal, Ran, Score, beyond_reach, hold, margins_of, quantile, run
+from workbench.tune.goal import Goal, Ran, Score, beyond_reach, hold, margins_of, run
 from workbench.tune.space import Point
 from workbench.tune.task import Task
 

@@ -201,12 +201,6 @@ def _short(value: float, asked: float) -> float:
     return float(np.clip((asked - value) / asked, -1.0, FARTHEST)) if asked else -1.0
 
 
-def quantile(values: Sequence[float], share: float) -> float:
-    """The smallest of `values` that at least this share of them do not exceed."""
-    ordered = sorted(values)
-    return ordered[max(math.ceil(share * len(ordered) - 1e-9), 1) - 1]
-
-
 def beyond_reach(values: Sequence[float], draws: int, share: float, best: float) -> bool:
     """Whether the quantile over all `draws` is certain to be above `best`, whatever those not yet run are."""
     allowed = draws - max(math.ceil(share * draws - 1e-9), 1)

@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from optuna.trial import FrozenTrial
-from scipy.stats import binom
 
+from workbench.metrics.statistics import quantile, quantile_interval
 from workbench.tune.bench import FRESH, SEARCHED, Bench
 from workbench.tune.classic import StartingPoint, starting_points
 from workbench.tune.descent import descended
-from workbench.tune.goal import Score, margin_speed, quantile
+from workbench.tune.goal import Score, margin_speed
 from workbench.tune.search import SCORE, is_candidate, search, trials_in
 from workbench.tune.space import Point
 from workbench.tune.task import Task, tune_table
-
-SURE = 0.95
-"""Of the interval of a quantile."""
 
 Tell = Callable[[str, int, int], None]
 """Is told what is being done, and how many of how many trials are finished."""
@@ -56,20 +53,8 @@ class Tuned:
 
 
 def interval(values: Sequence[float], share: float) -> Quantile:
-    """A quantile of draws, and its interval by order statistics: free of any assumption of their distribution.
-
-    The number of draws below the true quantile is binomial; the interval's ends are the draws of the ranks between
-    which it is with a probability of at least `SURE`.
-    """
-    ordered, count = sorted(values), len(values)
-    low = int(binom.ppf(0.5 * (1.0 - SURE), count, share))
-    high = int(binom.ppf(0.5 * (1.0 + SURE), count, share)) + 1
-    return Quantile(
-        quantile(values, share),
-        ordered[low - 1] if low >= 1 else 0.0,
-        ordered[high - 1] if high <= count else float("inf"),
-        count,
-    )
+    """A quantile of draws with its interval."""
+    return Quantile(quantile(values, share), *quantile_interval(values, share), len(values))
 
 
 def tune(bench: Bench, database: Path, identity: str, tell: Tell = lambda said, done, of: None) -> Tuned:
