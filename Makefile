@@ -6,6 +6,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation comparison
 
 THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
+TUNINGS := tuning tuning_robust tuning_rotation
 IDENTIFICATIONS := 0_rpm rotary rotating
 
 .PHONY: study study-thesis study-closed-loop study-tuning study-decision test lint benchmark diagnosis clean
@@ -31,9 +32,13 @@ study-closed-loop: $(ENVIRONMENT)/ready
 	$(BIN)/workbench diagnose studies/closed_loop/experiment.toml --out results/closed_loop_diagnosis --overwrite
 	$(BIN)/workbench run studies/closed_loop.toml --out results/closed_loop --overwrite
 
-# Ten controllers, tuned alike.
+# Controllers tuned alike: on the believed plant, on machines that may be met, and with the speed of rotation; then the
+# comparison with tuned gains.
 study-tuning: $(ENVIRONMENT)/ready
-	$(BIN)/workbench tune studies/tuning.toml --out results/tuning --overwrite
+	@set -e; for name in $(TUNINGS); do \
+		$(BIN)/workbench tune studies/$$name.toml --out results/$$name --overwrite; \
+	done; \
+	$(BIN)/workbench run studies/comparison_tuned.toml --out results/comparison_tuned --overwrite
 
 # Which controller and rpm meet an accuracy at a speed, on machines that are drawn.
 study-decision: $(ENVIRONMENT)/ready

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from workbench.cli.plan import say_decision, say_plan
+from workbench.cli.plan import say_decision, say_plan, say_tuning_plan
 from workbench.decide.plan import plan_decision
 from workbench.files import read_toml
 from workbench.identify.experiment import is_experiment, read_experiment
@@ -13,6 +13,7 @@ from workbench.study.document import only_decides, read_study, scenario_trial
 from workbench.study.gain_file import is_gain_file, read_gain_file
 from workbench.study.runner import plan
 from workbench.study.scenarios import is_scenario
+from workbench.tune.study import tasks_of
 
 
 def check_file(file: Path) -> None:
@@ -42,11 +43,14 @@ def check_file(file: Path) -> None:
     study = read_study(file)
     planned = None if only_decides(study) else plan(study)
     decision = None if study.file.decide is None else plan_decision(study)
+    tasks = tasks_of(study) if study.file.tune is not None else []
     print(f"{file}: a study, in order")
     if planned is not None:
         say_plan(planned)
     if decision is not None:
         say_decision(decision)
+    if tasks:
+        say_tuning_plan(tasks)
 
 
 def _check_gains(file: Path) -> None:

@@ -1,9 +1,11 @@
 """What a study would run, in words."""
 
 import sys
+from collections.abc import Sequence
 
 from workbench.decide import plan as decision
 from workbench.study.runner import Plan
+from workbench.tune.task import Task, tune_table
 
 
 def say_plan(planned: Plan) -> None:
@@ -26,6 +28,15 @@ def say_decision(planned: decision.Plan) -> None:
     print(f"  speeds (mm/s): {', '.join(f'{1e3 * speed:g}' for speed in planned.speeds)}")
     print(f"  spreads: {', '.join(f'{spread:g}' for spread in planned.spreads)}")
     print(f"  {planned.draws} draws: {planned.runs} runs, {planned.simulated_seconds:.0f} s of simulated time")
+
+
+def say_tuning_plan(tasks: Sequence[Task]) -> None:
+    """Print what a tuning would find, controller by controller."""
+    table = tune_table(tasks[0].study)
+    machines = f", each on {table.draws} drawn machines" if table.draws else ""
+    print(f"a tuning: {table.trials} trials a controller{machines}; tuned are")
+    for task in tasks:
+        print(f"  {task.name}: {', '.join(one.name for one in task.dimensions)}")
 
 
 def _axes_of(planned: Plan) -> dict[str, list[str]]:

@@ -16,7 +16,7 @@ from workbench.study.tune_schema import TuneTable
 from workbench.tune.bench import Bench
 from workbench.tune.classic import StartingPoint
 from workbench.tune.goal import Goal, Score, run
-from workbench.tune.task import cases_for, task_for, tune_table
+from workbench.tune.task import Task, cases_for, task_for, tune_table
 from workbench.tune.tuning import Tuned, classic_points, tune
 
 PD = "pd"
@@ -104,6 +104,16 @@ def prepared(study: Study, name: str, trials: int | None) -> tuple[Study, list[s
     for one in names:
         task_for(study, one)
     return study, names
+
+
+def tasks_of(study: Study) -> list[Task]:
+    """What tuning all controllers of a study would tune.
+
+    Raises:
+        UserError: as `prepared`.
+    """
+    ready, names = prepared(study, "all", None)
+    return [task_for(ready, name) for name in names]
 
 
 def _is_pd(table: Mapping[str, object]) -> bool:
