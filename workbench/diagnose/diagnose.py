@@ -18,13 +18,14 @@ from workbench.diagnose.findings import (
     found_on,
     sensor_offset,
 )
-from workbench.diagnose.fitting import Balance, Fit, Values, fit
+from workbench.diagnose.fitting import Balance, Fit, fit
 from workbench.diagnose.motion import Motion, motion_of
 from workbench.diagnose.null import floored
 from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
 from workbench.diagnose.simulated import FirstLook, Simulated, second_look
 from workbench.diagnose.stages import Tell
 from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
+from workbench.diagnose.unknowns import Values
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment, read_experiment
 from workbench.identify.friction_records import parameter_values

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.effects import EFFECTS
-from workbench.diagnose.fitting import Balance, Fit, Values, fit, promise
+from workbench.diagnose.fitting import Balance, Fit, fit, promise
+from workbench.diagnose.unknowns import Values
 
 LEAST_GAIN = 0.04
 """Share of the left-out rms that an effect must take away."""

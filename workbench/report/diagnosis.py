@@ -11,7 +11,7 @@ import numpy as np
 from plants.equation import fields
 from plants.registry import PLANTS
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.fitting import NEUTRAL
+from workbench.diagnose.unknowns import NEUTRAL
 from workbench.folders import ResultFolder
 from workbench.parameters import FLOW_SHARE
 from workbench.report import diagnosis_tables

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.fitting import Balance, Values
+from workbench.diagnose.fitting import Balance
 from workbench.diagnose.motion import THINNED, Motion, signals_of
 from workbench.diagnose.shooting import SIMULATION
+from workbench.diagnose.unknowns import Values
 from workbench.units import factor
 
 BINS = 24
