@@ -31,10 +31,10 @@ def test_a_single_parameter_without_effect(tmp_path: Path) -> None:
     )
 
 
-def test_a_wrong_sign_is_an_error_and_no_result(tmp_path: Path) -> None:
+def test_a_wrong_gain_is_an_error_and_no_result(tmp_path: Path) -> None:
     make_record(tmp_path, duration=2.0)
     frame = pd.read_parquet(tmp_path / "record.parquet")
-    frame["valve_voltage"] *= -1.0
+    frame["valve_voltage"] *= 5.0
     frame.to_parquet(tmp_path / "record.parquet")
     answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]), "simulation")
     fails(answer, "plant non_rotating does not follow ", "record.parquet: position is off by", "is a sign or a unit in")
