@@ -11,7 +11,7 @@ from workbench.diagnose.before_after import KEYS, behind_backlash, errors_of
 from workbench.diagnose.findings import (
     IDENTIFIED,
     Found,
-    baseline_data,
+    fitted_data,
     found_by_both,
     found_on,
     sensor_offset,
@@ -128,7 +128,8 @@ def diagnose(path: Path, tell: Tell = lambda said, done: None) -> Diagnosis:
     whole = Diagnosis(
         experiment, held_out, results, simulated, found, unexplained, declared, baseline, corrected, report
     )
-    report["baseline"] = baseline_data([one.before for one in whole.fits])
+    report["baseline"] = fitted_data([one.before for one in whole.fits])
+    report["fitted"] = fitted_data([one.after for one in whole.fits])
     return whole
 
 
