@@ -17,7 +17,7 @@ from workbench.report.style import COLOURS, figure_style
 
 BEFORE, AFTER = COLOURS[1], COLOURS[0]
 OUTCOMES = {"added": COLOURS[0], "as good": COLOURS[5], "": "#bbbbbb"}
-SAID = {"added": "added", "as good": "as good: cannot be told from it", "": "not supported"}
+SAID = {"added": "added", "as good": "as good: cannot be told from it", "": "not added"}
 
 WIDE = 9.0
 """Inches of a figure with two columns."""

@@ -44,7 +44,7 @@ def pictures_of(found: Diagnosis) -> dict[str, Picture]:
     after = "with what was rejected" if found.report["verdict"] == REJECTED else "after, with what was found"
     for result in found.results:
         name, parts = result.balance.name, parts_of(found, result.balance)
-        drawn = _Drawn(result, parts, is_changed(parts), after, shown_signals(found, parts[0]))
+        drawn = _Drawn(result, parts, is_changed(parts), after, shown_signals(found, result.balance, parts[0]))
         known = any(np.isfinite(part.after).any() for part in parts if part.use == "fit")
         if known:
             pictures[f"{name}_time"] = over_time(drawn)

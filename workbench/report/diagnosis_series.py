@@ -67,8 +67,6 @@ ALWAYS = ("position", "velocity", "load_pressure", "valve_voltage", "rotation_an
 """Signals that are always shown where they were measured."""
 
 ACTS_ON: Mapping[str, tuple[str, ...]] = {
-    "pressure_dependent_friction": ("pressure_1", "pressure_2"),
-    "internal_leakage": ("pressure_1", "pressure_2"),
     "frictional_memory": ("acceleration",),
     "entrained_air": ("pressure_1", "pressure_2"),
     "pressure_sensor_offset": ("pressure_1",),
@@ -76,13 +74,16 @@ ACTS_ON: Mapping[str, tuple[str, ...]] = {
 """What effects act on, beyond the signals that are always shown."""
 
 
-def shown_signals(found: Diagnosis, part: "Part") -> list[str]:
-    """The signals over which a balance is shown: the usual ones, and those on which what was found acts or which what
-    is not explained depends on."""
+def shown_signals(found: Diagnosis, balance: Balance, part: "Part") -> list[str]:
+    """The signals over which a balance is shown: the usual ones, those on which what was found acts, and those on which
+    depends what is not explained.
+    """
     wanted = set(ALWAYS)
+    if part.signal("load_pressure") is None:
+        wanted |= {"pressure_1", "pressure_2"}
     for one in found.found:
         wanted |= set(ACTS_ON.get(one.name, ()))
-    if found.unexplained is not None:
+    if found.unexplained is not None and found.unexplained.balance == balance.name:
         wanted |= set(found.unexplained.signals)
     return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]
 
