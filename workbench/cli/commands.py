@@ -151,7 +151,7 @@ def list_(
         typer.Argument(help="plants, controllers, parameters, scenarios, references, effects, integrators or columns."),
     ] = None,
 ) -> None:
-    """List what there is to put into a study, and the effects that a diagnosis knows."""
+    """List what a study may name, and effects that a diagnosis knows."""
     from workbench.catalogue import catalogue
 
     sections = catalogue()
