@@ -37,6 +37,7 @@ def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
     assert "simulated along the records, is off by 1.4 standard deviations" in verdict_sentence(none)
     none = replace(none, simulated=None)
     assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
+    assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"
     far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
     noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
     assert noisy.startswith("None missing that is known: ")

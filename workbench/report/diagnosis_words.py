@@ -6,6 +6,7 @@ from plants.effects import EFFECTS
 from workbench.diagnose.before_after import KEYS
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.findings import Found
+from workbench.diagnose.promising import EXPLAINS
 from workbench.diagnose.selection import SURE, BalanceResult, least_gain
 from workbench.diagnose.unexplained import LEAST
 from workbench.report.diagnosis_names import PLAIN, REJECTED, listed, percent, plain, quantity
@@ -57,9 +58,12 @@ def verdict_sentence(found: Diagnosis) -> str:
             f"measured signal; but it is {shown_number(most, 2)} times the noise floor: the plant is not complete, "
             "the record moves faster than the smoothing follows, or it holds no noise (as a simulated one may)."
         )
+    tested = max((ratio for result in found.results if (ratio := _held_out_floors(found, result))), default=0.0)
+    which = "the records that were fitted, but not the held-out ones" if tested >= max(NOISE, most) else "the records"
+    beside = f" ({tested:.1f} times on held-out records)" if tested else ""
     return (
-        "None missing: the declared plant, with its own parameters fitted, explains the records; what is left is "
-        f"{most:.1f} times the noise floor, and no known effect lowers it on data left out."
+        f"None missing: the declared plant, with its own parameters fitted, explains {which}; what is left is "
+        f"{most:.1f} times the noise floor{beside}, and no known effect lowers it on data left out."
     )
 
 
@@ -113,6 +117,10 @@ def _of_effect(found: Diagnosis, one: Found) -> str:
             f" It lowers the residual on data that its fit has not seen by {percent(share)}"
             f" ({sure:.1f} standard errors; {percent(least)} and more, and {SURE:g} are asked for)."
         )
+        if "explained" in one.evidence:
+            share = one.evidence["explained"]
+            text += f" Of what the simulated plant was off by beyond noise it explains {percent(share)}; "
+            text += f"more than {percent(EXPLAINS)} is asked for."
     elif "sum_rms_Pa" in one.evidence:
         before, after = (f"{1e-3 * one.evidence[key]:.3g}" for key in ("sum_rms_Pa", "left_rms_Pa"))
         text += f" The sum of both pressures is off by {before} kPa rms; one constant leaves {after} kPa of it."
@@ -124,20 +132,24 @@ def _of_effect(found: Diagnosis, one: Found) -> str:
 def _of_floor(found: Diagnosis, result: BalanceResult) -> str:
     """What is left of a balance in floors, on the records that were fitted and on those that were not."""
     name, fitted = result.balance.name, found.report["floor"][result.balance.name]["after"]
-    held_out = found.report["error"]["held_out"]["after"].get(KEYS[name])
-    tested = None if held_out is None else held_out / result.balance.floor
-    times = f"{shown_number(fitted, 3)} times its noise floor" + (
-        "" if tested is None else f", and {shown_number(tested, 3)} times on held-out records"
-    )
+    tested = _held_out_floors(found, result)
+    times = f"{shown_number(fitted, 3)} times its noise floor"
+    times += f", and {shown_number(tested, 3)} times on held-out records" if tested else ""
     if fitted > QUIET and found.simulated is not None and found.simulated.is_trusted:
         said = "of sensors so quiet, smoothing and sampling leave most of it"
     elif fitted >= NOISE:
         said = "not all of it is the sensors' noise"
-    elif tested is not None and tested >= NOISE:
+    elif tested >= NOISE:
         said = "the sensors' noise explains all of it on the records that were fitted, but not on the held-out ones"
     else:
         said = "the sensors' noise explains all of it"
     return f"What is left of the {name} balance is {times}: {said}."
+
+
+def _held_out_floors(found: Diagnosis, result: BalanceResult) -> float:
+    """What is left of a balance on held-out records, in floors; 0 without any."""
+    left = found.report["error"]["held_out"]["after"].get(KEYS[result.balance.name], 0.0)
+    return float(left / result.balance.floor)
 
 
 def _far(found: Diagnosis) -> list[str]:
