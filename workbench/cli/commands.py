@@ -148,10 +148,10 @@ def diagnose(
 def list_(
     kind: Annotated[
         str | None,
-        typer.Argument(help="plants, controllers, parameters, scenarios, references, integrators or columns."),
+        typer.Argument(help="plants, controllers, parameters, scenarios, references, effects, integrators or columns."),
     ] = None,
 ) -> None:
-    """List what there is to put into a study."""
+    """List what a study may name, and effects that a diagnosis knows."""
     from workbench.catalogue import catalogue
 
     sections = catalogue()
