@@ -1,5 +1,6 @@
 """Fixtures that several tests share: every registered plant, and parameters for it."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,3 +25,19 @@ def plant(request: pytest.FixtureRequest) -> Plant:
 def parameters(plant: Plant) -> Any:
     """The thesis's simulation set for `plant`, derived flow."""
     return build(plant.Parameters, read_parameters(named_sets()["owen2001_simulation"]) | FORCE_GAIN)
+
+
+@pytest.fixture(scope="session")
+def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The experiment of `deadband`, in a folder of its own."""
+    from deadband import make_experiment  # what it takes is rewritten first
+
+    return make_experiment(tmp_path_factory.mktemp("diagnosis"))
+
+
+@pytest.fixture(scope="session")
+def found(experiment: Path) -> Any:
+    """What diagnosis finds in it."""
+    from workbench.diagnose.diagnose import diagnose
+
+    return diagnose(experiment)

@@ -115,6 +115,6 @@ def axial_record(path: Path, law: Mapping[str, float], rpm: float) -> None:
     velocity = 0.0114 * (TIME / TIME[-1]) ** 2
     noise = 10.0 * np.random.default_rng(int(rpm)).standard_normal(TIME.size)
     load = (thesis_method.steady(velocity, **law) + noise) / AREA
-    position = np.cumsum(velocity) * 1e-3
-    data = {"time": TIME, "valve_voltage": TIME, "position": position, "rpm": rpm}
+    position = np.cumsum(velocity) * 1e-3 - 0.057
+    data = {"time": TIME, "valve_voltage": 0.3 * TIME, "position": position, "rpm": rpm}
     pd.DataFrame({**data, "pressure_1": 2.4e6 + load / 2.0, "pressure_2": 2.4e6 - load / 2.0}).to_parquet(path)

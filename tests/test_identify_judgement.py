@@ -31,10 +31,10 @@ def test_a_single_parameter_without_effect(tmp_path: Path) -> None:
     )
 
 
-def test_a_wrong_sign_is_an_error_and_no_result(tmp_path: Path) -> None:
+def test_a_wrong_gain_is_an_error_and_no_result(tmp_path: Path) -> None:
     make_record(tmp_path, duration=2.0)
     frame = pd.read_parquet(tmp_path / "record.parquet")
-    frame["valve_voltage"] *= -1.0
+    frame["valve_voltage"] *= 5.0
     frame.to_parquet(tmp_path / "record.parquet")
     answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]), "simulation")
     fails(answer, "plant non_rotating does not follow ", "record.parquet: position is off by", "is a sign or a unit in")
@@ -167,10 +167,41 @@ def test_check_finds_what_identify_would(tmp_path: Path, old: str, new: str, sai
     axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
     assert AXIAL.count(old) == 1
     text = AXIAL.replace('method = "thesis"', 'method = "both"').replace(old, new)
-    fails(checked(tmp_path, text), said)
-    answer = identify(tmp_path, text, "both")
-    assert answer.code == 2
+    answer = checked(tmp_path, text)
+    assert said in answer.out + answer.err
+    assert answer.code == 2 or "; for diagnose alone\n" in answer.out or "\n  identify --method " in answer.out
+    assert identify(tmp_path, text, "both").code == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_check_says_which_command_an_experiment_serves(tmp_path: Path) -> None:
+    """What stops the thesis's method stops neither a simulation nor a diagnosis; what stops all is an error."""
+    axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
+    text = AXIAL.partition("[[published]]")[0].replace('method = "thesis"', 'method = "both"')
+    answer = checked(tmp_path, text)
+    assert answer.out.startswith(f"{tmp_path / 'experiment.toml'}: an experiment, in order\n")
+    assert "\n  identify: can use it\n  diagnose: can use it\n" in answer.out
+    answer = checked(tmp_path, text.replace('pressure_2 = { column = "pressure_2", unit = "Pa" }', ""))
+    assert (answer.code, answer.err) == (0, "")
+    assert "; for identify alone\n" in answer.out
+    assert "\n  identify --method thesis: not, since the thesis's method needs position, pressure_1 and" in answer.out
+    assert "\n  identify --method simulation: can use it\n  diagnose: not, since its channels allow no" in answer.out
+    assert "run_a.parquet: fit, 29.999 s at 1000 Hz" in answer.out
+    answer = checked(tmp_path, text.replace('rpm = "rpm"', "skip = 20000\nrows = 500"))
+    assert answer.code == 0
+    assert "500 samples are too few for the thesis's averaging" in answer.out
+    assert "diagnose: not, since " in answer.out
+    fails(checked(tmp_path, text.replace('rpm = "rpm"', 'use = "held_out"')), ": no record is there for the fit; give")
+    neither = "\n".join(line for line in text.splitlines() if "pressure_2" not in line and "voltage" not in line)
+    fails(checked(tmp_path, neither), "no command can use it: identify --method thesis: the thesis's method needs")
+
+
+def test_check_names_the_file_that_was_meant(tmp_path: Path) -> None:
+    axial_record(tmp_path / "de_drive_B.parquet", CURVE, 0.0)
+    text = AXIAL.partition("[[published]]")[0].replace("run_*.parquet", "de_drive_C.parquet")
+    answer = checked(tmp_path, text)
+    assert (answer.code, answer.err) == (0, "")
+    assert 'de_drive_C.parquet: is not there (yet?); did you mean "de_drive_B.parquet"?\n' in answer.out
 
 
 def test_check_says_which_records_are_not_there_yet(tmp_path: Path) -> None:

@@ -53,6 +53,22 @@ def test_units_scale_and_offset(tmp_path: Path) -> None:
     assert np.all(record.valid)
 
 
+def test_a_position_from_one_end_is_refused_with_the_offset_that_puts_it_right(tmp_path: Path) -> None:
+    """12 to 48 mm of a stroke of 60 mm; the offset may be written as a quantity."""
+    data = spoiled(x=30.0 - 18.0 * np.cos(0.02 * table()["t"]))
+    text = EXPERIMENT.replace("owen2001_experiment", "owen2001_simulation").replace(", offset = -10.0", "")
+    with pytest.raises(UserError, match='from -30 to 30 mm: 0 is its middle; give channel position offset = "-30 mm"'):
+        record_of(tmp_path, data, text)
+    record = record_of(tmp_path, data, text.replace('unit = "mm"', 'unit = "mm", offset = "-30 mm"'))
+    assert record.channels["position"][0] == pytest.approx(-0.018)
+    assert np.all(np.abs(record.channels["position"]) < 0.0181)
+
+
+def test_a_position_may_exceed_the_stroke_by_noise(tmp_path: Path) -> None:
+    record = record_of(tmp_path, spoiled(x=10.0 + 87.0 * np.sin(0.01 * table()["t"])))
+    assert record.channels["position"].max() > 0.5 * 0.172
+
+
 @pytest.mark.parametrize("separator", [";", "\t", ","])
 def test_any_separator_parquet_and_mat_are_the_same_record(tmp_path: Path, separator: str) -> None:
     data = table()
@@ -154,6 +170,13 @@ def test_a_position_that_is_held_at_its_end_is_not_saturated(tmp_path: Path) -> 
         (spoiled(x=table()["t"] * 10.0), "the position spans 3.99 m, and the stroke is 0.172 m"),
         (spoiled(pA=table()["pA"] * 100.0), "pressure_1 reaches 2.1995e+08 Pa, and the supply is 4.91e+06 Pa"),
         (spoiled(pA=table()["pA"] * 1e-5), "is the unit of channel pressure_1 right? (it seems 1e-05 times off)"),
+        (
+            spoiled(x=70.0 + 0.1 * table()["t"]),
+            "the position goes from 60 to 99.9 mm, and a stroke of 172 mm from -86 to 86 mm: 0 is its middle; give "
+            'channel position offset = "-96 mm", if that is the middle here',
+        ),
+        (spoiled(u=646.0 * np.sin(0.1 * table()["t"])), "valve_voltage reaches 646 V, and its limit is 10 V; is the"),
+        (spoiled(u=-1.0), "the rod moves against valve_voltage on most of its way; is the sign of channel valve_volt"),
         (table(20), "holds 20 samples, expected at least 50"),
         (spoiled(pA="none"), 'column "pA" (pressure_1) holds no numbers'),
     ],

@@ -13,6 +13,9 @@ from command import write
 from workbench.diagnose.diagnose import Diagnosis, diagnose
 from workbench.diagnose.motion import motion_of
 from workbench.identify.records import read_records
+from workbench.report.diagnosis import summary
+from workbench.report.diagnosis_series import parts_of, shown_signals
+from workbench.report.diagnosis_words import sureness
 
 MEASURED = Path(__file__).parents[1] / "studies" / "measured"
 DATA = Path(__file__).parents[2] / "shared" / "data"
@@ -45,6 +48,7 @@ def test_the_drive_s_load_is_viscous_friction_that_differs_with_direction() -> N
     assert after["viscous_negative"] == pytest.approx(240.3, rel=0.03)
     assert abs(after["load_force"]) < 0.5
     assert fall(found, "held_out", "force_rms_N") > 0.10
+    assert any("no measured signal by more than 15 % of its variance" in line for line in sureness(found))
 
 
 def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() -> None:
@@ -83,3 +87,7 @@ def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tm
     assert "speed" in one.remarks[0]
     assert one.evidence["correlation_with_speed"] < -0.2
     assert fall(found, "held_out", "force_rms_N") > 0.15
+    assert any(one.remarks[0] in line for line in sureness(found))
+    assert "drive_force cannot hold: it is not the corrected plant" in summary(found)
+    assert "for model = drive_force, which cannot hold pressure dependent friction" in summary(found)
+    assert "pressure_1" in shown_signals(found, found.results[0].balance, parts_of(found, found.results[0].balance)[0])

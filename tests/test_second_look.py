@@ -10,7 +10,10 @@ import pytest
 from diagnosis.generator import make_experiment
 
 from workbench.diagnose.diagnose import diagnose
+from workbench.diagnose.readiness import motions_of
 from workbench.errors import UserError
+from workbench.identify.experiment import read_experiment
+from workbench.identify.records import read_records
 
 SEED = 5
 
@@ -72,3 +75,11 @@ def test_a_free_parameter_that_no_fit_could_move_is_refused_in_a_line(
     path.write_text(f'{path.read_text()}\n{changed}[fit]\nfree = ["coulomb", "{name}"]\n')
     with pytest.raises(UserError, match=said):
         diagnose(path)
+
+
+def test_two_records_of_one_label_are_numbered(tmp_path: Path) -> None:
+    """Two pieces of one file were drawn over each other."""
+    experiment = read_experiment(make_experiment(tmp_path, {}, SEED))
+    (record,) = read_records(experiment, "fit")
+    labels = [motion.record.label for motion in motions_of(experiment, [record, record, record])]
+    assert labels == [record.label, f"{record.label} (2)", f"{record.label} (3)"]

@@ -6,11 +6,13 @@ from pathlib import Path
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
+from plants.effects import EFFECTS
 from plants.plugins import Registry
 from plants.registry import PLANTS
 from workbench.files import read_toml
 from workbench.metrics import COLUMNS
 from workbench.parameters import named_sets
+from workbench.report.diagnosis_names import PLAIN
 from workbench.simulation.simulate import METHODS, memory_names
 from workbench.study.reference_tables import KINDS
 from workbench.study.resolve import MODELS
@@ -36,6 +38,10 @@ def catalogue() -> dict[str, list[str]]:
         "references": [
             f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}"
             for kind, table in KINDS.items()
+        ],
+        "effects": [
+            f"{effect.name:28} {effect.balance:7} {PLAIN[effect.name]}; {', '.join(effect.numbers)}"
+            for effect in EFFECTS.values()
         ],
         "integrators": list(METHODS),
         "columns": list(COLUMNS),

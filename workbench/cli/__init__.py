@@ -1,5 +1,6 @@
 """The command line."""
 
+from workbench.cli import answers
 from workbench.cli.commands import main
 
-__all__ = ["main"]
+__all__ = ["answers", "main"]

@@ -1,14 +1,12 @@
 """The commands. What a command does not need it does not import: help appears at once."""
 
-import os
 import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from workbench.cli.progress import ProgressBar, ProgressLine
+from workbench.cli.progress import ProgressBar
 from workbench.errors import UserError, nearest
 
 app = typer.Typer(
@@ -93,128 +91,14 @@ def check(
     check_file(file)
 
 
-@app.command()
-def decide(
-    study: StudyFile,
-    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
-    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
-) -> None:
-    """Say which controllers meet an accuracy, and how probably."""
-    import time
-
-    from workbench.decide.decision import decide as decided
-    from workbench.decide.plan import plan_decision
-    from workbench.report.decision import check_folder, summary, write_decision
-    from workbench.study.document import read_study
-
-    began, planned = time.time(), plan_decision(read_study(study))
-    check_folder(out, overwrite)
-    try:
-        with ProgressLine() as told:
-            tell = told or (lambda said, done: None)
-            found = decided(planned, jobs, lambda done, runs: tell(f"{done} of {runs} runs", done / runs))
-            tell("tables, figures, page", 1.0)
-            write_decision(found, out, began, jobs)
-    except KeyboardInterrupt:
-        print("stopped; nothing is written", file=sys.stderr)
-        raise typer.Exit(130) from None
-    print(summary(found))
-    print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
-
-
-@app.command()
-def identify(
-    experiment: Annotated[Path, typer.Argument(help="An experiment: a TOML file.", metavar="EXPERIMENT.toml")],
-    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
-    method: Annotated[str | None, typer.Option(help="thesis, simulation or both.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
-) -> None:
-    """Find friction and other parameters of a plant in records."""
-    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from workbench.files import read_toml
-    from workbench.identify.experiment import is_experiment, read_experiment
-    from workbench.identify.identification import identify as identified
-    from workbench.identify.schema import METHODS
-    from workbench.report.identification import check_folder, write_identification
-
-    if method is not None and method not in METHODS:
-        raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
-    data, _ = read_toml(experiment)
-    if not is_experiment(data) and "controllers" in data:
-        raise UserError(f"{experiment}: this is a study; use workbench run {experiment} --out {out}")
-    content = read_experiment(experiment)
-    check_folder(out, overwrite)
-    try:
-        with ProgressLine() as said:
-            paths = write_identification(identified(content, method, said), out)
-    except KeyboardInterrupt:
-        print("stopped; nothing is written", file=sys.stderr)
-        raise typer.Exit(130) from None
-    for path in paths:
-        print(path.read_text(encoding="utf-8"))
-    print(f"results in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
-
-
-@app.command()
-def diagnose(
-    experiment: Annotated[Path, typer.Argument(help="An experiment: a TOML file.", metavar="EXPERIMENT.toml")],
-    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
-) -> None:
-    """Say what the plant of an experiment lacks, and how sure that is."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
-    from workbench.diagnose.diagnose import diagnose as diagnosed
-    from workbench.report.diagnosis import check_folder, summary, write_diagnosis
-
-    check_folder(out, overwrite)
-    with ProgressLine() as told:
-        tell = told or (lambda said, done: None)
-        found = diagnosed(experiment, tell)
-        tell("tables, figures, page", 0.93)
-        write_diagnosis(found, out)
-    print(summary(found))
-    print(f"\nresults in {out}: {', '.join(sorted(item.name for item in out.iterdir()))}")
-
-
-@app.command()
-def tune(
-    study: StudyFile,
-    out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
-    controller: Annotated[str, typer.Option(help="A controller of the study, or all.", metavar="NAME")] = "all",
-    trials: Annotated[int | None, typer.Option(min=1, help="Trials of each; default: what [tune] says.")] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
-) -> None:
-    """Find gains: the same budget, objective and constraints for every controller."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
-    from workbench.report.tuning import open_folder, say_tuning, write_tuning
-    from workbench.study.document import read_study
-    from workbench.tune.study import prepared, tune_all
-
-    ready, names = prepared(read_study(study), controller, trials)
-    database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
-    try:
-        with ProgressLine() as told:
-            tell = told or (lambda said, done: None)
-            found = tune_all(ready, names, database, jobs, tell)
-            written = write_tuning(found, out, began=began, jobs=jobs, tell=tell)
-    except KeyboardInterrupt:
-        print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
-        raise typer.Exit(130) from None
-    say_tuning(written)
-
-
 @app.command("list")
 def list_(
     kind: Annotated[
         str | None,
-        typer.Argument(help="plants, controllers, parameters, scenarios, references, integrators or columns."),
+        typer.Argument(help="plants, controllers, parameters, scenarios, references, effects, integrators or columns."),
     ] = None,
 ) -> None:
-    """List what there is to put into a study."""
+    """List what a study may name, and effects that a diagnosis knows."""
     from workbench.catalogue import catalogue
 
     sections = catalogue()

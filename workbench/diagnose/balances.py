@@ -1,6 +1,6 @@
 """The balances that a record's channels allow, each with its floor and with what may be fitted on it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,18 +24,38 @@ FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"f
 """What it may move on the force balance where an experiment does."""
 
 
+def allowed(channels: Collection[str], values: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
+    """The balances that these channels allow, with what the baseline may move on each where nothing is said.
+
+    Flow before force: what is wrong with the flow disturbs the motion, not the other way round.
+    """
+
+    def has(*names: str) -> bool:
+        return all(name in channels for name in names)
+
+    found: dict[str, tuple[str, ...]] = {}
+    if has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
+        found["flow"] = FLOW
+    elif has("pump_speed", "position") and "pump_displacement" in values:
+        found["flow"] = PUMP
+    pressures = has("pressure_1", "pressure_2") and "piston_area_1" in values
+    if has("position") and (has("force") or pressures or has("command")):
+        found["force"] = FRICTION
+    return found
+
+
 def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Sequence[str] | None) -> list[Balance]:
-    """Flow before force: what is wrong with the flow disturbs the motion, not the other way round."""
-    first = motions[0]
+    """The balances that the channels of the records allow."""
     found = []
-    if first.has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
-        found.append(
-            _balance("flow", motions, flow.flow_residuals, flow.flow_noise, values, FLOW, free, "m^3/s", parts=2)
-        )
-    elif first.has("pump_speed", "position") and "pump_displacement" in values:
-        found.append(_balance("flow", motions, _pump, _pump_noise, values, PUMP, free, "m^3/s", only=PUMP_EFFECTS))
-    if first.has("position") and force.driving_force(first, values) is not None:
-        found.append(_balance("force", motions, _force, force.force_noise, values, FRICTION, free, "N", sharp=True))
+    for name, own in allowed(motions[0].channels, values).items():
+        if own is FLOW:
+            found.append(
+                _balance(name, motions, flow.flow_residuals, flow.flow_noise, values, own, free, "m^3/s", parts=2)
+            )
+        elif own is PUMP:
+            found.append(_balance(name, motions, _pump, _pump_noise, values, own, free, "m^3/s", only=PUMP_EFFECTS))
+        else:
+            found.append(_balance(name, motions, _force, force.force_noise, values, own, free, "N", sharp=True))
     return found
 
 
@@ -69,9 +89,7 @@ def _balance(
     only: Sequence[str] = tuple(EFFECTS),
 ) -> Balance:
     floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
-    admitted = FORCE if name == "force" else set(own)
-    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
-    known = [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
+    known = own_parameters(name, own, free, values)
     kinds = ("force",) if name == "force" else ("flow", "valve")
     effects = tuple(
         effect.name
@@ -82,6 +100,15 @@ def _balance(
         and _possible(effect.numbers, values, known)
     )
     return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, parts, sharp)
+
+
+def own_parameters(
+    name: str, own: Collection[str], free: Sequence[str] | None, values: Mapping[str, float]
+) -> list[str]:
+    """The plant's parameters that a fit of a balance may move: its `own` unless an experiment says which are `free`."""
+    admitted = FORCE if name == "force" else own
+    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
+    return [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
 
 
 def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:

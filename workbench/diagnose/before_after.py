@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from workbench.diagnose.fitting import Values, fit
+from workbench.diagnose.fitting import fit
 from workbench.diagnose.motion import Motion
 from workbench.diagnose.selection import BalanceResult
 from workbench.diagnose.shooting import Shooting, free_run, set_up, simulation_balance
 from workbench.diagnose.simulated import SEARCH, Simulated
+from workbench.diagnose.unknowns import Values
 from workbench.identify.experiment import Experiment
 
 DRIFTS = 2.0

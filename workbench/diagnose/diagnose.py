@@ -6,28 +6,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from workbench.diagnose.balances import balances_of
 from workbench.diagnose.before_after import KEYS, behind_backlash, errors_of
 from workbench.diagnose.findings import (
     IDENTIFIED,
     Found,
-    baseline_data,
+    fitted_data,
     found_by_both,
     found_on,
     sensor_offset,
 )
-from workbench.diagnose.fitting import Balance, Fit, Values, fit
-from workbench.diagnose.motion import Motion, motion_of
+from workbench.diagnose.fitting import Balance, Fit, fit
+from workbench.diagnose.motion import Motion
 from workbench.diagnose.null import floored
+from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
 from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
 from workbench.diagnose.simulated import FirstLook, Simulated, second_look
 from workbench.diagnose.stages import Tell
 from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
-from workbench.errors import UserError
+from workbench.diagnose.unknowns import Values
 from workbench.identify.experiment import Experiment, read_experiment
-from workbench.identify.friction_records import parameter_values
 from workbench.identify.records import read_records
 from workbench.parameters import SIGNED
 
@@ -42,9 +40,6 @@ TAKEN = 0.3
 
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
-
-SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
-"""s of a record, s between its samples, and noise deviations of the position's range, from which it can be used."""
 
 RUNAWAY = 5.0
 """Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
@@ -88,15 +83,11 @@ def diagnose(path: Path, tell: Tell = lambda said, done: None) -> Diagnosis:
     """
     experiment = read_experiment(path)
     tell("reading records", 0.0)
-    motions = [motion_of(record) for record in read_records(experiment, "fit")]
-    held_out = [motion_of(record) for record in read_records(experiment, "held_out")]
-    if not motions:
-        raise UserError(f'{path}: no record is for the fit; give one use = "fit"')
-    for motion in [*motions, *held_out]:
-        _check(motion)
-    declared: dict[str, float] = {**parameter_values(experiment), **experiment.values}
-    for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
-        del declared[name]
+    check_experiment(experiment)
+    fitted = read_records(experiment, "fit")
+    both = motions_of(experiment, [*fitted, *read_records(experiment, "held_out")])
+    motions, held_out = both[: len(fitted)], both[len(fitted) :]
+    declared = declared_values(experiment)
     offset = sensor_offset(motions, declared)
     results, baseline, corrected = _first_look(experiment, motions, declared, offset, tell)
     found = [offset] if offset is not None else []
@@ -138,39 +129,9 @@ def diagnose(path: Path, tell: Tell = lambda said, done: None) -> Diagnosis:
     whole = Diagnosis(
         experiment, held_out, results, simulated, found, unexplained, declared, baseline, corrected, report
     )
-    report["baseline"] = baseline_data([one.before for one in whole.fits])
+    report["baseline"] = fitted_data([one.before for one in whole.fits])
+    report["fitted"] = fitted_data([one.after for one in whole.fits])
     return whole
-
-
-def _check(motion: Motion) -> None:
-    """A record that is too short or too coarse for smoothing, or on which nothing moves, says nothing."""
-    known, path = float(np.sum(motion.valid)) * motion.sample_time, motion.record.path
-    if motion.sample_time > COARSEST:
-        raise UserError(
-            f"{path}: a sample every {motion.sample_time:g} s does not show a reversal; expected at most {COARSEST:g} s"
-        )
-    if known < SHORTEST:
-        raise UserError(
-            f"{path}: {known:.3g} s without ends and gaps are too little for a diagnosis; expected at least "
-            f"{SHORTEST:g} s, and better 40 s"
-        )
-    if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
-        raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
-
-
-def _check_free(experiment: Experiment, declared: Values, balances: Sequence[Balance]) -> None:
-    """What an experiment asks to be free has to be in a balance, and off 0 where a fit moves it by factors."""
-    for name in experiment.free or ():
-        if any(name in balance.free for balance in balances):
-            continue
-        if declared.get(name) == 0.0 and name not in SIGNED:
-            reason = (
-                f"is declared 0, and a fit moves it by factors; give it a start in [plant.set], or leave {name} out"
-            )
-        else:
-            known = " and ".join(balance.name for balance in balances)
-            reason = f"is in no balance that the records' channels allow ({known}); leave it out"
-        raise UserError(f'{experiment.path}: [fit] free: "{name}" {reason}')
 
 
 def _unexplained_data(
@@ -223,12 +184,6 @@ def _first_look(
     if offset is not None:
         values |= {name: number for name, (number, _) in offset.numbers.items()}
     balances = balances_of(motions, values, experiment.free)
-    if not balances:
-        raise UserError(
-            f"{experiment.path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
-            "voltage, a force needs position and pressures, a force or a command"
-        )
-    _check_free(experiment, declared, balances)
     tell("noise floors", 0.02)
     first = dict(values)
     for balance in balances:

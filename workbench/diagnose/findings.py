@@ -144,8 +144,8 @@ def _speed_and_pressure(motions: Sequence[Motion]) -> float:
     return float(np.corrcoef(speed, pressure)[0, 1])
 
 
-def baseline_data(fits: Sequence[Fit]) -> dict[str, Any]:
-    """Every parameter of the baseline as report.json holds it; of several fits the last counts."""
+def fitted_data(fits: Sequence[Fit]) -> dict[str, Any]:
+    """Every fitted parameter as report.json holds it; of several fits the last counts."""
     units = known_units()
     data = {}
     for fit in fits:

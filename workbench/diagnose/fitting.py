@@ -8,12 +8,9 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import least_squares
 
-from plants.effects import EFFECTS, FREE
-from plants.equation import NEGATIVE, fields
-from plants.two_chamber import TWO_CHAMBER
 from workbench.diagnose.motion import Motion
+from workbench.diagnose.unknowns import Unknown, Values, unknown
 from workbench.identify.covariance import long_run_length, sandwich
-from workbench.parameters import SIGNED
 
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
@@ -24,16 +21,10 @@ LEAST_BLOCKS = 4
 STEP = 1e-4
 """Relative step of difference quotients; the residuals are exact functions of the parameters."""
 
-WIDEST = 10.0
-"""A positive parameter stays within this factor of its start."""
-
 ANCHOR = 0.003
 """Weight of a factor of e by which a positive parameter leaves its start, against the square of one sample at the
 floor: nothing where the record knows better, enough to keep two that it cannot tell apart from running away
 together."""
-
-NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
-"""Values of the effects' parameters at which they do nothing."""
 
 BOUNDED = 1e-3
 """Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there."""
@@ -44,7 +35,6 @@ THREADS = 2
 SHARES = (1.0, 0.6, 0.3)
 """Of a Gauss-Newton step, at which a candidate's promise is looked at: a long step of a logarithm goes too far."""
 
-Values = Mapping[str, float]
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance along a motion, one array or more."""
 
@@ -127,7 +117,7 @@ class Fit:
     residual: np.ndarray
     validated: np.ndarray
     jacobian: np.ndarray
-    unknowns: Sequence["Unknown"]
+    unknowns: Sequence[Unknown]
     bounded: frozenset[str]
 
     @property
@@ -139,6 +129,24 @@ class Fit:
     def validated_rms(self) -> float:
         """Of the residual on blocks that were left out, in floors."""
         return float(np.sqrt(np.mean(self.validated**2)))
+
+    def rise_without(self, neutral: Values) -> float:
+        """By how much the mean square would rise, to first order, with these parameters at these values and the others
+        fitted anew: d' S d / n, with S the Schur complement of J' J for them and d their distance.
+        """
+        own = [i for i, name in enumerate(self.names) if name in neutral]
+        rest = [i for i in range(len(self.names)) if i not in own]
+        whole = self.jacobian.T @ self.jacobian
+        between = whole[np.ix_(own, rest)]
+        schur = whole[np.ix_(own, own)] - between @ np.linalg.pinv(whole[np.ix_(rest, rest)]) @ between.T
+        away = np.array(
+            [
+                self.unknowns[i].place(self.values[name]) - self.unknowns[i].place(neutral[name])
+                for i, name in enumerate(self.names)
+                if name in neutral
+            ]
+        )
+        return float(away @ schur @ away) / self.residual.size
 
     @property
     def block_squares(self) -> np.ndarray:
@@ -153,46 +161,6 @@ class Search:
     flat: float = 1e-7
     near: float = 1e-6
     most_steps: int = 30
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """A parameter as a search sees it: log(value / start), or value / size."""
-
-    name: str
-    start: float
-    size: float
-    logarithmic: bool
-    low: float
-    high: float
-
-    def value(self, x: float) -> float:
-        return self.start * float(np.exp(x)) if self.logarithmic else self.size * x
-
-    def slope(self, x: float) -> float:
-        return self.value(x) if self.logarithmic else self.size
-
-    @property
-    def first(self) -> float:
-        return 0.0 if self.logarithmic else self.start / self.size
-
-
-def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
-    known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
-    plain = name.removesuffix(f"_{NEGATIVE}")
-    start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
-    low, high = bounds.get(name, (-np.inf, np.inf))
-    if name in known and known[name][2]:
-        least, most, size = known[name]
-        if start == NEUTRAL.get(name, 0.0) or name not in values:
-            start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
-        return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
-    if start > 0.0 and plain not in SIGNED:
-        widest = float(np.log(WIDEST))
-        least = float(np.log(low / start)) if low > 0.0 else -widest
-        most = float(np.log(high / start)) if np.isfinite(high) else widest
-        return Unknown(name, start, start, True, least, most)
-    return Unknown(name, start, max(abs(start), 1.0), False, low, high)
 
 
 def fit(

@@ -13,8 +13,9 @@ import numpy as np
 from controllers import pid
 from controllers.pid import PID
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.fitting import Balance, Values
+from workbench.diagnose.fitting import Balance
 from workbench.diagnose.motion import Motion, motion_of
+from workbench.diagnose.unknowns import Values
 from workbench.identify.model import Sampled
 from workbench.identify.records import Record
 from workbench.parameters import build

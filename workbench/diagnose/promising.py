@@ -6,8 +6,9 @@ import numpy as np
 
 from plants.effects import EFFECTS
 from plants.equation import NEGATIVE
-from workbench.diagnose.fitting import NEUTRAL, Balance, Fit, Search, Values, fit, unknown
+from workbench.diagnose.fitting import Balance, Fit, Search, fit
 from workbench.diagnose.selection import Candidate, extends
+from workbench.diagnose.unknowns import NEUTRAL, Values, unknown
 
 QUICK = Search(flat=1e-3, near=1e-4, most_steps=10)
 """On the way: an effect is worth several per cent of the error."""

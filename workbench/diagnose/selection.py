@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.effects import EFFECTS
-from workbench.diagnose.fitting import Balance, Fit, Values, fit, promise
+from workbench.diagnose.fitting import Balance, Fit, fit, promise
+from workbench.diagnose.unknowns import Values
 
 LEAST_GAIN = 0.04
 """Share of the left-out rms that an effect must take away."""
@@ -143,12 +144,16 @@ def is_circular(effect: str, balance: Balance) -> bool:
     return EFFECTS[effect].circular and not balance.motions[0].has("force")
 
 
+def least_gain(effect: str, count: int, balance: Balance) -> float:
+    """Share of the left-out rms that an effect with so many parameters has to take away."""
+    return (CIRCULAR_GAIN if is_circular(effect, balance) else LEAST_GAIN) + PRICE * count
+
+
 def _passes(before: Fit, one: Candidate) -> bool:
     share, sure = gain(before, one.fit)
-    least = CIRCULAR_GAIN if is_circular(one.effect, before.balance) else LEAST_GAIN
     if one.fit.bounded - set(before.balance.free):  # an effect's number that is no estimate
         return False
-    return share > least + PRICE * len(one.variant) and sure > SURE
+    return share > least_gain(one.effect, len(one.variant), before.balance) and sure > SURE
 
 
 def is_level(best: Candidate, other: Candidate) -> bool:

@@ -14,10 +14,11 @@ import numpy as np
 from plants.equation import fields
 from plants.interface import Measurement, Plant
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.fitting import Balance, Values
+from workbench.diagnose.fitting import Balance
 from workbench.diagnose.flow import spool_of
 from workbench.diagnose.force import driving_force
 from workbench.diagnose.motion import Motion, with_backlash, with_slack
+from workbench.diagnose.unknowns import Values
 from workbench.errors import UserError
 from workbench.identify.experiment import Experiment
 from workbench.identify.model import Sampled, observe

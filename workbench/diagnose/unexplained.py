@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.diagnose.fitting import BLOCKS, Balance, Values
+from workbench.diagnose.fitting import BLOCKS, Balance
 from workbench.diagnose.motion import Motion, signals_of
+from workbench.diagnose.unknowns import Values
 
 BINS = 24
 """Of equal count, over each signal."""

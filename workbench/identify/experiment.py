@@ -238,14 +238,22 @@ def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, Cha
             hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
             message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
             raise files.SchemaError(("channels", name, "unit"), message) from None
-        try:
-            cutoff = si(table.anti_alias, "Hz")
-        except QuantityError as error:
-            raise files.SchemaError(("channels", name, "anti_alias"), str(error)) from None
-        specs[name] = ChannelSpec(table.column, table.scale * scale, table.offset * scale, cutoff)
+        cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
+        place: files.Key = ("channels", name, "offset")
+        offset = (
+            table.offset * scale if isinstance(table.offset, float) else _quantity(table.offset, units[name], place)
+        )
+        specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
     if "time" not in specs:
         raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
     return specs
+
+
+def _quantity(value: float | str, unit: str, place: files.Key) -> float:
+    try:
+        return si(value, unit)
+    except QuantityError as error:
+        raise files.SchemaError(place, str(error)) from None
 
 
 def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
@@ -262,20 +270,14 @@ def _sensors(table: Mapping[str, Any], place: files.Key) -> dict[str, float]:
     for name, value in table.items():
         if name not in NUISANCES:
             raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
-        try:
-            found[name] = si(value, NUISANCES[name])
-        except QuantityError as error:
-            raise files.SchemaError((*place, name), str(error)) from None
+        found[name] = _quantity(value, NUISANCES[name], (*place, name))
     return found
 
 
 def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for i, table in enumerate(tables):
-        try:
-            step = None if table.sample_time is None else si(table.sample_time, "s")
-        except QuantityError as error:
-            raise files.SchemaError(("records", i, "sample_time"), str(error)) from None
+        step = None if table.sample_time is None else _quantity(table.sample_time, "s", ("records", i, "sample_time"))
         if step is not None and step <= 0.0:
             raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
         pattern = any(mark in table.file for mark in "*?[")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import UserError
-from workbench.identify.experiment import Experiment
+from workbench.identify.experiment import ChannelSpec, Experiment
 
 LONGEST_GAP = 0.1
 """s. What is missing for longer is no small gap."""
@@ -18,7 +18,16 @@ SATURATED_SHARE = 0.05
 """Share of samples at the very same largest or smallest value from which a channel is saturated."""
 
 BEYOND = 1.05
-"""A position or pressure beyond its range by more than a sensor's error: 5 %."""
+"""A position, pressure or command beyond its range by more than a sensor's error: 5 %."""
+
+FOLLOWED = ("valve_voltage", "pump_speed")
+"""Inputs that the velocity follows, whatever the load: a flow has nowhere else to go."""
+
+AGAINST = -0.5
+"""Sum of input times velocity over that of their sizes, below which the one goes against the other."""
+
+PACE = 0.05
+"""s over which a velocity is told for that: noise of the position is small beside what is moved in it."""
 
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
@@ -87,7 +96,8 @@ def check_alive(path: Path, name: str, values: np.ndarray) -> None:
 
 
 def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Experiment) -> None:
-    """Positions outside the stroke, pressures above supply or far below it: mostly wrong units.
+    """Positions outside the stroke, pressures above supply or far below it, commands that no amplifier gives: mostly
+    wrong units.
 
     Raises:
         UserError: one of these.
@@ -100,6 +110,7 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
                 f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
                 f"is the unit of channel position right?{_unit_hint(span, values['stroke'])}"
             )
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
     supply = values.get("supply_pressure")
     for name in ("pressure_1", "pressure_2"):
         if supply is None or name not in channels:
@@ -115,6 +126,63 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
             raise UserError(
                 f"{path}: {name} stays below {largest:g} Pa, and the supply is {supply:g} Pa; "
                 f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
+            )
+
+    _check_command(path, channels, experiment)
+
+
+def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec) -> None:
+    """Whether the position is counted from the middle of the stroke, as the plants count it."""
+    low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
+    if max(-low, high) <= BEYOND * half:
+        return
+    near = 1.0 - BEYOND
+    if low >= near * stroke and high <= BEYOND * stroke:  # counted from an end: that is known better than a middle
+        middle = half
+    elif high <= -near * stroke and low >= -BEYOND * stroke:
+        middle = -half
+    else:
+        middle = 0.5 * (low + high)
+    raise UserError(
+        f"{path}: the position goes from {1e3 * low:.4g} to {1e3 * high:.4g} mm, and a stroke of {1e3 * stroke:.4g} mm "
+        f"from {-1e3 * half:.4g} to {1e3 * half:.4g} mm: 0 is its middle; give channel position "
+        f'offset = "{1e3 * (channel.offset - middle):.4g} mm", if that is the middle here'
+    )
+
+
+def _check_command(path: Path, channels: Mapping[str, np.ndarray], experiment: Experiment) -> None:
+    """Whether the amplifier can give what was recorded of the plant's command."""
+    plant = experiment.plant
+    limit = plant.command_limit(experiment.parameters())
+    for name in (plant.command, "command"):
+        largest = float(np.nanmax(np.abs(channels[name]))) if name in channels else 0.0
+        if largest > BEYOND * limit:
+            raise UserError(
+                f"{path}: {name} reaches {largest:.4g} {plant.command_unit}, and its limit is {limit:g} "
+                f"{plant.command_unit}; is the unit of channel {name} right?"
+            )
+
+
+def check_directions(path: Path, channels: Mapping[str, np.ndarray], step: float) -> None:
+    """Whether the rod moves where valve or pump send it; `step` (s) is the time between samples.
+
+    Raises:
+        UserError: it moves against them.
+    """
+    points = max(round(PACE / step), 1)
+    if "position" not in channels or channels["position"].size <= points:
+        return
+    way = channels["position"][points:] - channels["position"][:-points]
+    for name in FOLLOWED:
+        if name not in channels:
+            continue
+        driven = way * channels[name][points // 2 :][: way.size]
+        driven = driven[np.isfinite(driven)]
+        total = float(np.sum(np.abs(driven)))
+        if total > 0.0 and np.sum(driven) < AGAINST * total:
+            raise UserError(
+                f"{path}: the rod moves against {name} on most of its way; is the sign of channel {name} wrong, or "
+                "that of position? scale = -1 turns a channel"
             )
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from workbench.errors import UserError, nearest
 from workbench.identify.experiment import Experiment, RecordSpec
-from workbench.identify.record_checks import LONGEST_GAP, check_alive, check_ranges, gap_notes
+from workbench.identify.record_checks import LONGEST_GAP, check_alive, check_directions, check_ranges, gap_notes
 from workbench.identify.record_files import read_column, read_table
 
 JITTER = 0.2
@@ -79,6 +79,7 @@ def read_record(spec: RecordSpec, experiment: Experiment) -> Record:
     for name, values in channels.items():
         check_alive(spec.path, name, values)
     check_ranges(spec.path, channels, experiment)
+    check_directions(spec.path, channels, step)
     return Record(spec.label, spec.path, spec.use, rpm, time, channels, valid, notes)
 
 

@@ -103,14 +103,15 @@ class FitTable(files.Strict):
 class ChannelTable(files.Strict):
     """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
 
-    `column` is a name, or a number from 0, as a file without a header needs it. `anti_alias` (Hz) is the cutoff of a
+    `column` is a name, or a number from 0, as a file without a header needs it. `offset` may be a quantity with a unit
+    of its own. `anti_alias` (Hz) is the cutoff of a
     first-order filter before the converter: the simulated reading passes it too.
     """
 
     column: str | Annotated[StrictInt, Field(ge=0)]
     unit: str = "1"
     scale: float = 1.0
-    offset: float = 0.0
+    offset: Raw = 0.0
     anti_alias: Raw = 0.0
 
 

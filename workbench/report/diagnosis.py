@@ -8,16 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import fields
-from plants.registry import PLANTS
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.fitting import NEUTRAL
+from workbench.diagnose.unknowns import NEUTRAL
 from workbench.folders import ResultFolder
-from workbench.parameters import FLOW_SHARE
 from workbench.report import diagnosis_tables
 from workbench.report.diagnosis_figures import pictures_of
+from workbench.report.diagnosis_names import REJECTED, listed, plain
 from workbench.report.diagnosis_page import Table, page
-from workbench.report.diagnosis_words import REJECTED, plain, sureness, verdict_sentence
+from workbench.report.diagnosis_parameters import (
+    Fitted,
+    not_held,
+    parameter_rows,
+    parameters_of,
+    plant_of,
+)
+from workbench.report.diagnosis_words import sureness, verdict_sentence
 from workbench.report.figures import save
 from workbench.report.parameter_file import Entry, parameter_file
 from workbench.report.style import figure_style
@@ -26,10 +31,6 @@ from workbench.report.tables import write_frame
 RESULT = "report.json"
 PAGE = "report.html"
 PLANT = "plant.toml"
-
-HYDRAULIC = "non_rotating"
-RICHER = "two_chamber"
-"""The plant that holds what a diagnosis of a hydraulic actuator may find."""
 
 
 def _is_diagnosis(path: Path) -> bool:
@@ -94,51 +95,57 @@ def summary(found: Diagnosis) -> str:
     parts = [found.experiment.title, verdict_sentence(found)]
     chosen = [tables[name].cells for name in ("effects", "error") if name in tables]
     parts += [cells.to_markdown(index=False, disable_numparse=True) for cells in chosen]
-    return "\n\n".join([*parts, "\n".join(f"- {line}" for line in sureness(found))])
-
-
-def plant_of(found: Diagnosis) -> str:
-    """The model that the corrected plant is for."""
-    return RICHER if found.experiment.plant.name == HYDRAULIC else found.experiment.plant.name
+    return "\n\n".join(
+        [*parts, "\n".join(f"- {line}" for line in sureness(found)), f"plant.toml: {plant_words(found)}"]
+    )
 
 
 def plant_words(found: Diagnosis) -> str:
     """What plant.toml is."""
+    model = plant_of(found)
     if found.report["verdict"] == REJECTED:
-        return f"the plant as declared; a study names it with model = {plant_of(found)}"
-    return f"the corrected plant; a study names it with model = {plant_of(found)}"
+        return f"the plant as declared; a study names it with model = {model}"
+    if lost := not_held(found):
+        return f"the declared plant, fitted without effects, for model = {model}, which cannot hold {_names(lost)}"
+    return f"the corrected plant; a study names it with model = {model}"
 
 
 def plant_file(found: Diagnosis) -> str:
-    """The corrected plant as a parameter file: what was fitted with its std, the rest as declared; all if rejected."""
-    experiment, model = found.experiment, plant_of(found)
-    known = {item.name for item in fields(PLANTS.working()[model].Parameters)} - {FLOW_SHARE}
-    lost: list[str] = []
+    """The corrected plant as a parameter file: what was fitted with its source, the rest as declared; all if rejected.
+
+    The values of a fit belong together, and together they were tested: one that is not identified is written too, but
+    without a deviation. Where the model cannot hold an effect, its plant was fitted without any: values that lack what
+    was fitted beside them would be of no fit.
+    """
+    experiment, model, lost = found.experiment, plant_of(found), not_held(found)
+    known, rows = parameters_of(model), parameter_rows(found)
+    source = f"workbench diagnose: {experiment.title}; for model {model}"
     if found.report["verdict"] == REJECTED:
         title, fitted = "as declared: what was found was rejected on held-out records", {}
+    elif lost:
+        title = f"fitted by {experiment.path.name} without {_names(lost)}: not the corrected plant"
+        source += f"; {model} cannot hold {_names(lost)}: the values are those of the fit without effects"
+        fitted = {name: row.baseline for name, row in rows.items() if row.baseline is not None}
     else:
-        fitted = {name: one for name, one in _fitted(found).items() if _acts(name, one[0])}
         title = f"corrected by {experiment.path.name}"
-        lost = [one.name for one in found.found if not set(one.numbers) <= known]
-    source = f"workbench diagnose: {experiment.title}; for model {model}"
-    if lost:
-        source += f"; {model} cannot hold {', '.join(map(plain, lost))}"
+        fitted = {name: row.final for name, row in rows.items() if _acts(name, row.final.value)}
     entries = []
     for name in dict.fromkeys([*experiment.values, *(name for name in fitted if name in known)]):
-        value, std = fitted.get(name, (experiment.values.get(name, 0.0), None))
-        where = f"as declared: {experiment.declared}" if std is None else f"workbench diagnose, {experiment.path.name}"
-        entries.append(Entry(name, value, std if std is not None and math.isfinite(std) else None, where))
+        if name in fitted:
+            entries.append(_entry(name, fitted[name], f"workbench diagnose, {experiment.path.name}"))
+        else:
+            entries.append(Entry(name, experiment.values[name], None, f"as declared: {experiment.declared}"))
     return parameter_file(f"{experiment.declared}, {title}", source, entries)
 
 
-def _fitted(found: Diagnosis) -> dict[str, tuple[float, float | None]]:
-    """Every parameter that was fitted: value and standard deviation (SI)."""
-    numbers: dict[str, tuple[float, float | None]] = {}
-    for one in found.found:
-        numbers |= one.numbers
-    for result in found.fits:
-        numbers |= {name: (result.after.values[name], result.after.deviations[name]) for name in result.after.names}
-    return numbers
+def _names(effects: list[str]) -> str:
+    return listed([plain(name) for name in effects])
+
+
+def _entry(name: str, one: Fitted, source: str) -> Entry:
+    if one.doubt:
+        return Entry(name, one.value, None, f"{source}: not identified, {one.doubt}; it goes with the other values")
+    return Entry(name, one.value, one.std if math.isfinite(one.std) else None, source)
 
 
 def _acts(name: str, value: float) -> bool:

@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.motion import WINDOW
 from workbench.diagnose.selection import BalanceResult
-from workbench.report.diagnosis_evidence import AFTER, BEFORE, WIDE, Picture, evidence, legend, parameters_figure
+from workbench.report.diagnosis_evidence import AFTER, BEFORE, WIDE, Picture, evidence, legend
+from workbench.report.diagnosis_names import REJECTED
+from workbench.report.diagnosis_parameter_figure import parameters_figure
 from workbench.report.diagnosis_series import (
     SIGNALS,
     Part,
@@ -21,11 +23,11 @@ from workbench.report.diagnosis_series import (
     is_changed,
     parts_of,
     scale_of,
+    shown_signals,
     unit_of,
 )
 from workbench.report.diagnosis_simulation import simulated_against_measured
-from workbench.report.diagnosis_words import REJECTED
-from workbench.report.style import figure_style
+from workbench.report.style import COLOURS, figure_style
 
 FLOOR: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0, "zorder": 1.0}
 
@@ -42,7 +44,7 @@ def pictures_of(found: Diagnosis) -> dict[str, Picture]:
     after = "with what was rejected" if found.report["verdict"] == REJECTED else "after, with what was found"
     for result in found.results:
         name, parts = result.balance.name, parts_of(found, result.balance)
-        drawn = _Drawn(result, parts, is_changed(parts), after)
+        drawn = _Drawn(result, parts, is_changed(parts), after, shown_signals(found, result.balance, parts[0]))
         known = any(np.isfinite(part.after).any() for part in parts if part.use == "fit")
         if known:
             pictures[f"{name}_time"] = over_time(drawn)
@@ -69,6 +71,7 @@ class _Drawn:
     parts: Sequence[Part]
     changed: bool
     after: str
+    signals: Sequence[str]
 
     @property
     def floor(self) -> float:
@@ -81,10 +84,9 @@ class _Drawn:
             return [("after", "declared plant, fitted (nothing was added here)", AFTER)]
         return [("before", "before: declared plant, fitted", BEFORE), ("after", self.after, AFTER)]
 
-    @property
-    def highest(self) -> float:
-        """What all but rare peaks of the residual stay below."""
-        values = np.concatenate([getattr(part, side) for part in self.parts for side, _, _ in self.sides])
+    def highest(self, side: str) -> float:
+        """What all but rare peaks of a side of the residual stay below."""
+        values = np.concatenate([getattr(part, side) for part in self.parts])
         return max(1.3 * float(np.nanquantile(np.abs(values), 0.99)), 2.0 * self.floor)
 
     @property
@@ -109,32 +111,32 @@ def _grid(rows: int, columns: int, title: str, **options: Any) -> tuple[Figure, 
 
 
 def over_time(drawn: _Drawn) -> Picture:
-    """Residual over time, a row a record, a column a residual of the balance."""
-    labels: dict[tuple[str, str, str], None] = {}
-    for part in drawn.parts:
-        labels[(part.use, part.label, str(part.motion.record.path))] = None
+    """Residual over time, a row for each side of each record, a column a residual of the balance."""
+    labels = dict.fromkeys((part.use, part.label) for part in drawn.parts)
     shown = [key for use, most in MOST_RECORDS.items() for key in [one for one in labels if one[0] == use][:most]]
+    sides = drawn.sides
     with figure_style():
         title = f"{drawn.result.balance.name.capitalize()} balance: what the plant leaves unexplained over time"
-        figure, panels = _grid(len(shown), len(drawn.numbers), title, sharey=True)
+        figure, panels = _grid(len(shown) * len(sides), len(drawn.numbers), title)
         for part in drawn.parts:
-            key = (part.use, part.label, str(part.motion.record.path))
-            if key not in shown:
+            if (part.use, part.label) not in shown:
                 continue
-            axes = panels[shown.index(key), part.number]
-            axes.axhspan(-drawn.floor, drawn.floor, label="noise floor (± 1 std)", **FLOOR)
-            for side, label, colour in drawn.sides:
+            for row, (side, label, colour) in enumerate(sides, len(sides) * shown.index((part.use, part.label))):
+                axes = panels[row, part.number]
+                axes.axhspan(-drawn.floor, drawn.floor, label="noise floor (± 1 std)", **FLOOR)
                 axes.plot(part.time, getattr(part, side), color=colour, linewidth=0.7, label=label, rasterized=True)
-            axes.set_title(f'{drawn.what(part.number)}, {part.use} record "{part.label}"', fontsize="small")
-            axes.set_ylabel(f"residual ({drawn.unit})")
-            axes.set_xlabel("time (s)")
-        highest = drawn.highest
-        panels[0, 0].set_ylim(-highest, highest)
-        legend(figure, panels[0, 0])
+                word = f", {side}" if drawn.changed else ""
+                axes.set_title(f'{drawn.what(part.number)}, {part.use} record "{part.label}"{word}', fontsize="small")
+                axes.set_ylim(-drawn.highest(side), drawn.highest(side))
+                axes.set_ylabel(f"residual ({drawn.unit})")
+                axes.set_xlabel("time (s)")
+        legend(figure, *panels[: len(sides), 0])
     left = len(labels) - len(shown)
     caption = (
         f"Residual of the {drawn.result.balance.name} balance in {drawn.unit}. A complete model leaves noise that "
-        "keeps to the grey band in two thirds of the time. Gaps: there the balance cannot be told, as something "
+        "keeps to the grey band in two thirds of the time."
+        + (" Before and after have scales of their own." if drawn.changed else "")
+        + " Gaps: there the balance cannot be told, as something "
         "happened faster than the smoothing follows, or near the ends. Rare peaks (1 %) may go beyond the axis."
         + (f" {left} further record{'s are' if left > 1 else ' is'} not drawn." if left else "")
     )
@@ -144,7 +146,7 @@ def over_time(drawn: _Drawn) -> Picture:
 def over_signals(drawn: _Drawn) -> Picture:
     """Mean and spread of the residual over each signal, on the fit records."""
     parts = [part for part in drawn.parts if part.use == "fit"]
-    known = [name for name in SIGNALS if parts[0].signal(name) is not None]
+    known = drawn.signals
     several = len(drawn.numbers) > 1
     with figure_style():
         title = f"{drawn.result.balance.name.capitalize()} balance: does the residual depend on a signal?"
@@ -177,7 +179,8 @@ def _over_signal(axes: Axes, drawn: _Drawn, parts: Sequence[Part], name: str) ->
     axes.axhspan(-drawn.floor, drawn.floor, label="noise floor (± 1 std)", **FLOOR)
     for k, (side, label, colour) in enumerate(drawn.sides):
         centre, mean, spread = binned(signals, np.concatenate([getattr(part, side) for part in parts]))
-        axes.fill_between(centre, mean - spread, mean + spread, color=colour, alpha=0.18, linewidth=0.0)
+        shade: dict[str, Any] = {"color": colour, "alpha": 0.18, "linewidth": 0.0}
+        axes.fill_between(centre, mean - spread, mean + spread, label=f"its spread (± 1 std), {side}", **shade)
         axes.plot(centre, mean, "os"[k], linestyle="-", color=colour, markersize=3.0, linewidth=0.9, label=label)
     axes.set_xlabel(SIGNALS[name].label)
 
@@ -190,7 +193,7 @@ def whiteness(drawn: _Drawn) -> Picture:
         for number in drawn.numbers:
             axes = panels[0, number]
             own = [part for part in drawn.parts if part.number == number and part.use == "fit"]
-            axes.axvspan(0.0, WINDOW, color="#e8e8e8", zorder=0.5, label="smoothing window")
+            axes.axvspan(0.0, WINDOW, color=COLOURS[5], alpha=0.2, zorder=0.5, label="smoothing window")
             for side, label, colour in drawn.sides:
                 lags, values, white = autocorrelation([getattr(part, side) for part in own])
                 if side == drawn.sides[0][0]:

@@ -36,17 +36,18 @@ th:first-child, td:first-child { text-align: left; }
 {%- endmacro -%}
 <h1>{{ title }}</h1>
 <p class="verdict">{{ verdict }}</p>
-<p>{{ scope }}</p>
+<p>{{ scope }} <a href="plant.toml">plant.toml</a> is {{ plant }}.</p>
 <h2>How sure</h2>
 <ul>
 {% for line in sureness %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% if "effects" in tables %}{{ show(tables["effects"]) }}{% endif %}
 {{ show(tables["error"]) }}
-<p><em>Before</em> is the declared plant with its own parameters fitted first, so that nothing is called an effect
-that better parameters remove. <em>After</em> is the same plant with the effects that were
-{{ "tried" if rejected else "found" }}, all refitted together. The noise floor is what the sensors' noise alone
-leaves.</p>
+{% if "effects" in tables %}<p><em>Before</em> is the declared plant with its own parameters fitted first, so that
+nothing is called an effect that better parameters remove. <em>After</em> is the same plant with the effects that were
+{{ "tried" if rejected else "found" }}, all refitted together.
+{%- else %}<p>The errors are those of the declared plant with its own parameters fitted: nothing was added to it.
+{%- endif %} The noise floor is what the sensors' noise alone leaves.</p>
 {% for balance in balances %}
 <h2>{{ balance.title }}</h2>
 <p>{{ balance.words }}</p>
@@ -58,8 +59,8 @@ leaves.</p>
 <details><summary>Every candidate in numbers</summary>
 {{ show(tables["evidence"]) }}
 </details>
-<p>Files: <a href="report.json">report.json</a> (SI, for programs), <a href="plant.toml">plant.toml</a>
-({{ plant }}), tables/, figures/.</p>
+<p>Files: <a href="report.json">report.json</a> (SI, for programs), <a href="plant.toml">plant.toml</a>, tables/,
+figures/.</p>
 {% endblock %}
 """
 

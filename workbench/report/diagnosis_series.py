@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.fitting import Balance, Values
+from workbench.diagnose.fitting import Balance
 from workbench.diagnose.motion import THINNED, Motion, signals_of
 from workbench.diagnose.shooting import SIMULATION
+from workbench.diagnose.unknowns import Values
 from workbench.units import factor
 
 BINS = 24
@@ -54,11 +55,38 @@ class Signal:
 SIGNALS: Mapping[str, Signal] = {
     "position": Signal("position (mm)", 1e3),
     "velocity": Signal("velocity (mm/s)", 1e3),
+    "acceleration": Signal("acceleration (m/s^2)", 1.0),
     "load_pressure": Signal("load pressure (kPa)", 1e-3),
+    "pressure_1": Signal("pressure 1 (kPa)", 1e-3),
+    "pressure_2": Signal("pressure 2 (kPa)", 1e-3),
     "valve_voltage": Signal("valve voltage (V)", 1.0),
     "rotation_angle": Signal("angle (rad)", 1.0),
     "time": Signal("time (s)", 1.0),
 }
+
+ALWAYS = ("position", "velocity", "load_pressure", "valve_voltage", "rotation_angle", "time")
+"""Signals that are always shown where they were measured."""
+
+ACTS_ON: Mapping[str, tuple[str, ...]] = {
+    "frictional_memory": ("acceleration",),
+    "entrained_air": ("pressure_1", "pressure_2"),
+    "pressure_sensor_offset": ("pressure_1",),
+}
+"""What effects act on, beyond the signals that are always shown."""
+
+
+def shown_signals(found: Diagnosis, balance: Balance, part: "Part") -> list[str]:
+    """The signals over which a balance is shown: the usual ones, those on which what was found acts, and those on which
+    depends what is not explained.
+    """
+    wanted = set(ALWAYS)
+    if part.signal("load_pressure") is None:
+        wanted |= {"pressure_1", "pressure_2"}
+    for one in found.found:
+        wanted |= set(ACTS_ON.get(one.name, ()))
+    if found.unexplained is not None and found.unexplained.balance == balance.name:
+        wanted |= set(found.unexplained.signals)
+    return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]
 
 
 NOISE = "standard deviations of the sensors' noise"

@@ -1,9 +1,10 @@
 """What the simulated plant shows beside what was measured, without and with what was found."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -12,9 +13,13 @@ from workbench.diagnose.motion import Motion
 from workbench.diagnose.shooting import set_up
 from workbench.diagnose.simulated import Simulated
 from workbench.report.diagnosis_evidence import AFTER, BEFORE, WIDE, Picture, legend
-from workbench.report.diagnosis_words import REJECTED
-from workbench.report.style import REFERENCE, figure_style
+from workbench.report.diagnosis_names import REJECTED
+from workbench.report.style import COLOURS, REFERENCE, figure_style
 from workbench.units import factor
+
+MEASURED: dict[str, Any] = {**REFERENCE, "color": COLOURS[2], "alpha": 0.45}
+NOISE: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0}
+"""Green is measured, grey is noise."""
 
 MARGIN = 1.15
 """Of a panel beyond what it shows, on either side."""
@@ -40,23 +45,27 @@ def simulated_against_measured(found: Diagnosis, simulated: Simulated) -> Pictur
     last = "with what was rejected" if found.report["verdict"] == REJECTED else "after, with what was found"
     if not found.found:
         last = "declared plant, fitted (nothing was added)"
+    sides = [("before", "before: declared plant, fitted", BEFORE, 0.9)] if found.found else []
+    sides.append(("after", last, AFTER, 0.7))
+    height = 1 + len(sides)
     with figure_style():
-        figure = Figure(figsize=(WIDE, 3.6 * len(rows) + 0.8))
+        figure = Figure(figsize=(WIDE, 1.8 * height * len(rows) + 0.8))
         FigureCanvasAgg(figure)
         figure.suptitle("Simulated from the measured input alone, against measured")
-        panels = figure.subplots(2 * len(rows), columns, squeeze=False)
+        panels = figure.subplots(height * len(rows), columns, squeeze=False)
         for row, (use, motion, shown) in enumerate(rows):
+            own = panels[height * row : height * (row + 1)]
             for column, one in enumerate(shown):
-                upper, lower = panels[2 * row, column], panels[2 * row + 1, column]
-                _draw(upper, lower, motion.record.time, one, last, bool(found.found))
-                upper.set_title(f'{one.words}, {use} record "{motion.record.label}"', fontsize="small")
-            for axes in panels[2 * row : 2 * row + 2, len(shown) :].flat:
+                _draw(own[:, column], motion.record.time, one, sides)
+                own[0, column].set_title(f'{one.words}, {use} record "{motion.record.label}"', fontsize="small")
+            for axes in own[:, len(shown) :].flat:
                 axes.set_visible(False)
-        legend(figure, panels[1, 0])
+        legend(figure, *panels[:height, 0])
     caption = (
         "The plant gets the measured input and nothing else, from the record's beginning to its end. Upper panels: "
-        "what its sensors would have shown, over what they showed. Lower panels: the difference; grey is the sensors' "
-        "noise (two standard deviations). A curve that leaves its panel has run away."
+        "what its sensors would have shown, over what they showed. Lower panels: the difference"
+        + (", before and after on scales of their own" if found.found else "")
+        + "; grey is the sensors' noise (two standard deviations). A curve that leaves its panel has run away."
     )
     return Picture(figure, caption, "simulation")
 
@@ -76,21 +85,22 @@ def _shown(found: Diagnosis, simulated: Simulated, motion: Motion) -> list[_Show
     return out
 
 
-def _draw(upper: Axes, lower: Axes, time: np.ndarray, one: _Shown, last: str, several: bool) -> None:
-    sides = [("before: declared plant, fitted", one.before, BEFORE, 0.9), (last, one.after, AFTER, 0.7)]
-    upper.plot(time, one.measured, label="measured", **REFERENCE)
-    lower.plot([], [], label="measured", **REFERENCE)
-    lower.axhspan(-2.0 * one.noise, 2.0 * one.noise, color="#999999", alpha=0.35, linewidth=0.0, label="noise (2 std)")
-    for label, values, colour, width in sides if several else sides[1:]:
+def _draw(panels: np.ndarray, time: np.ndarray, one: _Shown, sides: Sequence[tuple[str, str, str, float]]) -> None:
+    """What was measured and simulated, and below the error of each side."""
+    upper = panels[0]
+    upper.plot(time, one.measured, label="measured", **MEASURED)
+    for axes, (side, label, colour, width) in zip(panels[1:], sides, strict=True):
+        values = getattr(one, side)
+        error = one.measured - values
         upper.plot(time, values, color=colour, linewidth=width, rasterized=True)
-        lower.plot(time, one.measured - values, color=colour, linewidth=width, label=label, rasterized=True)
+        axes.axhspan(-2.0 * one.noise, 2.0 * one.noise, label="noise (2 std)", **NOISE)
+        axes.plot(time, error, color=colour, linewidth=width, label=label, rasterized=True)
+        most = float(np.nanquantile(np.abs(error), 0.995)) if np.isfinite(error).any() else 0.0
+        axes.set_ylim(-MARGIN * max(most, 3.0 * one.noise), MARGIN * max(most, 3.0 * one.noise))
+        axes.set_ylabel(f"error{f', {side}' if len(sides) > 1 else ''} ({one.unit})")
     low, high = np.min(one.measured), np.max(one.measured)
     middle, half = 0.5 * (low + high), 0.5 * MARGIN * max(high - low, 1e-12)
     upper.set_ylim(middle - half, middle + half)
     upper.set_ylabel(f"{one.words} ({one.unit})")
-    lower.set_ylabel(f"error ({one.unit})")
-    errors = [np.abs(one.measured - values) for _, values, _, _ in sides]
-    most = max(float(np.nanquantile(error, 0.995)) for error in errors if np.isfinite(error).any())
-    lower.set_ylim(-MARGIN * max(most, 3.0 * one.noise), MARGIN * max(most, 3.0 * one.noise))
-    for axes in (upper, lower):
+    for axes in panels:
         axes.set_xlabel("time (s)")

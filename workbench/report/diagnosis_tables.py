@@ -1,5 +1,6 @@
 """Tables of a diagnosis as text: effects, errors before and after, parameters, and what each candidate was worth."""
 
+import math
 from typing import Any
 
 import pandas as pd
@@ -7,8 +8,9 @@ import pandas as pd
 from workbench.diagnose.diagnose import Diagnosis
 from workbench.diagnose.selection import gain
 from workbench.parameters import known_units
+from workbench.report.diagnosis_names import ERRORS, REJECTED, interval, percent, plain, quantity, shown_unit
+from workbench.report.diagnosis_parameters import ENDED, Row, parameter_rows
 from workbench.report.diagnosis_series import scale_of, unit_of
-from workbench.report.diagnosis_words import ERRORS, REJECTED, plain, quantity, shown_unit
 from workbench.report.tables import shown_number
 from workbench.units import factor
 
@@ -26,9 +28,7 @@ def effects_table(found: Diagnosis) -> pd.DataFrame:
             "balance": one.balance,
             "parameter": name,
             "value ± std": quantity(name, *number),
-            "gain on left-out data": f"{100.0 * one.evidence['left_out_gain']:.0f} %"
-            if "left_out_gain" in one.evidence
-            else "",
+            "gain on left-out data": percent(one.evidence["left_out_gain"]) if "left_out_gain" in one.evidence else "",
             "cannot be told from": ", ".join(map(plain, one.alternatives)),
         }
         for one in found.found
@@ -38,7 +38,10 @@ def effects_table(found: Diagnosis) -> pd.DataFrame:
 
 
 def error_table(found: Diagnosis) -> pd.DataFrame:
-    """error | unit | before, after, change on the fit and on the held-out records | floor."""
+    """error | unit | before, after, change on the fit and on the held-out records | floor.
+
+    Where nothing was added there is no before and after, and one column for each use.
+    """
     lines = []
     errors = found.report["error"]
     keys = dict.fromkeys(key for use in errors.values() for side in ("before", "after") for key in use[side])
@@ -48,60 +51,51 @@ def error_table(found: Diagnosis) -> pd.DataFrame:
         line = {"error (rms)": words, "unit": shown if shown != "1" else ""}
         for use, heading in (("fit", "fit"), ("held_out", "held-out")):
             before, after = (errors[use][side].get(key) for side in ("before", "after"))
-            for side, value in (("before", before), ("after", after)):
-                line[f"{heading}, {side}"] = "" if value is None else shown_number(scale * value, 3)
-            change = "" if not before or after is None else f"{100.0 * (after / before - 1.0):+.1f} %"
-            line[f"{heading}, change"] = "0 %" if change in ("+0.0 %", "-0.0 %") else change
+            sides = (
+                ((f"{heading}, before", before), (f"{heading}, after", after)) if found.found else ((heading, after),)
+            )
+            for words, value in sides:
+                line[words] = "" if value is None else shown_number(scale * value, 3)
+            if found.found and before and after is not None:
+                change = percent(after / before - 1.0, 1)
+                line[f"{heading}, change"] = f"+{change}" if after > before and change != "0 %" else change
         balance = next((r.balance for r in found.results if key.startswith(f"{r.balance.name}_rms")), None)
         line["noise floor"] = "" if balance is None else shown_number(scale * balance.floor, 3)
         lines.append(line)
     return _without_empty(lines)
 
 
-def parameter_rows(found: Diagnosis) -> dict[str, dict[str, Any]]:
-    """For each fitted parameter, SI: declared, baseline and corrected values with std, whether it is identified."""
-    rows: dict[str, dict[str, Any]] = {}
-    for result in found.fits:
-        baseline, after = result.before, result.after
-        for name in after.names:
-            rows[name] = {"declared": found.declared.get(name)}
-            if name in baseline.names:
-                rows[name]["baseline"] = (baseline.values[name], baseline.deviations[name])
-                rows[name]["identified"] = found.report["baseline"].get(name, {}).get("identified", True)
-            rows[name]["fitted"] = (after.values[name], after.deviations[name])
-    for one in found.found:
-        for name, number in one.numbers.items():
-            rows.setdefault(name, {"declared": found.declared.get(name), "fitted": number})
-    return rows
-
-
 def parameter_table(found: Diagnosis) -> pd.DataFrame:
-    """parameter | unit | declared | baseline, 95 % interval | with what was found, 95 % interval | remark."""
+    """parameter | unit | declared | baseline, 95 % interval | with what was found, 95 % interval | remark.
+
+    Where nothing was found there is one fit, and one pair of columns.
+    """
     lines = []
     last = "rejected" if found.report["verdict"] == REJECTED else "with effects"
     for name, row in parameter_rows(found).items():
         unit = known_units().get(name, "1")
-        shown = shown_unit(unit, row["fitted"][0])
+        shown = shown_unit(unit, row.final.value)
         scale = factor(unit, shown)
-        declared = row["declared"]
         line = {
             "parameter": name,
             "unit": "" if shown == "1" else shown,
-            "declared": "" if declared is None else shown_number(scale * declared, 4),
+            "declared": "" if row.declared is None else shown_number(scale * row.declared, 4),
         }
-        for heading, key in (("baseline", "baseline"), (last, "fitted")):
-            value, std = row.get(key, (None, None))
-            line[heading] = "" if value is None else shown_number(scale * value, 4)
-            line[f"{heading}, 95 % interval"] = "" if value is None else _interval(scale * value, scale * std)
-        line["remark"] = "" if row.get("identified", True) else f"{NOT_IDENTIFIED} by the baseline"
-        if "baseline" not in row:
-            line["remark"] = "of an effect"
-        lines.append(line)
+        sides = (("baseline", row.baseline), (last, row.final)) if found.found else (("fitted", row.final),)
+        for heading, one in sides:
+            line[heading] = "" if one is None else shown_number(scale * one.value, 4)
+            half = math.nan if one is None or one.doubt == ENDED else INTERVAL * scale * one.std
+            line[f"{heading}, 95 % interval"] = "" if one is None else interval(scale * one.value, half)
+        lines.append({**line, "remark": _remark(row, last) if found.found else NOT_IDENTIFIED * bool(row.final.doubt)})
     return _without_empty(lines)
 
 
-def _interval(value: float, std: float) -> str:
-    return f"{shown_number(value - INTERVAL * std, 4)} to {shown_number(value + INTERVAL * std, 4)}"
+def _remark(row: Row, last: str) -> str:
+    """What a reader has to know of a parameter: of an effect, or not identified, and by which fit."""
+    doubts = (("by the baseline", row.baseline is not None and row.baseline.doubt), (last, row.final.doubt))
+    unsure = [words for words, doubt in doubts if doubt]
+    said = ["of an effect"] if row.baseline is None else []
+    return "; ".join([*said, *([f"{NOT_IDENTIFIED} {', '.join(unsure)}"] if unsure else [])])
 
 
 def evidence_table(found: Diagnosis) -> pd.DataFrame:
@@ -121,7 +115,7 @@ def evidence_table(found: Diagnosis) -> pd.DataFrame:
                         "candidate": plain(one.effect),
                         "its parameters": ", ".join(quantity_of(one.fit, name) for name in one.variant),
                         "left-out rms": shown_number(scale * one.fit.validated_rms, 3),
-                        "gain": f"{100.0 * share:.1f} %" if abs(share) >= 0.0005 else "0 %",
+                        "gain": percent(share, 1),
                         "standard errors": f"{sure:.1f}",
                         "outcome": outcome(step, one.effect),
                     }

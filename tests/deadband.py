@@ -1,0 +1,53 @@
+"""Records of a valve with overlap, and the experiment that diagnoses them: tests of its report share both."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from command import write
+from experiments import CHANNELS, TRUTH, save_record
+
+from plants.non_rotating import Inputs
+from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.parameters import build
+from workbench.simulation.references import Multisine
+from workbench.simulation.simulate import Feed, Setup, simulate
+
+OVERLAP = 1e-5
+"""m. Half of what the valve's voltage moves the spool by in these records."""
+
+EXPERIMENT = f"""\
+title = "a valve with overlap"
+[plant]
+model = "non_rotating"
+parameters = "owen2001_experiment"
+{CHANNELS}[[records]]
+file = "fit.parquet"
+[[records]]
+file = "other.parquet"
+use = "held_out"
+"""
+
+
+def make_record(folder: Path, name: str, effect: Mapping[str, float], amplitude: float, seed: int) -> None:
+    """15 s in both directions, with white noise."""
+    parameters = build(TWO_CHAMBER.Parameters, {**TRUTH, **effect})
+    state, _ = TWO_CHAMBER.equilibrium(parameters, 0.0)
+    feed = Feed("valve_voltage", Multisine(amplitude, 0.2, (1, 2, 3, 5)))
+    run = simulate(Setup(TWO_CHAMBER, parameters, state, Inputs(0.0, 0.0), 15.0, feeds=(feed,)))
+    save_record(folder / f"{name}.parquet", run, seed)
+
+
+def make_experiment(folder: Path) -> Path:
+    """The experiment file, with its records beside it."""
+    make_record(folder, "fit", {"valve_overlap": OVERLAP}, 0.6, 1)
+    make_record(folder, "other", {"valve_overlap": OVERLAP}, 0.5, 2)
+    return write(folder, EXPERIMENT, "experiment.toml")
+
+
+def doubting(one: Diagnosis, side: str, name: str, **changes: Any) -> Diagnosis:
+    """A diagnosis whose fit of that side does not identify a parameter."""
+    fits = {**one.report[side], name: {**one.report[side][name], "identified": False, **changes}}
+    return replace(one, report={**one.report, side: fits})

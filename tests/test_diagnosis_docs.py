@@ -1,0 +1,62 @@
+"""What docs/diagnosis.md shows is what the program takes: its experiment, and the effects that are listed."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from command import ROOT, workbench, write
+
+from plants.effects import EFFECTS
+from workbench.identify.experiment import read_experiment
+from workbench.identify.records import read_records
+
+DOCS = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
+
+
+def save_run(path: Path, period: float) -> None:
+    """10 s as a logger writes them: ms, mV, mm from one end, bar, and counts of a sixteenth of a bar."""
+    time = 1e-3 * np.arange(10_000)
+    noise = np.random.default_rng(2).standard_normal((2, time.size))
+    turn = 2.0 * np.pi / period
+    forward = 5.0 * np.tanh(10.0 * np.cos(turn * time))
+    columns = {
+        "Time [ms]": 1e3 * time,
+        "Valve [mV]": 500.0 * np.cos(turn * time),
+        "Rod [mm]": 30.0 + 15.0 * np.sin(turn * time),
+        "pA [bar]": 14.7 + forward + 0.02 * noise[0],
+        "Counts B": (14.7 - forward + 0.02 * noise[1] + 0.625) / 0.0625,
+    }
+    pd.DataFrame(columns).to_csv(path, index=False)
+
+
+def test_the_experiment_to_copy_is_in_order(tmp_path: Path) -> None:
+    path = write(tmp_path, DOCS.partition("```toml\n")[2].partition("```")[0], "experiment.toml")
+    save_run(tmp_path / "run_a.csv", 4.0)
+    save_run(tmp_path / "run_b.csv", 3.0)
+    answer = workbench("check", path)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(f"{path}: an experiment, in order\n")
+    assert "\n  diagnose: can use it\n" in answer.out
+    assert "run_a.csv: fit, 9.999 s at 1000 Hz\n" in answer.out
+    assert "run_b.csv: held_out, 9.799 s at 1000 Hz\n" in answer.out
+    experiment = read_experiment(path)
+    (record,) = read_records(experiment, "held_out")
+    assert experiment.values["mass"] == 12.0
+    assert float(np.mean(record.channels["position"])) == pytest.approx(0.0, abs=2e-3)
+    assert float(np.max(record.channels["valve_voltage"])) == pytest.approx(0.5, rel=1e-3)
+    assert float(np.max(record.channels["pressure_2"])) == pytest.approx(19.7e5, rel=0.01)
+
+
+def test_a_record_is_for_the_fit_unless_it_says_otherwise(tmp_path: Path) -> None:
+    text = DOCS.partition("```toml\n")[2].partition("```")[0]
+    path = write(tmp_path, "\n".join(line for line in text.splitlines() if not line.startswith("use =")), "e.toml")
+    assert [spec.use for spec in read_experiment(path).records] == ["fit", "fit"]
+
+
+def test_list_tells_of_every_effect_its_balance_meaning_and_parameters() -> None:
+    title, *lines = workbench("list", "effects").out.splitlines()
+    assert title == "effects"
+    assert [line.split()[:2] for line in lines] == [[one.name, one.balance] for one in EFFECTS.values()]
+    (leak,) = [line for line in lines if "internal_leakage" in line]
+    assert leak.endswith("flow    oil leaks from one chamber into the other; leakage_coefficient")

@@ -1,0 +1,82 @@
+"""What the figures of a diagnosis show, and the series in them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from deadband import doubting
+
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.report.diagnosis_figures import pictures_of
+from workbench.report.diagnosis_parameter_figure import parameters_figure
+from workbench.report.diagnosis_series import autocorrelation, binned, parts_of, shown_signals
+
+
+def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_is(found: Diagnosis) -> None:
+    """Coulomb friction of 300 N +- 2.3 MN, once: no tick was left, and 0 looked like decades."""
+    wide = doubting(found, "baseline", "coulomb", std=2.3e6)
+    (picture, plain) = (parameters_figure(one) for one in (wide, found))
+    assert picture is not None
+    assert plain is not None
+    (axes,) = picture.figure.axes
+    low, high = axes.get_xlim()
+    assert high - low < 10.0 * np.ptp(plain.figure.axes[0].get_xlim())
+    assert sum(low <= tick <= high for tick in axes.get_xticks()) >= 2
+    place = [label.get_text() for label in axes.get_yticklabels()].index("coulomb") - 0.14  # of the baseline
+    assert {"<", ">"} <= {line.get_marker() for line in axes.lines if np.all(line.get_ydata() == place)}
+
+
+def test_before_and_after_have_scales_of_their_own(found: Diagnosis) -> None:
+    pictures = pictures_of(found)
+    before, after = pictures["flow_time"].figure.axes[0], pictures["flow_time"].figure.axes[2]
+    assert before.get_title().endswith('record "fit", before')
+    assert after.get_title().endswith('record "fit", after')
+    assert before.get_ylim()[1] > 3.0 * after.get_ylim()[1]
+    _, _, error_before, _, error_after, _ = pictures["simulation"].figure.axes[:6]
+    assert error_before.get_ylim()[1] > 3.0 * error_after.get_ylim()[1]
+    assert "its spread (± 1 std), after" in [
+        text.get_text() for text in pictures["flow_signals"].figure.legends[0].texts
+    ]
+    (evidence, *_) = pictures["flow_evidence"].figure.axes
+    asked = next(line.get_xdata()[0] for line in evidence.lines if line.get_linewidth() == 2.0)
+    nothing = next(line.get_xdata()[0] for line in evidence.lines if line.get_linestyle() == "--")
+    assert asked == pytest.approx(0.95 * nothing)  # 4 %, and 1 % for the one parameter
+    assert any(text.get_text().startswith("gain ") for text in evidence.texts)
+
+
+def test_the_signal_that_a_found_effect_acts_on_is_shown(found: Diagnosis) -> None:
+    balance = found.results[0].balance
+    part = parts_of(found, balance)[0]
+    assert "load_pressure" in shown_signals(found, balance, part)
+    assert not {"pressure_1", "acceleration"} & set(shown_signals(found, balance, part))
+    late = replace(found.found[0], name="frictional_memory")
+    assert "acceleration" in shown_signals(replace(found, found=[late]), balance, part)
+    one_sided = {name: one for name, one in part.motion.channels.items() if name != "pressure_2"}
+    seal = replace(part, motion=replace(part.motion, channels=one_sided))
+    assert "pressure_1" in shown_signals(found, balance, seal)
+
+
+# --- series ---
+
+
+def test_bins_show_what_a_residual_depends_on() -> None:
+    generator = np.random.default_rng(5)
+    signal = generator.uniform(-1.0, 1.0, 24000)
+    residual = 3.0 * signal**2 + 0.1 * generator.standard_normal(24000)
+    residual[::50] = np.nan
+    centre, mean, spread = binned(signal, residual)
+    assert centre.size == 24
+    np.testing.assert_allclose(mean[2:-2], 3.0 * centre[2:-2] ** 2, atol=0.02)
+    assert np.all(spread < 0.25)
+
+
+def test_autocorrelation_of_a_first_order_process_with_gaps() -> None:
+    """phi^k, whatever is missing."""
+    noise = np.random.default_rng(6).standard_normal(40_000)
+    for k in range(1, noise.size):
+        noise[k] += 0.8 * noise[k - 1]
+    noise[10_000:20_000] = np.nan
+    lags, values, white = autocorrelation([noise[:30_000], noise[30_000:]])
+    np.testing.assert_allclose(values[:6], 0.8 ** np.arange(6), atol=0.03)
+    assert lags[1] == pytest.approx(0.01)
+    assert white == pytest.approx(1.96 / np.sqrt(30_000), rel=1e-6)

@@ -1,0 +1,193 @@
+"""What a report of a diagnosis says: verdicts, reasons, tables, and what stands in the corrected plant."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command import write
+from deadband import doubting
+
+from plants.drive import DRIVE_FORCE
+from plants.effects import EFFECTS
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.unexplained import Dependence
+from workbench.parameters import read_deviations, read_parameters
+from workbench.report import diagnosis
+from workbench.report.diagnosis_names import PLAIN, interval, percent, quantity
+from workbench.report.diagnosis_reasons import why_none
+from workbench.report.diagnosis_tables import error_table, evidence_table, parameter_table
+from workbench.report.diagnosis_words import sureness, verdict_sentence
+
+
+def other(one: Diagnosis, verdict: str, **changes: Any) -> Diagnosis:
+    return replace(one, report={**one.report, "verdict": verdict}, **changes)
+
+
+def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
+    one = replace(found.found[0], alternatives=["internal_leakage", "supply_droop"])
+    ambiguous = verdict_sentence(other(found, "ambiguous", found=[one]))
+    assert ambiguous == "Ambiguous: the data cannot tell valve deadband from internal leakage or supply droop."
+    unexplained = other(found, "unexplained", found=[], unexplained=Dependence("force", {"position": 0.4}))
+    assert verdict_sentence(unexplained) == (
+        "Unexplained: the force balance's residual depends on position (40 % of its variance); no known effect "
+        "explains it."
+    )
+    none = other(found, "none_missing", found=[])
+    assert "simulated along the records, is off by 1.4 standard deviations" in verdict_sentence(none)
+    none = replace(none, simulated=None)
+    assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
+    assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"
+    far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
+    noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
+    assert noisy.startswith("None missing that is known: ")
+    assert "; but it is 79 times the noise floor: the plant is not complete, " in noisy
+    assert verdict_sentence(other(found, "rejected_on_held_out")).startswith("Rejected on held-out records: valve dead")
+
+
+def test_on_rejection_the_plant_stays_as_declared(found: Diagnosis, tmp_path: Path) -> None:
+    text = diagnosis.plant_file(other(found, "rejected_on_held_out"))
+    values = dict(read_parameters(write(tmp_path, text, "plant.toml")))
+    assert values == pytest.approx(dict(found.experiment.values), rel=1e-9)
+    assert "std" not in text
+
+
+def test_what_is_not_identified_is_marked_and_by_which_fit(found: Diagnosis) -> None:
+    marked = doubting(found, "baseline", "stribeck", std=1e4)
+    table = parameter_table(marked).set_index("parameter")
+    assert table.loc["stribeck", "remark"] == "not identified by the baseline"
+    assert table.loc["coulomb", "remark"] == ""
+    assert table.loc["valve_overlap", "remark"] == "of an effect"
+    lines = sureness(marked)
+    baseline = next(line for line in lines if line.startswith("Without effects (baseline) the records do not identify"))
+    assert "stribeck" in baseline
+    assert "With what was found they identify every parameter that was fitted." in lines
+    both = doubting(marked, "fitted", "stribeck", std=1e4)
+    remark = parameter_table(both).set_index("parameter").loc["stribeck", "remark"]
+    assert remark == "not identified by the baseline, with effects"
+    assert any(
+        line.startswith("With what was found the records do not identify stribeck: its st") for line in sureness(both)
+    )
+
+
+def test_a_value_that_is_not_identified_stands_in_the_plant_without_a_deviation(
+    found: Diagnosis, tmp_path: Path
+) -> None:
+    """Stopped at a bound its deviation would be 0: a study must not take that for certainty."""
+    stopped = doubting(doubting(found, "fitted", "bristle_damping", std=0.0), "fitted", "stribeck", std=1e4)
+    path = write(tmp_path, diagnosis.plant_file(stopped), "plant.toml")
+    values, deviations = read_parameters(path), read_deviations(path)
+    fitted = found.report["fitted"]
+    assert values["bristle_damping"] == pytest.approx(fitted["bristle_damping"]["value"])
+    assert values["stribeck"] == pytest.approx(fitted["stribeck"]["value"])
+    assert not {"bristle_damping", "stribeck"} & set(deviations)
+    assert "coulomb" in deviations
+    text = path.read_text()
+    assert "not identified, the fit ran to the end of its range; it goes with the other values" in text
+    assert "not identified, its standard deviation exceeds half its value; it goes with the other values" in text
+
+
+def test_a_plant_that_cannot_hold_what_was_found_is_not_called_corrected(found: Diagnosis, tmp_path: Path) -> None:
+    """It is the plant fitted without effects: the values of the other fit lack what was fitted beside them."""
+    poorer = replace(found, experiment=replace(found.experiment, plant=DRIVE_FORCE))
+    text = diagnosis.plant_file(poorer)
+    assert "not the corrected plant" in text
+    assert "drive_force cannot hold valve deadband: the values are those of the fit without effects" in text
+    values = read_parameters(write(tmp_path, text, "plant.toml"))
+    assert "valve_overlap" not in values
+    assert values["coulomb"] == pytest.approx(found.report["baseline"]["coulomb"]["value"])
+    said = "plant.toml does not have valve deadband, which drive_force cannot hold: it is not the corrected plant"
+    assert said in diagnosis.summary(poorer)
+    assert diagnosis.summary(poorer).endswith("for model = drive_force, which cannot hold valve deadband")
+    assert diagnosis.summary(found).endswith("the corrected plant; a study names it with model = two_chamber")
+
+
+def test_noise_is_judged_on_held_out_records_too(found: Diagnosis) -> None:
+    """1.99 floors there, 0.77 on the records that were fitted."""
+    floor, error = found.results[-1].balance.floor, found.report["error"]
+    floors = {**found.report["floor"], "force": {**found.report["floor"]["force"], "after": 0.77}}
+
+    def said(times: float) -> str:
+        after = {**error["held_out"]["after"], "force_rms_N": times * floor}
+        errors = {**error, "held_out": {**error["held_out"], "after": after}}
+        lines = sureness(replace(found, report={**found.report, "floor": floors, "error": errors}))
+        return next(line for line in lines if line.startswith("What is left of the force balance"))
+
+    assert said(1.99) == (
+        "What is left of the force balance is 0.770 times its noise floor, and 1.99 times on held-out records: the "
+        "sensors' noise explains all of it on the records that were fitted, but not on the held-out ones."
+    )
+    assert said(1.05).endswith("times on held-out records: the sensors' noise explains all of it.")
+
+
+def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(found: Diagnosis) -> None:
+    """EMPS: 80 times the floor, and no dependence."""
+    floors = {**found.report["floor"], "force": {**found.report["floor"]["force"], "after": 80.6}}
+    far = replace(found, simulated=None, unexplained=None, report={**found.report, "floor": floors})
+    assert (
+        "What is left of the force balance is not called unexplained, since it depends on no measured signal by more "
+        "than 15 % of its variance: nothing measured says what is missing." in sureness(far)
+    )
+    assert not any("not called unexplained" in line for line in sureness(found))
+
+
+def test_what_stopped_the_best_effect_is_told(found: Diagnosis) -> None:
+    (flow, *_) = found.results
+    step = flow.steps[0]
+    best = step.candidates[0]
+
+    def said(one: Any = best, before: Any = step.before) -> str:
+        return why_none(replace(flow, steps=[replace(step, before=before, candidates=[one], added=None)]))
+
+    assert said().startswith("No effect was added to the flow balance: the best, valve deadband, would lower it by ")
+    assert "it was withdrawn: what it left went on to depend on a signal" in said()
+    ended = replace(best, fit=replace(best.fit, bounded=frozenset({"valve_overlap"})))
+    assert "but valve_overlap ran to the end of its range, and so is no estimate." in said(ended)
+    assert "would lower it by 0 % on data that its fit has not seen, but 5 % and more are asked for." in said(
+        replace(best, fit=step.before)
+    )
+    at_floor = replace(step.before, residual=step.before.residual / step.before.rms)
+    assert "the balance is at its noise floor without any." in said(best, at_floor)
+
+
+def test_where_nothing_was_added_no_column_speaks_of_effects(found: Diagnosis) -> None:
+    none = other(found, "none_missing", found=[])
+    assert list(error_table(none).columns) == ["error (rms)", "unit", "fit", "held-out", "noise floor"]
+    assert list(parameter_table(none).columns)[:5] == [
+        "parameter",
+        "unit",
+        "declared",
+        "fitted",
+        "fitted, 95 % interval",
+    ]
+
+
+# --- numbers ---
+
+
+def test_numbers_have_the_digits_that_say_something() -> None:
+    assert [percent(share) for share in (0.63, 0.997, 1.0, -0.9998, 0.0)] == [
+        "63 %",
+        "99.7 %",
+        "100 %",
+        "-99.98 %",
+        "0 %",
+    ]
+    assert quantity("friction_per_pressure", 6.593e-6, 1.7e-7) == "0.6593 ± 0.017 N/bar"
+    assert quantity("coulomb_negative", 775.9295, 0.0070) == "775.9295 ± 0.0070 N"
+    assert interval(413.0225, 0.0475) == "412.975 to 413.070"
+
+
+def test_tables_show_readable_units(found: Diagnosis) -> None:
+    errors = error_table(found).set_index("error (rms)")
+    assert list(errors["unit"]) == ["cm^3/s", "N", "mm", "kPa"]
+    flow = found.report["error"]["fit"]["before"]["flow_rms_m3_per_s"]
+    assert float(errors.loc["residual of the flow balance", "fit, before"]) == pytest.approx(1e6 * flow, rel=1e-2)
+    evidence = evidence_table(found)
+    assert list(evidence[evidence["outcome"] == "added"]["candidate"]) == ["valve deadband"]
+    assert quantity("valve_overlap", 1.2346e-5, 3e-8) == "12.346 ± 0.030 µm"
+    assert quantity("bulk_modulus", 1.7e9) == "1700 MPa"
+
+
+def test_every_effect_is_said_in_plain_words() -> None:
+    assert set(PLAIN) == set(EFFECTS)

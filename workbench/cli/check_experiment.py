@@ -1,0 +1,98 @@
+"""What each command would do with an experiment, in words: it serves, or why not; and what its records hold."""
+
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from workbench.diagnose import readiness as diagnosis
+from workbench.errors import UserError
+from workbench.identify import readiness as identification
+from workbench.identify.experiment import Experiment, RecordSpec, read_experiment
+from workbench.identify.records import Record, read_record
+from workbench.identify.schema import METHODS
+
+LIKE = 0.6
+"""Likeness of a file's name from which it may be the one that was meant."""
+
+
+def check_experiment(file: Path) -> None:
+    """Say what an experiment would do, with the records that are there.
+
+    Raises:
+        UserError: a mistake in the file, a record that cannot be read, or one that no command can use.
+    """
+    content = read_experiment(file)
+    identification.check_pattern(content)
+    records = [read_record(spec, content) if spec.path.exists() else None for spec in content.records]
+    there = [record for record in records if record is not None]
+    serves, lines = _commands(content, there)
+    whole = len(there) == len(records)
+    absent = "its records are not there yet" if not there else "some of its records are not there yet"
+    order = "an experiment, in order" if whole else f"an experiment; {absent}"
+    print(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
+    print(content.title + (f" ({content.source})" if content.source else ""))
+    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
+    print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
+    print("\n".join(f"  {line}" for line in lines))
+    for spec, record in zip(content.records, records, strict=True):
+        print(f"  {spec.path}: {_absent(spec) if record is None else _present(record)}")
+
+
+def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], list[str]]:
+    """The commands that the experiment serves, and a line for each, or for each method of one.
+
+    Raises:
+        UserError: it serves none.
+    """
+    given = METHODS[:2] if content.method == "both" else (content.method,)
+    methods = {f"identify --method {method}": _why(content, _identify(content, there, method)) for method in given}
+    if len(set(methods.values())) == 1:
+        methods = {"identify": next(iter(methods.values()))}
+    reasons = {**methods, "diagnose": _why(content, _diagnose(content, there))}
+    if all(reasons.values()):
+        said = "; ".join(f"{name}: {why}" for name, why in reasons.items())
+        alike = len(set(reasons.values())) == 1
+        raise UserError(f"{content.path}: {reasons['diagnose'] if alike else f'no command can use it: {said}'}")
+    lines = [f"{name}: " + (f"not, since {why}" if why else "can use it") for name, why in reasons.items()]
+    return list(dict.fromkeys(name.split()[0] for name, why in reasons.items() if not why)), lines
+
+
+def _why(content: Experiment, check: Callable[[], None]) -> str:
+    """Why a check fails; empty where it does not."""
+    try:
+        check()
+    except UserError as error:
+        return str(error).removeprefix(f"{content.path}: ")
+    return ""
+
+
+def _identify(content: Experiment, there: Sequence[Record], method: str) -> Callable[[], None]:
+    def check() -> None:
+        identification.check_experiment(content, method)
+        fitted = [record for record in there if record.use == "fit"]
+        if len(fitted) == sum(spec.use == "fit" for spec in content.records):
+            identification.check_records(content, fitted, method)
+
+    return check
+
+
+def _diagnose(content: Experiment, there: Sequence[Record]) -> Callable[[], None]:
+    def check() -> None:
+        diagnosis.check_experiment(content)
+        diagnosis.motions_of(content, there)
+
+    return check
+
+
+def _absent(spec: RecordSpec) -> str:
+    """That a record is not there, and which file may have been meant."""
+    folder = spec.path.parent
+    if not folder.is_dir():
+        return f"is not there (yet?): there is no folder {folder}"
+    close = get_close_matches(spec.path.name, [item.name for item in folder.iterdir()], n=1, cutoff=LIKE)
+    return "is not there (yet?)" + (f'; did you mean "{close[0]}"?' if close else "")
+
+
+def _present(record: Record) -> str:
+    said = "".join(f"; {note}" for note in record.notes)
+    return f"{record.use}, {record.time[-1]:g} s at {1.0 / record.sample_time:.6g} Hz{said}"

@@ -1,0 +1,99 @@
+"""Whether an experiment can be diagnosed at all: what its file says, then what its records hold, before any fit."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.diagnose.balances import allowed, own_parameters
+from workbench.diagnose.motion import Motion, motion_of
+from workbench.diagnose.unknowns import Values
+from workbench.errors import UserError
+from workbench.identify.experiment import Experiment
+from workbench.identify.friction_records import parameter_values
+from workbench.identify.motion import check_opposes
+from workbench.identify.records import Record
+from workbench.parameters import SIGNED
+
+SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
+"""s of a record, s between its samples, and noise deviations of the position's range, from which it can be used."""
+
+
+def declared_values(experiment: Experiment) -> dict[str, float]:
+    """The declared parameters (SI); a direction that is not declared apart has no value of its own."""
+    declared: dict[str, float] = {**parameter_values(experiment), **experiment.values}
+    for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
+        del declared[name]
+    return declared
+
+
+def check_experiment(experiment: Experiment) -> None:
+    """What the file alone shows: no record for the fit, channels that allow no balance, parameters no fit can move.
+
+    Raises:
+        UserError: what `diagnose` could not do.
+    """
+    if not any(spec.use == "fit" for spec in experiment.records):
+        raise UserError(f'{experiment.path}: no record is there for the fit; give one use = "fit"')
+    declared = declared_values(experiment)
+    balances = allowed(experiment.channels, declared)
+    if not balances:
+        raise UserError(
+            f"{experiment.path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
+            "voltage, a force needs position and pressures, a force or a command"
+        )
+    _check_free(experiment, declared, balances)
+
+
+def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion]:
+    """Records smoothed and differentiated; labels that several have are numbered.
+
+    Raises:
+        UserError: a record that is too short or too coarse, on which nothing moves, or whose friction drives the rod.
+    """
+    taken: list[str] = []
+    motions = []
+    for record in records:
+        taken.append(_unique(record.label, taken))
+        motions.append(motion_of(replace(record, label=taken[-1])))
+        _check(motions[-1])
+        check_opposes(record, experiment)
+    return motions
+
+
+def _unique(label: str, taken: Sequence[str]) -> str:
+    """The label, numbered where another record has it: two pieces of one file are two curves."""
+    numbered = (f"{label} ({number})" for number in range(2, len(taken) + 2))
+    return next(one for one in (label, *numbered) if one not in taken)
+
+
+def _check(motion: Motion) -> None:
+    """A record that is too short or too coarse for smoothing, or on which nothing moves, says nothing."""
+    known, path = float(np.sum(motion.valid)) * motion.sample_time, motion.record.path
+    if motion.sample_time > COARSEST:
+        raise UserError(
+            f"{path}: a sample every {motion.sample_time:g} s does not show a reversal; expected at most {COARSEST:g} s"
+        )
+    if known < SHORTEST:
+        raise UserError(
+            f"{path}: {known:.3g} s without ends and gaps are too little for a diagnosis; expected at least "
+            f"{SHORTEST:g} s, and better 40 s"
+        )
+    if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
+        raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
+
+
+def _check_free(experiment: Experiment, declared: Values, balances: Mapping[str, Collection[str]]) -> None:
+    """What an experiment asks to be free has to be in a balance, and off 0 where a fit moves it by factors."""
+    free = experiment.free or ()
+    known = {name for balance, own in balances.items() for name in own_parameters(balance, own, free, declared)}
+    for name in free:
+        if name in known:
+            continue
+        if declared.get(name) == 0.0 and name not in SIGNED:
+            reason = (
+                f"is declared 0, and a fit moves it by factors; give it a start in [plant.set], or leave {name} out"
+            )
+        else:
+            reason = f"is in no balance that the records' channels allow ({' and '.join(balances)}); leave it out"
+        raise UserError(f'{experiment.path}: [fit] free: "{name}" {reason}')
