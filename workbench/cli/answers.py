@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -107,7 +108,7 @@ def tune(
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
 ) -> None:
-    """Find gains: the same budget, objective and constraints for every controller."""
+    """Find gains, with the same budget and objective for all."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
     from workbench.report.tuning import open_folder, say_tuning, write_tuning
     from workbench.study.document import read_study
