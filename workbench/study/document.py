@@ -160,6 +160,7 @@ def unfold(study: Study) -> list[Case]:
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     for name, overrides in named:
         tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
+        tables["controllers"] = _with_gains(study, tables["controllers"])
         axes = overrides.get("axes", tables.pop("axes"))
         tables.pop("axes", None)
         _check_axes(study, name, axes, tables)
@@ -234,14 +235,21 @@ def _at_point(study: Study, case: str | None, tables: Mapping[str, Any], point: 
                 if not isinstance(table, dict):
                     raise study.error((*axes_key(study, case), axis), f'"{part}" is not a table')
             table[last] = value
-    for name, table in result["controllers"].items():
-        if not isinstance(table, dict):
-            continue  # told when the case is resolved
+    result["controllers"] = _with_gains(study, result["controllers"])
+    return result
+
+
+def _with_gains(study: Study, controllers: Mapping[str, Any]) -> dict[str, Any]:
+    """Controllers with what their gain files say."""
+    found = dict(controllers)
+    for name, table in controllers.items():
+        if not isinstance(table, dict) or KEY not in table:
+            continue  # what is no table is told when the case is resolved
         try:
-            result["controllers"][name] = with_gains(table, study.path.parent)
+            found[name] = with_gains(table, study.path.parent)
         except UserError as error:
             raise study.error(("controllers", name, KEY), str(error)) from None
-    return result
+    return found
 
 
 def located(study: Study, case: Case, key: files.Key, message: str) -> UserError:

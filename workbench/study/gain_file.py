@@ -55,13 +55,11 @@ def read_gain_file(path: Path) -> GainFile:
 
 
 def with_gains(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """A controller's table with what its gain file says, if it names one: relative to `folder`.
+    """A controller's table with what the gain file says that it names: relative to `folder`.
 
     Raises:
         UserError: as `read_gain_file`.
     """
     own = {key: value for key, value in table.items() if key != KEY}
-    if KEY not in table:
-        return own
     found = read_gain_file(folder / str(table[KEY]))
     return {"type": found.type, **found.settings, **own}
