@@ -20,6 +20,7 @@ from workbench.report.diagnosis_words import sureness
 MEASURED = Path(__file__).parents[1] / "studies" / "measured"
 DATA = Path(__file__).parents[2] / "shared" / "data"
 RPM = 2.0 * np.pi / 60.0
+SIDES = ("before", "after")
 
 
 def experiment(name: str, folder: str) -> Path:
@@ -52,8 +53,8 @@ def test_the_drive_s_load_is_viscous_friction_that_differs_with_direction() -> N
 
 
 def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() -> None:
-    """A reader's ratio is 0.69; plateaus of the held-out record, 174 rpm with one gain, 31.2 with one each way. Here
-    every sample counts, the pump's ripple with it; averaged over 0.3 s the second is 24 rpm."""
+    """A reader's ratio is 0.69; plateaus of the held-out record, 174 rpm with one gain, 31.2 with one each way. The
+    report's plateaus are means over 0.3 s; where every sample counts, the pump's ripple with it, 43 rpm are left."""
     found = diagnose(experiment("electro_hydraulic", "eha"))
     names = [one.name for one in found.found]
     assert "unequal_areas" in names
@@ -70,6 +71,10 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
         errors.append(np.sqrt(np.mean(error[moving] ** 2)))
     assert errors[0] > 150.0
     assert errors[1] < 45.0
+    before, after = (found.report["error"]["held_out"][side]["pump_speed_rms_rad_per_s"] / RPM for side in SIDES)
+    assert 150.0 < before < 200.0
+    assert after < 31.2
+    assert any("worse is load pressure, simulated against measured (from 13" in line for line in sureness(found))
 
 
 def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from workbench.diagnose.fitting import fit
+from workbench.diagnose.flow import pump_speed_errors
 from workbench.diagnose.motion import Motion
 from workbench.diagnose.selection import BalanceResult
 from workbench.diagnose.shooting import Shooting, free_run, set_up, simulation_balance
@@ -42,12 +43,22 @@ def errors_of(
                 over = replace(result.balance, motions=behind_backlash(whole, motions, values))
                 rms = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
                 sides[side][KEYS[over.name]] = rms
+            if all(motion.has("pump_speed") and not motion.has("valve_voltage") for motion in motions):
+                sides[side] |= _of_pump(motions, values)
             if simulated is not None:
                 sides[side] |= free_run(whole, motions, getattr(simulated, side).values)
         errors[use] = sides
     if simulated is not None and not simulated.is_trusted and _drifts(errors):
         errors["held_out"]["own_parameters"] = _own_fit(experiment, simulated, held_out)
     return errors
+
+
+def _of_pump(motions: Sequence[Motion], values: Values) -> dict[str, float]:
+    """Rms over plateaus of the pump's speed; empty where there are none, or no displacement."""
+    if "pump_displacement" not in values:
+        return {}
+    errors = np.concatenate([pump_speed_errors(motion, values) for motion in motions])
+    return {"pump_speed_rms_rad_per_s": float(np.sqrt(np.mean(errors**2)))} if errors.size else {}
 
 
 def _drifts(errors: Mapping[str, Any]) -> bool:

@@ -112,3 +112,15 @@ def pump_residual(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
         net = net - leakage * (motion.channels["pressure_1"] - motion.channels["pressure_2"])
         net = net - volume / values["bulk_modulus"] * (motion.rates["pressure_1"] - motion.rates["pressure_2"])
     return np.where(on_plateau(motion), net, 0.0)
+
+
+def pump_speed_errors(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """Error of the pump's speed (rad/s) on plateaus while it turns, the mean of each piece of `PLATEAU`: what its flow
+    balance leaves over D, without the pump's ripple.
+    """
+    speed = np.abs(motion.channels["pump_speed"])
+    counts = motion.valid & on_plateau(motion) & (speed > STEADY * np.max(speed))
+    error = pump_residual(motion, values) / values["pump_displacement"]
+    points = max(round(PLATEAU / motion.sample_time), 1)
+    pieces = [slice(start, start + points) for start in range(0, speed.size - points + 1, points)]
+    return np.array([np.mean(error[piece]) for piece in pieces if np.all(counts[piece])])

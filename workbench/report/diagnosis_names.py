@@ -33,6 +33,7 @@ PLAIN = {
 ERRORS = {
     "force_rms_N": ("residual of the force balance", "N", "N"),
     "flow_rms_m3_per_s": ("residual of the flow balance", "m^3/s", "cm^3/s"),
+    "pump_speed_rms_rad_per_s": ("pump speed on plateaus", "rad/s", "rpm"),
     "position_rms_m": ("position, simulated against measured", "m", "mm"),
     "load_pressure_rms_Pa": ("load pressure, simulated against measured", "Pa", "kPa"),
 }

@@ -4,15 +4,16 @@ from collections.abc import Mapping
 
 from plants.effects import EFFECTS
 from workbench.diagnose.before_after import KEYS
-from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.diagnose import WORSE, Diagnosis
 from workbench.diagnose.findings import Found
 from workbench.diagnose.promising import EXPLAINS
 from workbench.diagnose.selection import SURE, BalanceResult, least_gain
 from workbench.diagnose.unexplained import LEAST
-from workbench.report.diagnosis_names import PLAIN, REJECTED, listed, percent, plain, quantity
+from workbench.report.diagnosis_names import ERRORS, PLAIN, REJECTED, listed, percent, plain, quantity
 from workbench.report.diagnosis_parameters import not_held, plant_of
 from workbench.report.diagnosis_reasons import of_parameters, of_simulation, of_term, why_none
 from workbench.report.tables import shown_number
+from workbench.units import factor
 
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""
@@ -78,6 +79,25 @@ def _dependence(found: Diagnosis) -> str:
     return f"the {one.balance} balance's residual depends on {listed(shares)}"
 
 
+def _of_worse(found: Diagnosis) -> list[str]:
+    """Figures of held-out records that get worse with what was found, and yet do not reject it: free runs."""
+    errors = found.report["error"]["held_out"]
+    if found.report["verdict"] == REJECTED or not found.found or not errors["before"]:
+        return []
+    worse = [
+        f"{words} (from {shown_number(factor(unit, shown) * errors['before'][key], 3)} to "
+        f"{shown_number(factor(unit, shown) * errors['after'][key], 3)} {shown})"
+        for key, (words, unit, shown) in ERRORS.items()
+        if key in errors["before"] and key in errors["after"] and errors["after"][key] > WORSE * errors["before"][key]
+    ]
+    if not worse:
+        return []
+    return [
+        f"Not all gets better on held-out records: worse is {listed(worse)}. It does not reject what was found, which "
+        "is judged by the balances; but a study that simulates the corrected plant should not rest on it."
+    ]
+
+
 def sureness(found: Diagnosis) -> list[str]:
     """How sure the verdict is, a line each: evidence, what remains over the floor, what the records do not show."""
     lines = [_of_effect(found, one) for one in found.found]
@@ -87,6 +107,7 @@ def sureness(found: Diagnosis) -> list[str]:
         if best not in [None, *(one.name for one in found.found)] and result.steps[0].added is None:
             lines.append(why_none(result))
     lines += of_simulation(found)
+    lines += _of_worse(found)
     if found.unexplained is not None and found.report["verdict"] != "unexplained":
         lines.append(f"What remains is not explained: {_dependence(found)}; no known effect explains it.")
     if found.unexplained is not None and "data_driven_term" in found.report["unexplained"]:
