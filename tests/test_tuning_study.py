@@ -1,0 +1,72 @@
+"""Tuning studies: what is wrong in one is told in a line, and the shipped one reaches what it is for."""
+
+from pathlib import Path
+
+import pytest
+from command import STUDIES, workbench, write
+from tuned_study import STUDY
+
+from workbench.study.document import read_study
+from workbench.tune.study import prepared, tune_all
+
+# --- mistakes ---
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[tune.objective]\nrms_error = 1", "", "tune.objective: is missing"),
+        ("rms_error = 1", "rms_error = 0", "all weights are 0; give at least one of rms_error, "),
+        ("rms_error = 1", "rms_errors = 1", 'unknown key; did you mean "rms_error"?'),
+        (
+            "[tune.objective]",
+            "[tune.gains.p]\nkq = {}\n[tune.objective]",
+            'p.kq: "pid" has no such gain; expected one of kp, ki, kd',
+        ),
+        (
+            "[tune.objective]",
+            '[tune.gains.p]\nkp = { min = "9 V/m", max = "5 V/m" }\n[tune.objective]',
+            "tune.gains.p.kp: min 9 is not below max 5 (SI); turn the limits round",
+        ),
+        (
+            "[tune.objective]",
+            '[tune.gains.p]\nkp = { min = "9 m" }\n[tune.objective]',
+            'tune.gains.p.kp.min: got "9 m"',
+        ),
+        (
+            "[tune.objective]",
+            "[tune.gains.p]\nki = {}\n[tune.objective]",
+            "p.ki: has no documented range here; give it min",
+        ),
+        ("trials = 10", 'trials = 10\nyardstick = "q"', 'tune.yardstick: unknown controller "q"'),
+        ("trials = 10", "trials = 10\nwhere = { rpm = 7 }", "[tune] where: no case of p has rpm 7"),
+        ("rms_error = 1", "steady_state_error = 1", "steady_state_error_m does not apply to any of the cases"),
+    ],
+)
+def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert STUDY.count(old) == 1
+    answer = workbench("tune", write(tmp_path, STUDY.replace(old, new)), "--controller", "p", "--out", tmp_path / "out")
+    assert answer.code == 2
+    assert said in answer.err
+    assert "Traceback" not in answer.err
+    assert answer.err.count("\n") == 1
+
+
+# --- the study that is shipped ---
+
+
+@pytest.mark.parametrize(
+    ("name", "fast", "slow"),
+    [("p", 1.54e-3, 0.079e-3), ("p_feedforward", 0.238e-3, 0.0138e-3), ("lugre", 56e-6, 0.7e-6)],
+)
+def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
+    tmp_path: Path, name: str, fast: float, slow: float
+) -> None:
+    """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
+    study, names = prepared(read_study(STUDIES / "tuning.toml"), name, 24)
+    found = tune_all(study, names, tmp_path / "results.sqlite", 2).found[0]
+    assert found.score is not None
+    errors = [ran.figures["rms_error_m"] for ran in found.score.ran]
+    assert errors[0] < fast
+    assert errors[1] < slow
+    assert min(found.score.margins.gain_dB / 6.0, found.score.margins.phase_deg / 45.0) >= 1.0
