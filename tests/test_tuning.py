@@ -17,6 +17,7 @@ from tuned_study import HUNTING, STUDY, ready, robust, tuned
 
 from controllers.settings import usable
 from plants.equation import to_array
+from workbench.errors import UserError
 from workbench.metrics.statistics import quantile
 from workbench.study.document import read_study, unfold
 from workbench.study.gain_file import read_gain_file
@@ -28,7 +29,7 @@ from workbench.tune.loop import open_loop
 from workbench.tune.search import is_candidate
 from workbench.tune.study import Tuning, goal_of
 from workbench.tune.task import task_for
-from workbench.tune.tuning import infeasible, interval
+from workbench.tune.tuning import classic_points, infeasible, interval
 
 
 def outcome(tuning: Tuning) -> list[object]:
@@ -89,6 +90,18 @@ def stored(folder: Path) -> int:
         return 0
 
 
+def test_one_controller_and_all_of_them_share_a_folder(tmp_path: Path) -> None:
+    """A PD that is added beside others makes no other study of theirs; nor does a change of another controller."""
+    without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
+    alone = tuned(tmp_path, without, "lugre", trials=4).found[0]
+    every = tuned(tmp_path, without, "all", trials=4)
+    assert every.found[1].best == alone.best
+    changed = without.replace('law = "valve_inversion"', 'law = "acceleration_feedback"')
+    assert tuned(tmp_path, changed, "p", trials=4).found[0].best == every.found[0].best
+    with pytest.raises(UserError, match="its trials of lugre are of another study"):
+        tuned(tmp_path, changed, "lugre", trials=4)
+
+
 def test_trials_of_another_study_are_not_taken(tmp_path: Path) -> None:
     tuned(tmp_path / "one", STUDY, "p", trials=4)
     other = write(tmp_path / "one", STUDY.replace('"2 Hz"', '"1 Hz"'))
@@ -116,6 +129,9 @@ def test_a_pd_is_always_among_them(tmp_path: Path) -> None:
     study, names = ready(tmp_path, without, "all")
     assert names == ["p", "lugre", "pd"]
     added = task_for(study, "pd")
+    p = task_for(study, "p")
+    (placed,) = [point for point in classic_points(p, p.start) if point.name == "pole_placement_pd"]
+    assert (added.settings.kp, added.settings.kd) == (placed.settings["kp"], placed.settings["kd"])
     assert {one.name for one in added.dimensions} == {"kp", "kd", "velocity_time_constant"}
     assert ready(tmp_path, STUDY, "all")[1] == ["p", "pd", "lugre"]
     assert ready(tmp_path, without, "p")[1] == ["p"]

@@ -39,13 +39,26 @@ from workbench.tune.study import prepared, tune_all
             "p.ki: has no documented range here; give it min",
         ),
         ("trials = 10", 'trials = 10\nyardstick = "q"', 'tune.yardstick: unknown controller "q"'),
+        (
+            "[tune.objective]",
+            "[tune.gains.luger]\nlead = {}\n[tune.objective]",
+            'unknown controller "luger"; did you mean',
+        ),
+        (
+            'kind = "sine"\namplitude = "5 mm"\nfrequency = "2 Hz"',
+            'kind = "steps"\nlevels = ["1 mm"]\ndwell = "1 s"',
+            "the yardstick's steady_state_error_m is",
+        ),
         ("trials = 10", "trials = 10\nwhere = { rpm = 7 }", "[tune] where: no case of p has rpm 7"),
         ("rms_error = 1", "steady_state_error = 1", "steady_state_error_m does not apply to any of the cases"),
     ],
 )
 def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert STUDY.count(old) == 1
-    answer = workbench("tune", write(tmp_path, STUDY.replace(old, new)), "--controller", "p", "--out", tmp_path / "out")
+    text = STUDY.replace(old, new)
+    if "steps" in new:  # a P leaves nothing there
+        text = text.replace("rms_error = 1", "steady_state_error = 1")
+    answer = workbench("tune", write(tmp_path, text), "--controller", "p", "--out", tmp_path / "out")
     assert answer.code == 2
     assert said in answer.err
     assert "Traceback" not in answer.err

@@ -125,3 +125,5 @@ def tune(
         print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
     say_tuning(written)
+    if not any(one.best for one in found.found):
+        raise typer.Exit(1)

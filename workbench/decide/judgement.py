@@ -1,7 +1,7 @@
 """What the runs say: of each candidate at each speed and spread, and which of them suffices there."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -124,16 +124,24 @@ def _outcomes(group: pd.DataFrame) -> str:
 def ordered(rows: Sequence[Judged], table: DecideTable) -> list[Judged]:
     """First those that meet what is asked, from the least power on; then the others, the nearest to it first.
 
-    Of those with about one power (`ALIKE`) the one with the least error quantile comes first.
+    Of those with about one power, or about equally near (`ALIKE`), the one with the least error quantile comes first.
     """
-    meeting = sorted((row for row in rows if row.meets(table)), key=lambda row: row.mean_power)
-    chosen: list[Judged] = []
-    while meeting:
-        alike = [row for row in meeting if row.mean_power <= (1.0 + ALIKE) * meeting[0].mean_power]
-        chosen += sorted(alike, key=lambda row: row.error)
-        meeting = meeting[len(alike) :]
+    chosen = _by_size([row for row in rows if row.meets(table)], lambda row: row.mean_power)
     rest = [row for row in rows if not row.meets(table)]
-    return chosen + sorted(rest, key=lambda row: (-row.probability, row.excess(table)))
+    for probability in sorted({row.probability for row in rest}, reverse=True):
+        chosen += _by_size([row for row in rest if row.probability == probability], lambda row: row.excess(table))
+    return chosen
+
+
+def _by_size(rows: Sequence[Judged], size: Callable[[Judged], float]) -> list[Judged]:
+    """From the least size on; of those whose sizes are alike the one with the least error first."""
+    left, chosen = sorted(rows, key=size), list[Judged]()
+    while left:
+        least = size(left[0])
+        alike = [row for row in left if size(row) <= (1.0 + ALIKE) * least]
+        chosen += sorted(alike, key=lambda row: row.error)
+        left = left[len(alike) :]
+    return chosen
 
 
 def of_kind(rows: Sequence[Judged], kind: Kind, table: DecideTable) -> Judged | None:

@@ -160,7 +160,7 @@ def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
         seeds["draws"] = tuning.study.file.uncertainty.seed
     return {
         "title": tuning.study.file.title,
-        **json.loads(identity_of(tuning.study, table)),
+        **json.loads(identity_of(tuning.study, table, [one.task.name for one in tuning.found])),
         "controllers": [one.task.name for one in tuning.found],
         "trials": table.trials,
         "seeds": seeds,

@@ -223,7 +223,7 @@ def held_equal(tuning: Tuning) -> list[str]:
         f"there are any for these gains; seed {table.seed}.",
         f"Objective: {weights}; each figure over that of {yardstick(tuning)} with the gains of the study in the same "
         f"case, and the mean over the {len(tuning.found[0].task.cases)} "
-        f"case{'s' * (len(tuning.found[0].task.cases) > 1)} that count.",
+        f"{'cases that count' if len(tuning.found[0].task.cases) > 1 else 'case that counts'}.",
         f"Constraints: {', '.join(_constraints(table))}.",
     ]
     if table.draws:

@@ -25,6 +25,9 @@ from workbench.tune.loop import Margins, margins
 SLOW = 0.01
 """m/s at which margins are taken where no reference moves steadily and the study says nothing."""
 
+NOTHING = 1e-9
+"""m. An error below it is the solver's: nothing is measured by it."""
+
 HOLD_SHARE = 0.25
 """Of the largest level that any reference asks for: the step after which a rest is judged."""
 
@@ -155,13 +158,17 @@ class Goal:
         self.columns = tuple(self.weights)
         self.units = [dict(one.figures) for one in yardstick]
         for column in self.columns:
-            known = [one[column] for one in self.units if one[column] is not None]
+            known = [abs(value) for one in self.units if (value := one[column]) is not None]
             if not known:
                 raise UserError(
                     f"[tune.objective]: {column} does not apply to any of the cases; leave it out, or tune on others"
                 )
-            if not all(known):
-                raise UserError(f"[tune.objective]: {column} is 0 for the yardstick, so that nothing is measured by it")
+            least = NOTHING if column.endswith("_m") else 0.0
+            if min(known) <= least:
+                raise UserError(
+                    f"[tune.objective]: the yardstick's {column} is {min(known):.2g}, nothing by which another could "
+                    "be measured; choose another yardstick, or other cases, or leave it out"
+                )
 
     def objective(self, ran: Sequence[Ran]) -> float:
         """J of runs of all cases on one machine; infinite where one of them failed."""

@@ -22,13 +22,20 @@ from workbench.tune.tuning import Tuned, classic_points, tune
 PD = "pd"
 """What a PD that is added is called."""
 
+PLACED = "pole_placement"
+"""What the names of classic tunings by their poles begin with."""
 
-def identity_of(study: Study, table: TuneTable) -> str:
-    """What stored trials must agree in: study, [tune] without the number of trials, draws, code."""
-    uncertainty = study.file.uncertainty
+
+def identity_of(study: Study, table: TuneTable, names: Sequence[str]) -> str:
+    """What stored trials of these controllers must agree in: the study but for controllers that do not matter, [tune]
+    without the number of trials, draws, code.
+    """
+    uncertainty, controllers = study.file.uncertainty, study.file.controllers
+    own = {name: controllers[name] for name in (*names, yardstick_of(study, table))}
+    bare = replace(study, file=study.file.model_copy(update={"controllers": own}))
     return json.dumps(
         {
-            "study": study.fingerprint,
+            "study": bare.fingerprint,
             "tune": table.model_dump(mode="json", exclude={"trials", "fresh_draws", "polish"}),
             "uncertainty": None if uncertainty is None else uncertainty.model_dump(mode="json"),
             "program": source_hash((*PROGRAM_FOLDERS, "workbench/tune")),
@@ -51,6 +58,19 @@ def chosen(study: Study, name: str) -> list[str]:
     return [name]
 
 
+def yardstick_of(study: Study, table: TuneTable) -> str:
+    """The name of the yardstick.
+
+    Raises:
+        UserError: no such controller.
+    """
+    known = study.file.controllers
+    name = table.yardstick or next(iter(known))
+    if name not in known:
+        raise study.error(("tune", "yardstick"), f'unknown controller "{name}"; {nearest(name, known)}')
+    return name
+
+
 def goal_of(study: Study, executor: Executor) -> Goal:
     """The goal of a study, in units of its yardstick.
 
@@ -58,11 +78,7 @@ def goal_of(study: Study, executor: Executor) -> Goal:
         UserError: no such yardstick, or a figure that it does not have.
     """
     table = tune_table(study)
-    name = table.yardstick or next(iter(study.file.controllers))
-    if name not in study.file.controllers:
-        raise study.error(
-            ("tune", "yardstick"), f'unknown controller "{name}"; {nearest(name, study.file.controllers)}'
-        )
+    name = yardstick_of(study, table)
     cases = [resolve(study, case) for case in cases_for(study, table, name)]
     columns = tuple(table.objective.used)
     return Goal(table, list(executor.map(lambda case: run(case, columns), cases)))
@@ -101,6 +117,11 @@ def prepared(study: Study, name: str, trials: int | None) -> tuple[Study, list[s
     names = chosen(study, name)
     if name == "all" and not any(_is_pd(study.file.controllers[one]) for one in names):
         study, names = _with_pd(study, names)
+    yardstick_of(study, table)
+    known = study.file.controllers
+    for one in table.gains:
+        if one not in known:
+            raise study.error(("tune", "gains", one), f'unknown controller "{one}"; {nearest(one, known)}')
     for one in names:
         task_for(study, one)
     return study, names
@@ -123,7 +144,8 @@ def _is_pd(table: Mapping[str, object]) -> bool:
 def _with_pd(study: Study, names: list[str]) -> tuple[Study, list[str]]:
     """The study with a PD controller, placed by its poles, beside the others."""
     plain = task_for(study, names[0])
-    placed = [{"type": point.controller, **point.settings} for point in classic_points(plain, plain.start)]
+    points = [point for point in classic_points(plain, plain.start) if point.name.startswith(PLACED)]
+    placed = [{"type": point.controller, **point.settings} for point in points]
     table = next(filter(_is_pd, placed), None)
     if table is None:
         raise UserError(
@@ -155,7 +177,6 @@ def tune_all(
     Raises:
         UserError: trials of another study in the database, or a yardstick that does not serve.
     """
-    identity = identity_of(study, tune_table(study))
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
         goal = goal_of(study, executor)
         found = list[Tuned]()
@@ -164,5 +185,6 @@ def tune_all(
             def told(said: str, done: int, of: int) -> None:
                 tell(said, (len(found) + done / of) / len(names))
 
+            identity = identity_of(study, goal.table, [name])
             found.append(tune(Bench(task_for(study, name), goal, executor), database, identity, told))
         return Tuning(study, found, classics(study, goal, executor))

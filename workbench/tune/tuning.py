@@ -112,7 +112,7 @@ def _classic(task: Task) -> list[dict[str, float]]:
         if set(gains) == pid:
             wanted = {**task.start, **gains}
             found.append({one.name: min(max(wanted[one.name], one.low), one.high) for one in task.dimensions})
-    return found
+    return [point for point in found if point != task.start]
 
 
 def _best(bench: Bench, trials: Sequence[FrozenTrial]) -> tuple[int, Point | None]:
