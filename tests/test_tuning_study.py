@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from command import STUDIES, workbench, write
-from tuned_study import STUDY
+from command import DRIVE, STUDIES, workbench, write
+from tuned_study import STUDY, robust, tuned
 
 from workbench.study.document import read_study
 from workbench.tune.study import prepared, tune_all
@@ -83,3 +83,44 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
     assert errors[0] < fast
     assert errors[1] < slow
     assert min(found.score.margins.gain_dB / 6.0, found.score.margins.phase_deg / 45.0) >= 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (STUDY.replace("trials = 10", "trials = 10\ndraws = 8"), "tune.draws: needs [uncertainty], which says what"),
+        (
+            robust().replace("bulk_modulus = {", "bulk_modules = {"),
+            'uncertainty.scale.bulk_modules: unknown parameter; did you mean "bulk_modulus"?',
+        ),
+        (
+            STUDY.replace('model = "non_rotating"', 'model = "rotating"\nbristle = "isotropic"')
+            .replace("[axes]\n", "[axes]\nrpm = [10, 20]\n")
+            .replace("[tune.objective]", '[tune.rotation]\nrpm = { min = "5 rpm", max = "9 rpm" }\n[tune.objective]'),
+            "tune.rotation.rpm: is tuned: expected one value on the axis rpm",
+        ),
+    ],
+    ids=["no_uncertainty", "unknown_parameter", "two_speeds"],
+)
+def test_what_cannot_be_drawn_or_turned_leaves_no_folder(tmp_path: Path, text: str, said: str) -> None:
+    study, out = write(tmp_path, text), tmp_path / "out"
+    for answer in (workbench("tune", study, "--out", out), workbench("check", study)):
+        assert answer.code == 2
+        assert said in answer.err
+    assert not out.exists()
+
+
+def test_the_added_pd_can_be_tuned_alone(tmp_path: Path) -> None:
+    without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
+    assert tuned(tmp_path, without, "pd", trials=4).found[0].best is not None
+
+
+def test_a_drive_without_a_largest_command_is_tuned_without_classic_points(tmp_path: Path) -> None:
+    study = write(
+        tmp_path,
+        DRIVE.replace('levels = ["1 m"]', 'levels = ["1 mm"]').replace('kp = "3 N/m"', 'kp = "30 N/m"\nkd = "6 N s/m"')
+        + "[tune]\ntrials = 4\n[tune.objective]\nrms_error = 1\n[tune.constraints]\nlimit_cycle = false\n"
+        + "gain_margin_dB = 0\nphase_margin_deg = 0\n",
+    )
+    answer = workbench("tune", study, "--out", tmp_path / "out")
+    assert (answer.code, answer.err) == (0, "")

@@ -1,11 +1,12 @@
 """A decision in words, made from its numbers: what suffices, how sure that is, where it changes, what was assumed."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
 from workbench.decide.decision import Decision
 from workbench.decide.judgement import ALIKE, KINDS, Answer, Judged, Kind, of_kind
-from workbench.metrics.statistics import SURE, sign_test
+from workbench.metrics.statistics import SURE, share_interval, sign_test
 from workbench.report.comparison import plain_name
 from workbench.report.tables import shown_number
 from workbench.study.decide_schema import DecideTable
@@ -181,6 +182,9 @@ def _doubt(found: Decision, given: Answer) -> list[str]:
     told = (
         f"{found.plan.draws} draws do not settle the answer: an interval on which it rests holds {table.probability:g}"
     )
+    least = next(count for count in itertools.count(1) if share_interval(count, count)[0] > table.probability)
+    if found.plan.draws < least:
+        told += f" (at least {least} draws are needed to settle anything at that probability)"
     if sure is None:
         return [f"{told}, and no candidate is settled to meet it."]
     return [f"{told}. The first of the table that is settled to meet it is {choice(sure)}."]

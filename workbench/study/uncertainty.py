@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from plants.equation import NEGATIVE
+from workbench.errors import nearest
 from workbench.files import SchemaError
-from workbench.parameters import parameter_path, read_deviations
+from workbench.parameters import known_units, parameter_path, read_deviations
 from workbench.study.document import Case
 from workbench.study.tune_schema import FactorTable, UncertaintyTable
 from workbench.units import QuantityError, si
@@ -49,6 +50,8 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
         plant["spread"] = {**dict.fromkeys(names, table.friction), **plant.get("spread", {})}
     scale = dict(plant.get("scale", {}))
     for name, factors in table.scale.items():
+        if name not in known_units():
+            raise SchemaError(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, known_units())}")
         scale[name] = scale.get(name, 1.0) * _factor(factors, generator.random())
     plant["scale"] = scale
     for channel, limits in table.noise.items():

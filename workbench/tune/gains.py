@@ -115,7 +115,7 @@ def _toml(value: Any) -> str:
 
 
 def history(found: Tuned) -> list[dict[str, Any]]:
-    """A row a trial: its number, value, how it ended, what it breaks, margins, and the point (SI)."""
+    """A row a trial: its number, value, how it ended, what it breaks, margins, and the point (SI; rpm in rpm)."""
     return [
         {
             "controller": found.task.name,
@@ -128,7 +128,7 @@ def history(found: Tuned) -> list[dict[str, Any]]:
             "nominal": trial.user_attrs[SCORE]["nominal"],
             "gain_margin_dB": trial.user_attrs[SCORE]["gain_margin_dB"],
             "phase_margin_deg": trial.user_attrs[SCORE]["phase_margin_deg"],
-            **trial.params,
+            **{name: value * 30.0 / math.pi if name == RPM else value for name, value in trial.params.items()},
         }
         for number, trial in enumerate(found.trials)
     ]

@@ -114,9 +114,10 @@ def prepared(study: Study, name: str, trials: int | None) -> tuple[Study, list[s
     if trials is not None:
         table = table.model_copy(update={"trials": trials})
     study = replace(study, file=study.file.model_copy(update={"tune": table}))
+    own = list(study.file.controllers)
+    if name in ("all", PD) and not any(_is_pd(study.file.controllers[one]) for one in own):
+        study = _with_pd(study)
     names = chosen(study, name)
-    if name == "all" and not any(_is_pd(study.file.controllers[one]) for one in names):
-        study, names = _with_pd(study, names)
     yardstick_of(study, table)
     known = study.file.controllers
     for one in table.gains:
@@ -141,9 +142,9 @@ def _is_pd(table: Mapping[str, object]) -> bool:
     return table.get("type") == "pid" and bool(table.get("kd")) and not table.get("ki")
 
 
-def _with_pd(study: Study, names: list[str]) -> tuple[Study, list[str]]:
+def _with_pd(study: Study) -> Study:
     """The study with a PD controller, placed by its poles, beside the others."""
-    plain = task_for(study, names[0])
+    plain = task_for(study, next(iter(study.file.controllers)))
     points = [point for point in classic_points(plain, plain.start) if point.name.startswith(PLACED)]
     placed = [{"type": point.controller, **point.settings} for point in points]
     table = next(filter(_is_pd, placed), None)
@@ -153,7 +154,7 @@ def _with_pd(study: Study, names: list[str]) -> tuple[Study, list[str]]:
             'a kd, such as pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }'
         )
     controllers = {**study.file.controllers, PD: table}
-    return replace(study, file=study.file.model_copy(update={"controllers": controllers})), [*names, PD]
+    return replace(study, file=study.file.model_copy(update={"controllers": controllers}))
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,8 +134,12 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
             dimensions += rotation_of(table, cases[0].rpm, cases[0].tables["plant"].get(THRESHOLD))
         uncertainty = study.file.uncertainty or UncertaintyTable()
         task = Task(study, name, controller, settings, cases, dimensions, uncertainty)
+        if table.draws and study.file.uncertainty is None:
+            raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
-            drawn_case(cases[0], uncertainty, 0)
+            resolve(study, drawn_case(cases[0], uncertainty, 0))
+        if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in cases}) > 1:
+            raise SchemaError(("tune", "rotation", "rpm"), "is tuned: expected one value on the axis rpm, its start")
     except SchemaError as mistake:
         raise study.error(mistake.key, mistake.message) from None
     return task

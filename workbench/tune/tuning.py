@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from optuna.trial import FrozenTrial
 
 from workbench.metrics.statistics import quantile, quantile_interval
@@ -98,8 +99,12 @@ def _quantiles(bench: Bench, best: Point, count: int, stream: int) -> dict[str, 
 
 
 def classic_points(task: Task, point: Point) -> list[StartingPoint]:
-    """The classic tunings of a PID for the plant of a task's first case, at the speed of its margins."""
+    """The classic tunings of a PID for the plant of a task's first case, at the speed of its margins; none for a plant
+    whose command has no limit: nothing then says how large a command is.
+    """
     case, asked = task.declared(point)[0], tune_table(task.study).constraints
+    if not np.isfinite(case.setup.plant.command_limit(case.belief)):
+        return []
     return starting_points(case.setup, case.belief, margin_speed(case, asked))
 
 
@@ -112,7 +117,7 @@ def _classic(task: Task) -> list[dict[str, float]]:
         if set(gains) == pid:
             wanted = {**task.start, **gains}
             found.append({one.name: min(max(wanted[one.name], one.low), one.high) for one in task.dimensions})
-    return [point for point in found if point != task.start]
+    return [point for i, point in enumerate(found) if point not in (task.start, *found[:i])]
 
 
 def _best(bench: Bench, trials: Sequence[FrozenTrial]) -> tuple[int, Point | None]:
