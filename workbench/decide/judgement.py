@@ -7,8 +7,8 @@ from typing import Literal
 
 import pandas as pd
 
-from workbench.decide.machines import COMPLETED
 from workbench.metrics.statistics import quantile, quantile_interval, share_interval
+from workbench.simulation.simulate import COMPLETED
 from workbench.study.decide_schema import DecideTable
 
 Kind = Literal["plain", "compensation", "rotation"]

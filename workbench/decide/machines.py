@@ -9,11 +9,9 @@ import pandas as pd
 
 from workbench.decide.plan import Plan
 from workbench.metrics import evaluate
-from workbench.simulation.simulate import simulate
+from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.decide_schema import ERRORS, POWERS
 from workbench.study.resolve import Resolved
-
-COMPLETED = "completed"
 
 Progress = Callable[[int, int], None]
 """Called with the number of finished runs, and of all."""

@@ -8,14 +8,13 @@ from workbench.decide.checks import Candidate, check_candidates, check_motions, 
 from workbench.errors import UserError, nearest
 from workbench.files import SchemaError, conform
 from workbench.metrics import COLUMNS
-from workbench.parameters import parameter_path, read_parameters
 from workbench.simulation.simulate import Loop
 from workbench.study.checks import Checks
 from workbench.study.decide_schema import DecideTable
 from workbench.study.document import Case, Study, unfold
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.schema import SimulationTable
-from workbench.study.uncertainty import drawn_case
+from workbench.study.uncertainty import check_scales, drawn_case
 
 STREAM = 2
 """The stream of draws of decisions: none of those on which gains were tuned."""
@@ -81,7 +80,7 @@ def plan_decision(study: Study) -> Plan:
     check_still(study, table, resolve(study, _still(cases[table.speed])))
     resolved = {candidate: resolve(study, case) for candidate, case in cases[table.speed].items()}
     check_candidates(study, table, resolved)
-    _check_scales(study)
+    check_scales(study)
     Checks(study, list(cases[table.speed].values()), list(resolved.values()), [], COLUMNS).without_use()
     planned = Plan(
         study,
@@ -116,17 +115,6 @@ def _check_uncertainty(study: Study, table: DecideTable) -> None:
             if any(values):
                 message = "the study has no [uncertainty]: expected 0, or a table [uncertainty] that says what varies"
                 raise study.error(("decide", key), message)
-
-
-def _check_scales(study: Study) -> None:
-    """Factors need parameters that there are; told where they stand, not where a draw puts them."""
-    if study.file.uncertainty is None:
-        return
-    path = parameter_path(str(study.file.plant["parameters"]), study.path.parent)
-    known = {*read_parameters(path), *study.file.plant.get("set", {})}
-    for name in study.file.uncertainty.scale:
-        if name not in known:
-            raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
 
 
 def _sample_time(study: Study) -> float:

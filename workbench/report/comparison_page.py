@@ -9,6 +9,7 @@ from workbench.report.comparison import exactness, plain_name, rule, sentences, 
 from workbench.report.comparison_figures import write_figures
 from workbench.report.comparison_tuned import changes, of_tuned
 from workbench.report.html import html_environment
+from workbench.simulation.simulate import COMPLETED
 from workbench.study.document import Study
 from workbench.study.scenarios import read_scenario
 
@@ -124,7 +125,7 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
 
 
 def _scope(frame: pd.DataFrame) -> str:
-    unusual = frame[frame["outcome"] != "completed"]["outcome"].value_counts()
+    unusual = frame[frame["outcome"] != COMPLETED]["outcome"].value_counts()
     outcomes = "; ".join(f"{count} {outcome}" for outcome, count in unusual.items())
     return (
         f"{len(frame)} cases: {frame['controller'].nunique()} controllers, "

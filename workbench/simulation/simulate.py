@@ -34,6 +34,9 @@ DEFAULT_TOLERANCE = 1e-6
 TIGHTER = 100.0
 """The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
 
+COMPLETED = "completed"
+"""The outcome of a run with which nothing is wrong."""
+
 STUCK_SPEED = 1e-4
 """m/s. Slower than this counts as not moving."""
 
@@ -272,7 +275,7 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
     asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0
     if asked_to_move and np.max(np.abs(run.state("velocity"))) < STUCK_SPEED:
         return "stuck"
-    return "completed"
+    return COMPLETED
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:

@@ -10,26 +10,34 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import NEGATIVE
+from plants.equation import NEGATIVE, fields
+from plants.interface import Measurement
 from workbench.errors import nearest
 from workbench.files import SchemaError
-from workbench.parameters import known_units, parameter_path, read_deviations
-from workbench.study.document import Case
+from workbench.identify.schema import FRICTION
+from workbench.parameters import parameter_path, read_deviations, read_parameters
+from workbench.study.document import Case, Study
 from workbench.study.tune_schema import FactorTable, UncertaintyTable
 from workbench.units import QuantityError, si
 
-FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
-"""Parameters that are spread together, with what is theirs in other directions."""
-
-CHANNEL_UNITS = {
-    "position": "m",
-    "pressure_1": "Pa",
-    "pressure_2": "Pa",
-    "rotation_speed": "rad/s",
-    "motor_current": "A",
-}
+CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement)}
 
 LAST_SEED = 2**31 - 1
+
+
+def check_scales(study: Study) -> None:
+    """Factors need parameters that there are; told where they stand, not where a draw puts them.
+
+    Raises:
+        UserError: a factor on a parameter that the study's plant has not.
+    """
+    if study.file.uncertainty is None:
+        return
+    path = parameter_path(str(study.file.plant["parameters"]), study.path.parent)
+    known = {*read_parameters(path), *study.file.plant.get("set", {})}
+    for name in study.file.uncertainty.scale:
+        if name not in known:
+            raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
 
 
 def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0) -> Case:
@@ -39,7 +47,7 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
     uniformly, or so in their logarithm, and multiply what a scenario says already. The seed of its noise is its own.
 
     Raises:
-        SchemaError: a parameter or channel that there is not, or a parameter set without standard deviations.
+        SchemaError: a channel that there is not, or a parameter set without standard deviations.
     """
     generator = np.random.default_rng([table.seed, stream, number])
     tables = copy.deepcopy(case.tables)
@@ -50,8 +58,6 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
         plant["spread"] = {**dict.fromkeys(names, table.friction), **plant.get("spread", {})}
     scale = dict(plant.get("scale", {}))
     for name, factors in table.scale.items():
-        if name not in known_units():
-            raise SchemaError(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, known_units())}")
         scale[name] = scale.get(name, 1.0) * _factor(factors, generator.random())
     plant["scale"] = scale
     for channel, limits in table.noise.items():

@@ -17,7 +17,7 @@ from workbench.errors import UserError
 from workbench.metrics import evaluate
 from workbench.metrics.window import first_sample
 from workbench.simulation.references import Steps
-from workbench.simulation.simulate import simulate
+from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.resolve import Resolved
 from workbench.study.tune_schema import ConstraintsTable, TuneTable
 from workbench.tune.loop import Margins, margins
@@ -34,9 +34,6 @@ HOLD_SHARE = 0.25
 FARTHEST = 5.0
 """Shares by which a margin counts as short at most: an unstable loop may have none at all."""
 
-BROKEN = ("diverged", "step too small", "end stop", "saturated throughout", "stuck")
-"""Outcomes of a run with which gains have failed."""
-
 
 @dataclass(frozen=True)
 class Ran:
@@ -50,7 +47,7 @@ class Ran:
     @property
     def broken(self) -> bool:
         """Whether the run failed."""
-        return self.outcome in BROKEN
+        return self.outcome != COMPLETED
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from workbench.study.document import Case, Study, unfold
 from workbench.study.names import in_words, matches
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.tune_schema import TuneTable, UncertaintyTable
-from workbench.study.uncertainty import drawn_case
+from workbench.study.uncertainty import check_scales, drawn_case
 from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, rotation_of, space_of
 
 MACHINES = 4096
@@ -137,6 +137,7 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
         if table.draws and study.file.uncertainty is None:
             raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
+            check_scales(study)
             resolve(study, drawn_case(cases[0], uncertainty, 0))
         if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in cases}) > 1:
             raise SchemaError(("tune", "rotation", "rpm"), "is tuned: expected one value on the axis rpm, its start")
