@@ -5,6 +5,7 @@ import html
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
@@ -18,7 +19,7 @@ from workbench.report.tuning_bode import curve_of, lowest_frequency
 from workbench.report.tuning_rows import end_of
 from workbench.report.tuning_search import history_picture, importance, importance_picture
 from workbench.report.tuning_tables import margin, number, with_interval
-from workbench.report.tuning_traces import SIDES
+from workbench.report.tuning_traces import SIDES, largest_jump
 from workbench.study.document import read_study
 from workbench.tune.frequency_margins import Margins
 from workbench.tune.loop import margins
@@ -361,3 +362,12 @@ def test_importance_is_told_of_enough_feasible_trials(found: Tuning) -> None:
 
 def test_before_and_after_differ_in_more_than_colour() -> None:
     assert len({side["linestyle"] for side in SIDES.values()}) == 2
+
+
+def test_the_step_that_is_drawn_is_the_largest() -> None:
+    """A rod at 0 that is asked for 0, then 10 mm, then 7 mm: the second counts, from its jump to the next."""
+    levels = np.repeat([0.0, 0.010, 0.007], [100, 200, 50])
+    run = SimpleNamespace(reference=(levels, 0.0 * levels, 0.0 * levels), state=lambda name: np.zeros(levels.size))
+    assert largest_jump(run) == (0.010, slice(100, 300))
+    run.state = lambda name: np.full(levels.size, -0.02)
+    assert largest_jump(run) == (0.02, slice(0, 100))

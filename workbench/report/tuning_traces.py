@@ -131,18 +131,26 @@ def _step(jump: Axes, left: Axes, each: Traced, level: float) -> None:
     left.set_ylabel(f"error ({unit})")
 
 
-def _jump(run: Run) -> float:
-    """The first level (m), from where the rod starts."""
+def largest_jump(run: Run) -> tuple[float, slice]:
+    """The largest jump of a reference (m), that from where the rod starts among them, and its samples."""
     assert run.reference is not None
-    return float(run.reference[0][0] - run.state("position")[0])
+    asked = run.reference[0]
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(asked)) + 1, [asked.size]])
+    before = np.concatenate([[run.state("position")[0]], asked[edges[1:-1] - 1]])
+    jumps = asked[edges[:-1]] - before
+    i = int(np.argmax(np.abs(jumps)))
+    return float(jumps[i]), slice(int(edges[i]), int(edges[i + 1]))
+
+
+def _jump(run: Run) -> float:
+    return largest_jump(run)[0]
 
 
 def _error(run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Time and true error (m) over the first dwell."""
-    assert run.reference is not None
-    moved = np.flatnonzero(run.reference[0] != run.reference[0][0])
-    first = slice(0, int(moved[0]) if moved.size else None)
-    return run.time[first], run.signals["error"][first]
+    """Time from the largest jump (s) and true error (m) until the next."""
+    _, samples = largest_jump(run)
+    time = run.time[samples]
+    return time - time[0], run.signals["error"][samples]
 
 
 def _late(run: Run) -> tuple[np.ndarray, np.ndarray]:
