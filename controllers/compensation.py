@@ -4,7 +4,19 @@ import functools
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
+
 from controllers import compensation_laws as laws
+from controllers.believed_friction import (
+    FILTER_TIME,
+    RotationTimeConstant,
+    RotationUse,
+    believed_turning,
+    filtered_rotation,
+    low_pass_gain,
+    measured_rotation,
+    rotation_gain,
+)
 from controllers.compensation_laws import (
     LawGains,
     LawState,
@@ -13,13 +25,11 @@ from controllers.compensation_laws import (
     force_source,
     valve_inversion,
 )
+from controllers.estimators import ESTIMATORS, ORACLE, without_use
 from controllers.friction_observer import Belief, Memory, Seen
-from controllers.friedland_park import friedland_park
 from controllers.interface import Controller, Reference
-from controllers.lugre_observer import lugre_adaptive, lugre_observer
 from controllers.settings import About, Needs, Tuned
-from controllers.static_map import no_estimate, static_map
-from controllers.tafazoli import fit_map, tafazoli
+from controllers.tafazoli import fit_map
 from controllers.velocity import (
     Estimator,
     EstimatorState,
@@ -35,33 +45,6 @@ from plants.equation import Scalar, equation
 from plants.hydraulics import no_load_velocity_gain, oil_volume, piston_area
 from plants.interface import Measurement
 
-
-class FrictionEstimator(NamedTuple):
-    """An estimator, what it is, and the settings that are its own."""
-
-    estimate: Callable[..., Any]
-    summary: str
-    settings: tuple[str, ...] = ()
-
-
-ESTIMATORS = {
-    "uncompensated": FrictionEstimator(no_estimate, "no friction estimate: the laws alone"),
-    "static_map": FrictionEstimator(static_map, "believed Stribeck curve of the velocity", ("reversal_speed",)),
-    "tafazoli": FrictionEstimator(
-        tafazoli, "Tafazoli's model-based estimate (modified Tustin map, blended near rest)", ("blend_velocity",)
-    ),
-    "friedland_park": FrictionEstimator(
-        friedland_park, "Friedland-Park observer, Tafazoli's modification", ("observer_gain", "exponent")
-    ),
-    "lugre": FrictionEstimator(lugre_observer, "LuGre observer", ("injection", "sliding_rate")),
-    "lugre_adaptive": FrictionEstimator(
-        lugre_adaptive, "LuGre observer with adaptive theta", ("injection", "sliding_rate", "adaptation")
-    ),
-}
-"""Friction estimators by the type of the controller that is built on them."""
-
-VELOCITY_SETTINGS = ("velocity", "velocity_time_constant", "position_noise", "jerk_density")
-
 LAWS: dict[str, Callable[..., Any]] = {
     "acceleration_feedback": acceleration_feedback,
     "valve_inversion": valve_inversion,
@@ -70,11 +53,14 @@ LAWS: dict[str, Callable[..., Any]] = {
 
 
 class Settings(NamedTuple):
-    """What a user sets; each law (`controllers.compensation_laws`) and estimator (`ESTIMATORS`) uses its own."""
+    """What a user sets; each law and each estimator (`controllers.estimators`) uses its own.
+
+    Every estimator has the same law by default, so that they differ in their estimate alone.
+    """
 
     law: Annotated[
         str, "acceleration_feedback", "valve_inversion", "force_source", About("how the estimate reaches the actuator")
-    ] = "acceleration_feedback"
+    ] = "valve_inversion"
     kp: laws.ProportionalGain = 500.0
     kd: laws.DerivativeGain = 0.0
     ka: laws.AccelerationGain = 0.002
@@ -101,6 +87,11 @@ class Settings(NamedTuple):
     velocity_time_constant: TimeConstant = 2e-3
     position_noise: PositionNoise = 13e-6
     jerk_density: JerkDensity = 10.0
+    rotation: RotationUse = "measured"
+    rotation_time_constant: RotationTimeConstant = FILTER_TIME
+    pressure_time_constant: Annotated[
+        float, "s", About("time constant of the measured load force's low-pass; 0: none"), Tuned(5e-4, 2e-2)
+    ] = 2e-3
 
 
 class Gains(NamedTuple):
@@ -112,16 +103,18 @@ class Gains(NamedTuple):
     area_1: Annotated[float, "m^2"]
     area_2: Annotated[float, "m^2"]
     sliding_rate: Annotated[float, "1/s"]
+    rotation_gain: Annotated[float, "1"]
 
 
 class State(NamedTuple):
-    """`friction` is the estimate of this sample; it is kept to be seen."""
+    """`friction` is the estimate of this sample; it is kept to be seen. `rotation_speed` is the filtered one."""
 
     estimator: EstimatorState
     memory: Memory
     law: LawState
     realised: Annotated[float, "command"]
     friction: Annotated[float, "N"]
+    rotation_speed: Annotated[float, "rad/s"]
 
 
 @equation
@@ -136,8 +129,22 @@ def commanded_force(measurement: Measurement, realised: Scalar, gains: Gains) ->
     return realised
 
 
-def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Callable[..., Any]) -> Callable[..., Any]:
-    """The step of a controller made of a friction estimator, a law, and the way in which a rig knows the force."""
+@equation
+def no_gauge(measurement: Measurement) -> Scalar:
+    """A rig has no gauge of friction: NaN."""
+    return np.nan
+
+
+@equation
+def true_friction(measurement: Measurement) -> Scalar:
+    """The reading (N) of the hypothetical gauge."""
+    return measurement.friction
+
+
+def combine(
+    estimate: Callable[..., Any], law: Callable[..., Any], applied: Callable[..., Any], gauge: Callable[..., Any]
+) -> Callable[..., Any]:
+    """The step of a controller made of an estimator, a law, how a rig knows the force, and what gauge there is."""
 
     @equation
     def step(
@@ -147,11 +154,13 @@ def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Call
         force = applied(measurement, state.realised, gains)
         error = reference.position - measurement.position
         sliding = reference.velocity - velocity + gains.sliding_rate * error
-        seen = Seen(velocity, state.memory.previous_velocity, force, sliding)
+        rotation = filtered_rotation(measurement.rotation_speed, state.rotation_speed, gains.rotation_gain)
+        around = gains.belief.turning.radius * rotation
+        seen = Seen(velocity, state.memory.previous_velocity, force, sliding, around, gauge(measurement))
         friction, memory = estimate(seen, state.memory, gains.belief, sample_time)
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)
-        return command, State(estimator, memory, following, state.realised, friction)
+        return command, State(estimator, memory, following, state.realised, friction, rotation)
 
     return step
 
@@ -159,12 +168,13 @@ def combine(estimate: Callable[..., Any], law: Callable[..., Any], applied: Call
 @equation
 def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
     """Keeps the realised command: a drive's applied force."""
-    return State(state.estimator, state.memory, state.law, realised, state.friction)
+    return State(state.estimator, state.memory, state.law, realised, state.friction, state.rotation_speed)
 
 
 def start(measurement: Measurement, gains: Gains) -> State:
-    """At rest; LuGre's theta at 1, Friedland-Park's level at 0."""
-    return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0, 0.0)
+    """At rest along, turning as measured; LuGre's theta at 1, Friedland-Park's level at 0."""
+    rotation = measured_rotation(measurement.rotation_speed)
+    return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0, 0.0, rotation)
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
@@ -174,6 +184,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     believed = Belief(
         belief.body.mass,
         belief.friction,
+        believed_turning(belief, settings.rotation),
         tustin,
         settings.reversal_speed,
         settings.blend_velocity,
@@ -181,10 +192,12 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         settings.exponent,
         settings.injection,
         settings.adaptation,
+        low_pass_gain(settings.pressure_time_constant, sample_time),
     )
     h = getattr(belief, "hydraulics", None)
     area_1, area_2 = (h.piston_area_1, h.piston_area_2) if h is not None else (0.0, 0.0)
-    return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate)
+    turning = rotation_gain(settings, sample_time)
+    return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate, turning)
 
 
 def law_gains(settings: Any, belief: Any) -> LawGains:
@@ -213,10 +226,22 @@ def law_gains(settings: Any, belief: Any) -> LawGains:
 
 
 @functools.cache
-def compensator(name: str, law: str = "acceleration_feedback", hydraulic: bool = True) -> Controller:
+def compensator(name: str, law: str = "valve_inversion", hydraulic: bool = True) -> Controller:
     """The controller made of the estimator `name` and a law, for a plant with measured pressures or without."""
+    return _compensator(name, law, hydraulic, without_use(name, law, hydraulic))
+
+
+@functools.cache
+def offered(name: str) -> Controller:
+    """The controller of that type as it is offered, before its law is chosen: no law's settings are without use."""
+    unused = frozenset.intersection(*(without_use(name, law, True) for law in LAWS))
+    return _compensator(name, "valve_inversion", True, unused)
+
+
+def _compensator(name: str, law: str, hydraulic: bool, unused: frozenset[str]) -> Controller:
     estimator = ESTIMATORS[name]
     applied = pressure_force if hydraulic else commanded_force
+    gauge = name == ORACLE
     return Controller(
         name=name,
         summary=f"friction compensation: {estimator.summary}",
@@ -224,34 +249,30 @@ def compensator(name: str, law: str = "acceleration_feedback", hydraulic: bool =
         Gains=Gains,
         State=State,
         design=design,
-        step=combine(estimator.estimate, LAWS[law], applied),
+        step=combine(estimator.estimate, LAWS[law], applied, true_friction if gauge else no_gauge),
         commit=commit,
         start=start,
         choose=functools.partial(choose, name),
-        unused=without_use(name, law, hydraulic),
+        unused=unused,
+        gauge=gauge,
     )
-
-
-def without_use(name: str, law: str, hydraulic: bool) -> frozenset[str]:
-    """Settings that neither the estimator `name` nor the law uses, on a plant with a valve or without."""
-    others = {setting for estimator in ESTIMATORS.values() for setting in estimator.settings}
-    idle = others.difference(ESTIMATORS[name].settings)
-    if not hydraulic:
-        idle.add("feedforward")  # a drive has no velocity gain
-    if name == "uncompensated" and law == "valve_inversion":
-        idle.update(VELOCITY_SETTINGS)
-    return frozenset(idle)
 
 
 def choose(name: str, settings: Settings, belief: Any) -> Controller:
     """The compensator for the law that the settings name and the plant that is believed in.
 
     Raises:
-        ValueError: a law that the plant has no use for.
+        ValueError: a law that the plant or the estimator has no use for.
     """
     hydraulic = hasattr(belief, "hydraulics")
-    if settings.law == "valve_inversion" and not hydraulic:
+    drive = hasattr(belief, "friction") and not hydraulic  # what has neither is told so when the gains are designed
+    if settings.law == "valve_inversion" and drive:
         raise ValueError('law = "valve_inversion" needs a valve; for a drive take law = "force_source"')
     if settings.law == "force_source" and hydraulic:
         raise ValueError('law = "force_source" needs a drive that gives any force at once; here take "valve_inversion"')
+    if name == "load_pressure" and settings.law != "valve_inversion":
+        raise ValueError(
+            f'law = "{settings.law}" needs a friction estimate, and "load_pressure" has none: with F^ = A P_L the '
+            'estimated acceleration (A P_L - F^) / M is always 0; take law = "valve_inversion"'
+        )
     return compensator(name, settings.law, hydraulic)

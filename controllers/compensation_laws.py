@@ -26,7 +26,13 @@ ForceRate = Annotated[
     Tuned(0.0, 20.0, logarithmic=False),
     _INVERSION,
 ]
-Lead = Annotated[float, "1", About("share of the valve's lag that is inverted"), SHARE, _INVERSION]
+Lead = Annotated[
+    float,
+    "1",
+    About("share of the valve's lag that is inverted"),
+    SHARE,
+    Needs("law", "valve_inversion", "acceleration_feedback"),
+]
 
 LOWEST_DROP = 0.05
 """Smallest share of the supply pressure that a valve inversion counts on: the root must not vanish."""
@@ -73,16 +79,17 @@ class LawGains(NamedTuple):
 def acceleration_feedback(
     wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
 ) -> tuple[Scalar, LawState]:
-    """V = K_p e + K_d (dr - v^) + K_a (ddr - a^) + K_ff dr,  a^ = (F_app - F^) / M.
+    """V = K_p e + K_d (dr - v^) + K_a (ddr - a^) + K_ff (dr + lead tau ddr),  a^ = (F_app - F^) / M.
 
-    Thesis 2.7 to 2.10 names the feedback of position, velocity and acceleration; the sum is derived here.
+    Thesis 2.7 to 2.10 names the feedback of position, velocity and acceleration; the sum, and the lead of the
+    feed-forward over the valve's lag tau, are derived here.
     """
     acceleration = (wanted.applied_force - friction) / g.mass
     command = (
         g.proportional * wanted.error
         + g.derivative * (wanted.reference_velocity - wanted.velocity)
         + g.acceleration * (wanted.reference_acceleration - acceleration)
-        + g.feedforward * wanted.reference_velocity
+        + g.feedforward * (wanted.reference_velocity + g.lead * g.time_constant * wanted.reference_acceleration)
     )
     return command, state
 

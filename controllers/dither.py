@@ -6,7 +6,7 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
-from controllers.pid import DerivativeGain, Feedforward, IntegralGain, ProportionalGain, TrackingTime
+from controllers.pid import DerivativeGain, Feedforward, FeedforwardLead, IntegralGain, ProportionalGain, TrackingTime
 from controllers.settings import About, Needs, Tuned
 from controllers.velocity import JerkDensity, PositionNoise, TimeConstant, VelocityKind
 from plants.equation import Scalar, equation, select
@@ -42,6 +42,7 @@ class Settings(NamedTuple):
     velocity_time_constant: TimeConstant = 2e-3
     position_noise: PositionNoise = 13e-6
     jerk_density: JerkDensity = 10.0
+    lead: FeedforwardLead = 0.0
 
 
 class Gains(NamedTuple):

@@ -5,6 +5,14 @@ from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 from controllers import compensation_laws as laws
+from controllers.believed_friction import (
+    FILTER_TIME,
+    RotationTimeConstant,
+    RotationUse,
+    filtered_rotation,
+    measured_rotation,
+    rotation_gain,
+)
 from controllers.compensation import LAWS, law_gains
 from controllers.compensation_laws import LawGains, LawState, Wanted
 from controllers.extended_kalman import EkfGains, EkfSettings, EkfState, design_ekf, ekf_at_rest, ekf_update
@@ -38,6 +46,8 @@ class Settings(NamedTuple):
     friction_noise: Annotated[float, "N", _deviation("the bristle force that the model lacks"), Tuned(15.0, 1500.0)] = (
         150.0
     )
+    rotation: RotationUse = "measured"
+    rotation_time_constant: RotationTimeConstant = FILTER_TIME
 
 
 class Gains(NamedTuple):
@@ -45,15 +55,17 @@ class Gains(NamedTuple):
     law: LawGains
     area_1: Annotated[float, "m^2"]
     area_2: Annotated[float, "m^2"]
+    rotation_gain: Annotated[float, "1"]
 
 
 class State(NamedTuple):
-    """`friction` is the estimate of this sample; it is kept to be seen."""
+    """`friction` is the estimate of this sample; it is kept to be seen. `rotation_speed` is the filtered one."""
 
     ekf: EkfState
     law: LawState
     realised: Annotated[float, "command"]
     friction: Annotated[float, "N"]
+    rotation_speed: Annotated[float, "rad/s"]
 
 
 def combine(law: Callable[..., Any]) -> Callable[..., Any]:
@@ -63,12 +75,14 @@ def combine(law: Callable[..., Any]) -> Callable[..., Any]:
     def step(
         reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
     ) -> tuple[Scalar, State]:
-        velocity, _, friction, ekf = ekf_update(measurement, state.realised, state.ekf, gains.ekf, sample_time)
+        rotation = filtered_rotation(measurement.rotation_speed, state.rotation_speed, gains.rotation_gain)
+        around = gains.ekf.turning.radius * rotation
+        velocity, _, friction, ekf = ekf_update(measurement, state.realised, state.ekf, gains.ekf, sample_time, around)
         error = reference.position - measurement.position
         force = gains.area_1 * measurement.pressure_1 - gains.area_2 * measurement.pressure_2
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)
-        return command, State(ekf, following, state.realised, friction)
+        return command, State(ekf, following, state.realised, friction, rotation)
 
     return step
 
@@ -76,12 +90,13 @@ def combine(law: Callable[..., Any]) -> Callable[..., Any]:
 @equation
 def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) -> State:
     """Keeps the realised voltage, which moves the believed spool."""
-    return State(state.ekf, state.law, realised, state.friction)
+    return State(state.ekf, state.law, realised, state.friction, state.rotation_speed)
 
 
 def start(measurement: Measurement, gains: Gains) -> State:
-    """At rest with a closed valve."""
-    return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0, 0.0)
+    """At rest along with a closed valve, turning as measured."""
+    rotation = measured_rotation(measurement.rotation_speed)
+    return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0, 0.0, rotation)
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
@@ -91,9 +106,10 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         ValueError: a noise that is not above 0, or a belief without a valve.
     """
     noise = EkfSettings(*(getattr(settings, name) for name in EkfSettings._fields))
-    ekf = design_ekf(belief, noise, sample_time)
+    ekf = design_ekf(belief, noise, sample_time, settings.rotation)
     h = belief.hydraulics
-    return Gains(ekf, law_gains(settings, belief), h.piston_area_1, h.piston_area_2)
+    turning = rotation_gain(settings, sample_time)
+    return Gains(ekf, law_gains(settings, belief), h.piston_area_1, h.piston_area_2, turning)
 
 
 def choose(settings: Settings, belief: Any) -> Controller:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from controllers.believed_friction import Turning, believed_turning, contact, saturated_sign
 from controllers.kalman_algebra import (
     Column,
     Covariance,
@@ -28,8 +29,9 @@ from controllers.kalman_algebra import (
     scaled,
 )
 from plants import hydraulics as hyd
+from plants.anisotropic import Levels, level_fall
 from plants.equation import Scalar, equation, select
-from plants.friction import Friction, directed, stribeck_level
+from plants.friction import TINY, Friction, LuGre, helical_speed, stribeck_slope
 from plants.hydraulics import Hydraulics, Mass
 from plants.interface import Measurement
 
@@ -44,6 +46,9 @@ is infinite at 0."""
 STEEPEST = 2.0
 """The slope of the bristle's rate over velocity counts at most so many steady deflections g/sigma0. An estimate bent
 far beyond them would give the linearised damping force a negative slope without bound."""
+
+GUIDE_SPEED = 1e-3
+"""m/s. Half width of the line through rest of the friction of a guide that does not turn."""
 
 ESTIMATE_RANGE = 3.0
 """Bounds of the estimates: so many static deflections (a0 + a1) / sigma0, so many no-load velocities at full spool."""
@@ -71,6 +76,7 @@ class EkfGains(NamedTuple):
     hydraulics: Hydraulics
     body: Mass
     friction: Friction
+    turning: Turning
     noise: Noise
     oil_stiffness: Annotated[float, "Pa/m^3"]
     fastest_relaxation: Annotated[float, "1/s"]
@@ -88,53 +94,80 @@ class EkfState(NamedTuple):
 
 
 @equation
-def believed_friction(velocity: Scalar, bristle: Scalar, gains: EkfGains) -> tuple[Scalar, Scalar, Row, Row]:
+def relaxation_slope(
+    velocity: Scalar, surface_speed: Scalar, along: LuGre, around: LuGre, levels: Levels, turning: Turning
+) -> Scalar:
+    """(dr/dv) / r (s/m) of the bristle's relaxation r = sigma0 w / S_a^2; the blend of the two sets is held.
+
+    dw/dv = (S_a^2 v + (S_a S_a' v^2 + S_r S_r' w_r^2) v/v_h) / w,   (dr/dv) / r = (dw/dv) / w - 2 (v/v_h) S_a' / S_a
+
+    w_r is the surface speed, a dash the derivative over the helical speed. [derived here]
+    """
+    speed = helical_speed(velocity, surface_speed)
+    cosine = velocity / speed
+    fall = level_fall(speed, along, turning.film, turning.guide)
+    slope = select(stribeck_slope(speed, along) < 0.0, -fall * levels.axial / speed, 0.0)
+    bent = levels.axial * slope * velocity**2 + levels.rotary * stribeck_slope(speed, around) * surface_speed**2
+    sliding_slope = (levels.axial**2 * velocity + bent * cosine) / levels.sliding
+    return sliding_slope / levels.sliding - 2.0 * cosine * slope / levels.axial
+
+
+@equation
+def believed_friction(
+    velocity: Scalar, bristle: Scalar, gains: EkfGains, surface_speed: Scalar = 0.0
+) -> tuple[Scalar, Scalar, Row, Row]:
     """Friction (N), bristle rate (m/s), and the slopes of both over velocity, load pressure (none) and bristle.
 
-        dz/dt = kappa (v - sigma0 |v| z / g),  F = sigma0 z + sigma1 exp(-(v/v_s)^2) dz/dt + a2 v
+        dz/dt = kappa (v - r z),  F = sigma0 z + sigma1 exp(-(v_h/v_s)^2) dz/dt + a2 v
 
-    The damping fades with speed as in `controllers.lugre_observer`. With the constant one a larger bristle is a
-    *smaller* force where sigma1 |v| > g, and the filter would correct a wrong level the wrong way. kappa is 1 but for
-    bristles faster than `FASTEST_BRISTLE`.
+    r = sigma0 |v| / g without rotation, and what `controllers.lugre_observer` has for a rod that turns at
+    `surface_speed` (m/s), and for a guide. The damping fades with speed as there. With the constant one a larger
+    bristle is a *smaller* force where sigma1 |v| > g, and the filter would correct a wrong level the wrong way. kappa
+    is 1 but for bristles faster than `FASTEST_BRISTLE`.
     """
-    f = directed(velocity, bristle, gains.friction)
-    level, sign = stribeck_level(velocity, f), np.sign(velocity)
-    ratio = velocity / f.stribeck_velocity
+    f, around, levels = contact(velocity, surface_speed, bristle, gains.friction, gains.turning)
+    own = 1.0 - levels.guide_share
+    stiffness = own * f.bristle_stiffness
+    ratio = helical_speed(velocity, surface_speed) / f.stribeck_velocity
     bell = np.exp(-(ratio**2))
-    bell_slope = -2.0 * ratio / f.stribeck_velocity * bell
-    level_slope = select(level > f.coulomb + f.stribeck * bell, 0.0, f.stribeck * bell_slope)
-    relaxation = f.bristle_stiffness * np.abs(velocity) / level
+    bell_slope = -2.0 * velocity / f.stribeck_velocity**2 * bell
+    relaxation = stiffness * levels.sliding / levels.axial**2
+    steeper = relaxation_slope(velocity, surface_speed, f, around, levels, gains.turning)
     slowed = np.minimum(relaxation, gains.fastest_relaxation)
-    rate = select(
-        relaxation > slowed,
-        slowed * (sign * level / f.bristle_stiffness - bristle),
-        velocity - relaxation * bristle,
-    )
-    most = STEEPEST * level / f.bristle_stiffness
+    steady = velocity / (relaxation + TINY)
+    rate = select(relaxation > slowed, slowed * (steady - bristle), velocity - relaxation * bristle)
+    most = STEEPEST * levels.axial / stiffness
     bent = np.minimum(np.maximum(bristle, -most), most)
     rate_slope = select(
         relaxation > slowed,
-        slowed * sign * level_slope / f.bristle_stiffness,
-        1.0 - bent * (f.bristle_stiffness * sign - relaxation * level_slope) / level,
+        slowed * (1.0 - velocity * steeper) / (relaxation + TINY),
+        1.0 - bent * relaxation * steeper,
     )
-    damping = f.bristle_damping * bell
-    force = f.bristle_stiffness * bristle + damping * rate + f.viscous * velocity
-    force_slope = f.bristle_damping * bell_slope * rate + damping * rate_slope + f.viscous
+    damping = own * f.bristle_damping * bell
+    guided = levels.guide * saturated_sign(velocity, GUIDE_SPEED)
+    force = stiffness * bristle + damping * rate + f.viscous * velocity + guided
+    guide_slope = select(np.abs(velocity) < GUIDE_SPEED, levels.guide / GUIDE_SPEED, 0.0)
+    force_slope = own * f.bristle_damping * bell_slope * rate + damping * rate_slope + f.viscous + guide_slope
     return (
         force,
         rate,
-        Row(force_slope, 0.0, f.bristle_stiffness - damping * slowed),
+        Row(force_slope, 0.0, stiffness - damping * slowed),
         Row(rate_slope, 0.0, -slowed),
     )
 
 
 @equation
 def believed_rates(
-    velocity: Scalar, load_pressure: Scalar, bristle: Scalar, spool: Scalar, gains: EkfGains
+    velocity: Scalar,
+    load_pressure: Scalar,
+    bristle: Scalar,
+    spool: Scalar,
+    gains: EkfGains,
+    surface_speed: Scalar = 0.0,
 ) -> tuple[Row, Matrix]:
     """Rates of velocity, load pressure and bristle, and their Jacobian. Thesis (3.36) to (3.38), inside the stroke."""
     h, mass = gains.hydraulics, gains.body.mass
-    force, bristle_rate, force_slopes, bristle_slopes = believed_friction(velocity, bristle, gains)
+    force, bristle_rate, force_slopes, bristle_slopes = believed_friction(velocity, bristle, gains, surface_speed)
     area, stiffness = hyd.piston_area(h), gains.oil_stiffness
     drop = h.supply_pressure - h.tank_pressure - np.sign(spool) * load_pressure
     counted = h.flow_pressure_share * np.maximum(drop, LEAST_DROP * h.supply_pressure)
@@ -155,12 +188,17 @@ def believed_rates(
 
 @equation
 def ekf_update(
-    measurement: Measurement, realised: Scalar, state: EkfState, gains: EkfGains, sample_time: Scalar
+    measurement: Measurement,
+    realised: Scalar,
+    state: EkfState,
+    gains: EkfGains,
+    sample_time: Scalar,
+    surface_speed: Scalar = 0.0,
 ) -> tuple[Scalar, Scalar, Scalar, EkfState]:
     """Estimates at a sample from its measurement and the voltage (V) realised over the sample before it.
 
     Position and load pressure P1 - P2 are corrected one after the other, which for independent noise is the same as
-    together.
+    together. `surface_speed` (m/s) of the rod's rotation is an input, taken as it is measured.
 
     Returns:
         velocity (m/s), load pressure (Pa), friction (N), and the next state, which holds the bristle's deflection.
@@ -170,7 +208,7 @@ def ekf_update(
     left = state.spool - target
     keep = np.exp(-sample_time / h.valve_time_constant)
     spool = target + left * (1.0 - keep) * h.valve_time_constant / sample_time  # its mean over the sample
-    rates, jacobian = believed_rates(state.velocity, state.load_pressure, state.bristle, spool, gains)
+    rates, jacobian = believed_rates(state.velocity, state.load_pressure, state.bristle, spool, gains, surface_speed)
     power, step, travel, rest = hold(rates, jacobian, sample_time)
     mean = Column(
         state.position + sample_time * state.velocity + rest,
@@ -185,13 +223,15 @@ def ekf_update(
     mean, c = corrected(mean, c, with_pressure, c.pp, reading, mean.p, noise.measured_load_pressure)
     velocity = np.minimum(np.maximum(mean.v, -gains.largest_velocity), gains.largest_velocity)
     bristle = np.minimum(np.maximum(mean.z, -gains.largest_bristle), gains.largest_bristle)
-    friction, _, _, _ = believed_friction(velocity, bristle, gains)
+    friction, _, _, _ = believed_friction(velocity, bristle, gains, surface_speed)
     following = EkfState(mean.x, velocity, mean.p, bristle, target + left * keep, floored(c, noise))
     return velocity, mean.p, friction, following
 
 
-def design_ekf(belief: Any, settings: EkfSettings, sample_time: float) -> EkfGains:
+def design_ekf(belief: Any, settings: EkfSettings, sample_time: float, rotation: str = "measured") -> EkfGains:
     """Numbers of the filter from the believed plant (hydraulics, body, friction) and the noise.
+
+    `rotation` "ignored": the rod's surface speed counts for nothing.
 
     Raises:
         ValueError: a standard deviation that is not above 0, or a belief without a valve.
@@ -201,8 +241,8 @@ def design_ekf(belief: Any, settings: EkfSettings, sample_time: float) -> EkfGai
     for name, value in settings._asdict().items():
         if not value > 0.0:
             raise ValueError(f"{name} is {value:g}, expected a value above 0")
-    h, mass, contact = belief.hydraulics, belief.body.mass, belief.friction
-    sides = (contact.positive, contact.negative)
+    h, mass, sets = belief.hydraulics, belief.body.mass, belief.friction
+    sides = (sets.positive, sets.negative)
     softest = min(side.bristle_stiffness for side in sides)
     oil_stiffness = 4.0 * h.bulk_modulus / float(hyd.oil_volume(h))
     push = settings.force_noise * sample_time / mass
@@ -216,7 +256,10 @@ def design_ekf(belief: Any, settings: EkfSettings, sample_time: float) -> EkfGai
     )
     fastest = ESTIMATE_RANGE * float(hyd.no_load_velocity_gain(h)) * h.spool_limit / h.valve_position_gain
     largest = ESTIMATE_RANGE * max(side.coulomb + side.stribeck for side in sides) / softest
-    return EkfGains(h, belief.body, contact, noise, oil_stiffness, FASTEST_BRISTLE / sample_time, fastest, largest)
+    turning = believed_turning(belief, rotation)
+    return EkfGains(
+        h, belief.body, sets, turning, noise, oil_stiffness, FASTEST_BRISTLE / sample_time, fastest, largest
+    )
 
 
 def ekf_at_rest(measurement: Measurement, gains: EkfGains) -> EkfState:

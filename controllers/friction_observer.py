@@ -4,22 +4,32 @@ A friction estimator is one equation, `estimate(seen, memory, belief, sample_tim
 memory and one belief, so that any of them goes with any law of `controllers.compensation_laws`.
 """
 
+import math
 from typing import Annotated, NamedTuple
 
+from controllers.believed_friction import Turning
 from plants.friction import Friction, Tustin
 
 
 class Seen(NamedTuple):
-    """What an estimator is given at a sample: nothing that a rig does not measure or command."""
+    """What an estimator is given at a sample: nothing that a rig does not measure or command.
+
+    `gauge` alone is no rig's: the reading of the hypothetical friction gauge, NaN for all but `friction_gauge`.
+    """
 
     velocity: Annotated[float, "m/s"]
     previous_velocity: Annotated[float, "m/s"]
     applied_force: Annotated[float, "N"]
     sliding: Annotated[float, "m/s"]
+    surface_speed: Annotated[float, "m/s"] = 0.0
+    gauge: Annotated[float, "N"] = math.nan
 
 
 class Memory(NamedTuple):
-    """State of the estimators: Friedland-Park's level; LuGre's bristle, its adaptive factor, the momentum."""
+    """State of the estimators.
+
+    Friedland-Park's level, or the filtered load force; LuGre's bristle, its adaptive factor, the momentum.
+    """
 
     level: Annotated[float, "N"]
     bristle: Annotated[float, "m"]
@@ -33,6 +43,7 @@ class Belief(NamedTuple):
 
     mass: Annotated[float, "kg"]
     friction: Friction
+    turning: Turning
     map: Tustin
     reversal_speed: Annotated[float, "m/s"]
     blend_velocity: Annotated[float, "m/s"]
@@ -40,3 +51,4 @@ class Belief(NamedTuple):
     exponent: Annotated[float, "1"]
     injection: Annotated[float, "1"]
     adaptation: Annotated[float, "1/J"]
+    pressure_gain: Annotated[float, "1"]

@@ -36,7 +36,8 @@ class Controller:
     `command`) and `Annotated[str, choice, choice, ...]`, with defaults; `controllers.settings` says what may stand
     behind these. `unused` are those of them that this controller has no use for: several may share one class.
     `belief` is what the controller believes of the plant: an object of the plant's parameter class, never the truth.
-    `design` raises ValueError where settings or belief do not serve.
+    `gauge`: it is given the reading of the hypothetical friction gauge (`plants.friction_gauge`), which for every
+    other controller is NaN. `design` raises ValueError where settings or belief do not serve.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Controller:
     choose: Callable[..., "Controller"] | None = None
     forcing: Callable[..., float] | None = None
     unused: frozenset[str] = frozenset()
+    gauge: bool = False
 
 
 STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from controllers.believed_friction import contact, saturated_sign
 from controllers.friction_observer import Belief, Memory, Seen
 from plants.equation import Scalar, equation, select
-from plants.friction import LuGre, directed, stribeck_level
+from plants.friction import helical_speed
 
 SLOWEST_ADAPTATION = 2e-3
 """m/s. Slower, theta is frozen: near rest the residual says more about presliding than about the level."""
@@ -28,21 +29,25 @@ def decay_share(exponent: Scalar) -> Scalar:
 def _advance(
     seen: Seen, bristle: Scalar, theta: Scalar, belief: Belief, sample_time: Scalar
 ) -> tuple[Scalar, Scalar, Scalar]:
-    """Friction estimate (N), next bristle (m) and relaxation rate sigma0 |v^| / g (1/s), v^ held over the sample.
+    """Friction estimate (N), next bristle (m) and relaxation rate r (1/s), v^ held over the sample.
 
-    The exact solution of dz/dt = v^ - theta sigma0 |v^| z / g + k s over one sample; explicit Euler at 1 ms would be
-    unstable above some 0.13 m/s. The bristle's damping fades with speed, sigma1 exp(-(v/v_s)^2), which keeps the
-    observer passive.
+    The exact solution of dz/dt = v^ - theta r z + k s over one sample; explicit Euler at 1 ms would be unstable above
+    some 0.13 m/s. r = sigma0 |v^| / g without rotation, sigma0 v_h / g(v_h) of a rod that turns, and sigma0 w / S_a^2
+    where its friction differs along and around (`plants.anisotropic`). The bristle's damping fades with speed, sigma1
+    exp(-(v_h/v_s)^2), which keeps the observer passive. A guide that does not turn has its steady level.
     """
     v = seen.velocity
-    p: LuGre = directed(v, bristle, belief.friction)
-    relaxation = p.bristle_stiffness * np.abs(v) / stribeck_level(v, p)
+    p, _, levels = contact(v, seen.surface_speed, bristle, belief.friction, belief.turning)
+    own = 1.0 - levels.guide_share
+    stiffness = own * p.bristle_stiffness
+    relaxation = stiffness * levels.sliding / levels.axial**2
     exponent = theta * relaxation * sample_time
     drive = v + belief.injection * seen.sliding
     following = bristle * np.exp(-exponent) + drive * sample_time * decay_share(exponent)
-    damping = p.bristle_damping * np.exp(-((v / p.stribeck_velocity) ** 2))
-    force = p.bristle_stiffness * following + damping * (following - bristle) / sample_time + p.viscous * v
-    return force, following, relaxation
+    fading = np.exp(-((helical_speed(v, seen.surface_speed) / p.stribeck_velocity) ** 2))
+    damped = own * p.bristle_damping * fading * (following - bristle) / sample_time
+    guided = levels.guide * saturated_sign(v, belief.reversal_speed)
+    return stiffness * following + damped + p.viscous * v + guided, following, relaxation
 
 
 @equation
@@ -56,7 +61,7 @@ def lugre_observer(seen: Seen, memory: Memory, belief: Belief, sample_time: Scal
 def lugre_adaptive(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar) -> tuple[Scalar, Memory]:
     """The same with theta adapted; steady friction is g/theta, so that a larger theta is less friction.
 
-        d theta/dt = -gamma (sigma0 |v^| / g) z^ res,   d p/dt = F_app - F^ - res,   res = L (p - M v^)
+        d theta/dt = -gamma r z^ res,   d p/dt = F_app - F^ - res,   res = L (p - M v^)
 
     res is the momentum residual: what force the estimate lacks, through a low-pass of L = `RESIDUAL_RATE`. Frozen
     near rest and while the bristle is far from its steady deflection, and projected to `THETA_RANGE`: without these

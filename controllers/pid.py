@@ -23,6 +23,9 @@ ProportionalGain = Annotated[float, "command/m", About("gain on the position err
 IntegralGain = Annotated[float, "command/(m s)", About("gain on the integral of the error"), DECADES]
 DerivativeGain = Annotated[float, "command s/m", About("gain on the error of the velocity"), DECADES]
 Feedforward = Annotated[float, "1", About("share of the reference's velocity that is fed forward"), SHARE]
+FeedforwardLead = Annotated[
+    float, "1", About("share of the valve's lag that the feed-forward inverts"), SHARE, Needs("feedforward")
+]
 TrackingTime = Annotated[float, "s", About("time constant of the anti-windup; 0: K_p / K_i"), Needs("ki")]
 
 
@@ -30,8 +33,10 @@ class Settings(NamedTuple):
     """What a user sets. Terms are left out by their 0.
 
     `feedforward` is the share of the reference's velocity that is fed forward through the believed velocity gain
-    K_q; `tracking_time` the time constant of the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the
-    repeatability of the thesis's potentiometer, and a jerk of 30 m/s^3 that lasts 10 ms.
+    K_q. `lead` is the share of the believed valve's lag that it inverts: what a valve inversion may do, plain control
+    may too, since nothing but the reference's acceleration is needed for it. `tracking_time` is the time constant of
+    the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the repeatability of the thesis's potentiometer, and
+    a jerk of 30 m/s^3 that lasts 10 ms.
     """
 
     kp: ProportionalGain
@@ -43,10 +48,14 @@ class Settings(NamedTuple):
     velocity_time_constant: TimeConstant = 2e-3
     position_noise: PositionNoise = 13e-6
     jerk_density: JerkDensity = 10.0
+    lead: FeedforwardLead = 0.0
 
 
 class Gains(NamedTuple):
-    """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s)."""
+    """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s).
+
+    `lead` is what of the valve's time constant the feed-forward inverts.
+    """
 
     proportional: Annotated[float, "command/m"]
     integral: Annotated[float, "command/(m s)"]
@@ -54,6 +63,7 @@ class Gains(NamedTuple):
     feedforward: Annotated[float, "command s/m"]
     tracking: Annotated[float, "1/s"]
     estimator: Estimator
+    lead: Annotated[float, "s"] = 0.0
 
 
 class State(NamedTuple):
@@ -67,14 +77,18 @@ class State(NamedTuple):
 def step(
     reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
 ) -> tuple[Scalar, State]:
-    """u = K_p e + K_d (dr - v^) + I + K_ff dr, with e = r - x and v^ the estimated velocity."""
+    """u = K_p e + K_d (dr - v^) + I + K_ff (dr + T_l ddr), with e = r - x and v^ the estimated velocity.
+
+    T_l = lead tau, tau the valve's lag: (1 + tau s) of the reference's velocity is what the valve makes that velocity
+    of again.
+    """
     error = reference.position - measurement.position
     velocity, estimator = estimate_velocity(measurement.position, state.estimator, gains.estimator)
     command = (
         gains.proportional * error
         + gains.derivative * (reference.velocity - velocity)
         + state.integral
-        + gains.feedforward * reference.velocity
+        + gains.feedforward * (reference.velocity + gains.lead * reference.acceleration)
     )
     return command, State(state.integral, command, error, estimator)
 
@@ -93,21 +107,23 @@ def start(measurement: Measurement, gains: Gains) -> State:
 
 
 def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
-    """Gains from settings, with K_ff = feedforward / K_q.
+    """Gains from settings, with K_ff = feedforward / K_q and T_l = lead tau.
 
     Raises:
         ValueError: feed-forward for a plant whose belief has no velocity gain, or an estimator's setting.
     """
-    feedforward = 0.0
+    feedforward, lead = 0.0, 0.0
     if settings.feedforward:
         if not hasattr(belief, "hydraulics"):
             raise ValueError("feedforward needs a plant with a velocity gain (a hydraulic one); leave it out here")
         feedforward = settings.feedforward / float(no_load_velocity_gain(belief.hydraulics))
+        lead = settings.lead * belief.hydraulics.valve_time_constant
     tracking = 0.0
     if settings.ki:
         tracking_time = settings.tracking_time or abs(settings.kp / settings.ki)
         tracking = 1.0 / max(tracking_time, sample_time)
-    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, design_estimator(settings, sample_time))
+    estimator = design_estimator(settings, sample_time)
+    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, estimator, lead)
 
 
 PID = Controller(

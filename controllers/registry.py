@@ -1,9 +1,10 @@
 """The position controllers by name: ours, and those that other packages bring by entry point."""
 
-from controllers.compensation import ESTIMATORS, compensator
+from controllers.compensation import offered
 from controllers.disturbance_observer import DISTURBANCE_OBSERVER
 from controllers.dither import DITHER
 from controllers.ekf_compensation import ekf_compensator
+from controllers.estimators import ESTIMATORS
 from controllers.interface import Controller
 from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.open_loop import OPEN_LOOP
@@ -14,7 +15,7 @@ from plants.plugins import Registry
 
 _OURS = (
     PID,
-    *(compensator(name) for name in ESTIMATORS),
+    *(offered(name) for name in ESTIMATORS),
     ekf_compensator(),
     NONLINEAR_PI,
     DITHER,

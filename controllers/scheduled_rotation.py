@@ -22,12 +22,13 @@ MARGIN = 1.01
 class Settings(NamedTuple):
     """What a user sets.
 
-    `bias` is the voltage believed to hold the speed of a piston at rest. `surface_acceleration` limits how fast the
+    `bias` is the current believed to hold the `speed` of a piston at rest. `surface_acceleration` limits how fast the
     surface speed may change: 5 m/s^2 is 25 times the acceleration of a sine of 20 mm at 0.5 Hz, and takes 170 N at
     the surface of the simulation plant's 34 kg, less than its friction.
     """
 
-    bias: Annotated[float, "V"] = 0.0
+    speed: Annotated[float, "rad/s"] = 0.0
+    bias: Annotated[float, "A"] = 0.0
     surface_acceleration: Annotated[float, "m/s^2"] = 5.0
     velocity_time_constant: Annotated[float, "s"] = 2e-3
 
@@ -68,16 +69,14 @@ def schedule(minimum: Scalar, position: Scalar, state: State, gains: Gains) -> t
 def step_voltage(
     reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
 ) -> tuple[Scalar, State]:
-    """Motor voltage (V): the PI servo of `controllers.speed_servo` on omega_s; `reference.position` is omega_min.
+    """Motor voltage (V): the servo of `controllers.speed_servo` on omega_s; `reference.position` is omega_min.
 
-    Its bias is scaled by omega_s / omega_min: at constant helical speed both the rotary friction F_h w / v_h and the
-    back EMF are proportional to the speed of rotation [derived here].
+    Its bias is scaled by omega_s / omega_min: at constant helical speed the rotary friction F_h w / v_h is proportional
+    to the speed of rotation [derived here].
     """
     scheduled, estimator = schedule(reference.position, measurement.position, state, gains)
     share = scheduled / np.maximum(reference.position, 1e-12)
-    servo = speed_servo.Gains(gains.servo.proportional, gains.servo.integral, gains.servo.bias * share)
-    wanted = Reference(scheduled, 0.0, 0.0)
-    voltage, following = speed_servo.step(wanted, measurement, state.servo, servo, sample_time)
+    voltage, following = speed_servo.follow(scheduled, gains.servo.bias * share, measurement, state.servo, gains.servo)
     return voltage, State(following, estimator, scheduled)
 
 
@@ -113,7 +112,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
             raise ValueError(f"{name} is {getattr(settings, name):g}, expected a value above 0")
     radius = belief.motor.piston_radius
     return Gains(
-        speed_servo.design(speed_servo.Settings(settings.bias), belief, sample_time),
+        speed_servo.design(speed_servo.Settings(settings.speed, settings.bias), belief, sample_time),
         radius,
         settings.surface_acceleration * sample_time / radius,
         filtered_differentiator(settings.velocity_time_constant, sample_time),

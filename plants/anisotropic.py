@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants.equation import Scalar, equation, select
+from plants.equation import Scalar, equation, when
 from plants.friction import (
     LEVEL_FLOOR,
     TINY,
@@ -64,8 +64,19 @@ class Levels(NamedTuple):
 def guide_level(speed: Scalar, guide: Guide) -> Scalar:
     """Level (N) of the guide at an axial `speed` (m/s), floored as in `stribeck_level`."""
     static = guide.guide_coulomb + guide.guide_stribeck
+    return when(static > 0.0, _guide_level, 0.0, speed, static, guide)
+
+
+@equation
+def _guide_level(speed: Scalar, static: Scalar, guide: Guide) -> Scalar:
     level = guide.guide_coulomb + guide.guide_stribeck * np.exp(-((speed / guide.guide_stribeck_velocity) ** 2))
     return np.maximum(level, LEVEL_FLOOR * static)
+
+
+@equation
+def thinning(speed: Scalar, film: Film) -> Scalar:
+    """Share of the axial level that a film leaves at a helical `speed` (m/s)."""
+    return film.film_share + (1.0 - film.film_share) * np.exp(-((speed / film.film_speed) ** 2))
 
 
 @equation
@@ -78,7 +89,7 @@ def anisotropic_levels(axial: Scalar, rotary: Scalar, along: LuGre, around: LuGr
     speed = helical_speed(axial, rotary)
     static = along.coulomb + along.stribeck + TINY_LEVEL
     share = np.minimum((guide.guide_coulomb + guide.guide_stribeck) / static, 1.0 - LEVEL_FLOOR)
-    thinned = film.film_share + (1.0 - film.film_share) * np.exp(-((speed / film.film_speed) ** 2))
+    thinned = when(film.film_share != 1.0, thinning, 1.0, speed, film)
     total = stribeck_level(speed, along)
     turning = np.maximum(total - guide_level(speed, guide), LEVEL_FLOOR * total) * thinned
     level = stribeck_level(speed, around)
@@ -112,6 +123,14 @@ def passive_damping(law: LuGre, relaxation: Scalar) -> Scalar:
     """
     k = relaxation + TINY
     return np.minimum(law.bristle_damping, (2.0 / k) * (1.0 + np.sqrt(1.0 + law.viscous * k)))
+
+
+@equation
+def steady_damping(axial: Scalar, speed: Scalar, levels: Levels, along: LuGre, film: Film, guide: Guide) -> Scalar:
+    """The damping (N s/m) along that leaves sliding under a film or beside a guide passive and steady."""
+    whole = passive_damping(along, (1.0 - levels.guide_share) * levels.sliding / levels.axial**2)
+    fall = np.maximum(level_fall(speed, along, film, guide), 0.0) * (axial / speed) ** 2
+    return np.minimum(whole, TAKEN * along.viscous / (fall + TINY))
 
 
 @equation
@@ -151,12 +170,9 @@ def lugre_anisotropic(
     s = anisotropic_levels(axial, rotary, along, around, film, guide)
 
     own = 1.0 - s.guide_share
-    altered = select(film.film_share == 1.0, s.guide_share, 1.0) > 0.0  # there is a film or a guide
     turned = passive_damping(along, s.rotary * np.abs(rotary) / s.axial**2)
-    whole = passive_damping(along, own * s.sliding / s.axial**2)
-    fall = np.maximum(level_fall(speed, along, film, guide), 0.0) * (axial / speed) ** 2
-    steady = TAKEN * along.viscous / (fall + TINY)
-    damping = select(altered, np.minimum(whole, steady), turned)
+    altered = np.maximum(s.guide_share, np.abs(1.0 - film.film_share)) > 0.0  # there is a film or a guide
+    damping = when(altered, steady_damping, turned, axial, speed, s, along, film, guide)
     rate_axial = axial - own * along.bristle_stiffness * s.sliding / s.axial**2 * bristles.bristle_axial
     force = own * (along.bristle_stiffness * bristles.bristle_axial + damping * rate_axial) + along.viscous * axial
 

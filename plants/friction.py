@@ -93,6 +93,15 @@ def stribeck_level(speed: Scalar, p: LuGre) -> Scalar:
 
 
 @equation
+def stribeck_slope(speed: Scalar, p: LuGre) -> Scalar:
+    """dg/dv (N s/m) of `stribeck_level` at a `speed` (m/s) of at least 0: not above 0, and 0 on its floor."""
+    ratio = speed / p.stribeck_velocity
+    bell = np.exp(-(ratio**2))
+    falling = stribeck_level(speed, p) <= p.coulomb + p.stribeck * bell
+    return select(falling, -2.0 * ratio / p.stribeck_velocity * p.stribeck * bell, 0.0)
+
+
+@equation
 def lugre(velocity: Scalar, bristle: Scalar, friction: Friction) -> tuple[Scalar, Scalar]:
     """Friction force (N) and bristle rate (m/s) at `velocity` (m/s) and `bristle` deflection (m).
 
@@ -178,7 +187,7 @@ class Tustin(NamedTuple):
 
 @equation
 def modified_tustin(velocity: Scalar, p: Tustin) -> Scalar:
-    """Friction (N) at `velocity` (m/s) by Tafazoli's modified Tustin law (thesis 2.7); al1 < 0 gives the drop."""
+    """Friction (N) at `velocity` (m/s) by Tafazoli's modified Tustin law (thesis 2.8); al1 < 0 gives the drop."""
     speed = np.abs(velocity)
     return (p.constant + p.root * np.sqrt(speed) + p.linear * speed) * np.sign(velocity)
 

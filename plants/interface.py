@@ -5,23 +5,36 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 from numba import types
 
 from plants.equation import POINTER, caller, compiled, fields, fingerprint, pack, unpack
 
 
 class Measurement(NamedTuple):
-    """What a rig's sensors deliver, and all that a controller ever sees of a plant; NaN where it has none."""
+    """What a rig's sensors deliver, and all that a controller ever sees of a plant; NaN where it has none.
+
+    `friction` is no rig's: the hypothetical gauge of `plants.friction_gauge`, NaN unless a study asks for it, and then
+    for the controller of that name alone.
+    """
 
     position: Annotated[float, "m"]
     pressure_1: Annotated[float, "Pa"]
     pressure_2: Annotated[float, "Pa"]
     rotation_speed: Annotated[float, "rad/s"]
     motor_current: Annotated[float, "A"] = math.nan
+    friction: Annotated[float, "N"] = math.nan
+
+
+GAUGE = "friction"
+"""The channel of the hypothetical friction gauge."""
+
+SENSORS = tuple(name for name in Measurement._fields if name != GAUGE)
+"""Channels that a rig can have: the first of a `Measurement`, in its order."""
 
 
 def unlimited(parameters: Any) -> float:
-    """The travel (m) of a plant without end stops."""
+    """The travel (m) of a plant without end stops, the limit of a rotary command without one."""
     return math.inf
 
 
@@ -35,6 +48,7 @@ class Plant:
     equilibrium(parameters, surface_speed) -> (State, Inputs)  at rest in mid-stroke, rotating at that speed (m/s)
     command_limit(parameters) -> float                         the amplifier's limit, unit of the command
     travel(parameters) -> float                                distance (m) between the end stops about position 0
+    rotary_limit(parameters) -> float                          the motor drive's limit, unit of the rotary command
 
     `State` holds at least `position` and `velocity`. `command` is the input that the position controller drives,
     `rotary_command` the one that rotates. `balances` names the state whose rate each physical balance gives.
@@ -55,6 +69,7 @@ class Plant:
     balances: dict[str, str]
     rotary_command: str | None = None
     travel: Callable[[Any], float] = unlimited
+    rotary_limit: Callable[[Any], float] = unlimited
 
     @property
     def command_unit(self) -> str:
@@ -91,13 +106,20 @@ def compile_derivatives(plant: Plant) -> Any:
 
 
 def compile_measure(plant: Plant) -> Any:
-    """The plant's noise-free readings as a C function of signature `MEASURE`."""
+    """The plant's noise-free readings as a C function of signature `MEASURE`.
+
+    A channel that its `measure` leaves to the default is absent from the compiled tuple: it is NaN.
+    """
     measure, state_class, parameters_class = plant.measure, plant.State, plant.Parameters
+    channels = len(Measurement._fields)
     source = fingerprint(measure)
 
     @compiled(MEASURE)
     def entry(state: Any, parameters: Any, measurement: Any) -> None:
         _ = source  # part of the key of the compiled code's cache
-        pack(measure(unpack(state_class, state), unpack(parameters_class, parameters)), measurement)
+        readings = measure(unpack(state_class, state), unpack(parameters_class, parameters))
+        for i in range(len(readings), channels):
+            measurement[i] = np.nan
+        pack(readings, measurement)
 
     return entry

@@ -2,7 +2,9 @@
 
 from typing import Annotated, NamedTuple
 
-from plants.equation import Scalar, equation
+import numpy as np
+
+from plants.equation import Scalar, equation, select
 
 
 class Motor(NamedTuple):
@@ -11,6 +13,10 @@ class Motor(NamedTuple):
     `torque_constant` and `back_emf_constant` differ in SI units, as printed for a three-phase drive, so that
     the power at the terminals is not the sum of shaft power and winding loss: (K_bemf - K_t) i omega is the
     balance that the printed constants leave open.
+
+    The limits are those of motor and drive together; a set that does not name them has none. `motor_nominal_torque`,
+    what it may give for ever, limits nothing: more than it is reported. `motor_speed_limit` limits what a speed servo
+    is asked for.
     """
 
     rotary_inertia: Annotated[float, "kg m^2"]
@@ -19,6 +25,27 @@ class Motor(NamedTuple):
     back_emf_constant: Annotated[float, "V s/rad"]
     motor_inductance: Annotated[float, "H"]
     motor_resistance: Annotated[float, "ohm"]
+    motor_nominal_torque: Annotated[float, "N m"] = np.inf
+    motor_peak_torque: Annotated[float, "N m"] = np.inf
+    motor_peak_current: Annotated[float, "A"] = np.inf
+    motor_voltage_limit: Annotated[float, "V"] = np.inf
+    motor_speed_limit: Annotated[float, "rad/s"] = np.inf
+
+
+LIMITS = ("motor_peak_torque", "motor_peak_current", "motor_voltage_limit", "motor_speed_limit")
+"""What `motor_limits = false` lifts."""
+
+
+@equation
+def drive_voltage(voltage: Scalar, p: Motor) -> Scalar:
+    """Voltage (V) that the drive gives when it is asked for `voltage` (V)."""
+    return np.minimum(np.maximum(voltage, -p.motor_voltage_limit), p.motor_voltage_limit)
+
+
+@equation
+def current_limit(p: Motor) -> Scalar:
+    """Largest current (A): the drive's, or that of the peak torque."""
+    return np.minimum(p.motor_peak_current, p.motor_peak_torque / p.torque_constant)
 
 
 @equation
@@ -30,9 +57,11 @@ def surface_acceleration(current: Scalar, rotary_friction: Scalar, p: Motor) -> 
 
 @equation
 def current_rate(current: Scalar, surface_speed: Scalar, voltage: Scalar, p: Motor) -> Scalar:
-    """di/dt (A/s) = (V_m - R_m i - K_bemf w / R) / L_m. Thesis (3.39)."""
+    """di/dt (A/s) = (V_m - R_m i - K_bemf w / R) / L_m, held at the largest current. Thesis (3.39) with limits."""
     back_emf = p.back_emf_constant * surface_speed / p.piston_radius
-    return (voltage - p.motor_resistance * current - back_emf) / p.motor_inductance
+    rate = (drive_voltage(voltage, p) - p.motor_resistance * current - back_emf) / p.motor_inductance
+    limit = current_limit(p)
+    return select(current >= limit, np.minimum(rate, 0.0), select(current <= -limit, np.maximum(rate, 0.0), rate))
 
 
 @equation

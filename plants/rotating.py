@@ -152,6 +152,11 @@ def measure(state: Any, p: Any) -> Measurement:
     return readings(state, state.surface_speed, state.motor_current, p)
 
 
+def motor_voltage_limit(p: Any) -> float:
+    """Limit (V) of the motor's drive."""
+    return float(p.motor.motor_voltage_limit)
+
+
 def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
     """The plant whose rod a motor turns against the friction of a bristle law."""
     friction = law.friction
@@ -175,7 +180,7 @@ def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
     def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Signals:
         """What is worth plotting; see `Signals`."""
         axial, rotary, _ = friction(state.velocity, state.surface_speed, state.bristles, p)
-        rotation = (state.surface_speed, state.motor_current, inputs.motor_voltage)
+        rotation = (state.surface_speed, state.motor_current, mot.drive_voltage(inputs.motor_voltage, p.motor))
         return all_signals(state, inputs, (axial, rotary), rotation, p)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
@@ -201,6 +206,7 @@ def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
         travel=travel,
         command="valve_voltage",
         rotary_command="motor_voltage",
+        rotary_limit=motor_voltage_limit,
         balances={
             "force": "velocity",
             "flow": "load_pressure",

@@ -13,6 +13,7 @@ from controllers.dither import DITHER
 from controllers.interface import Controller, Reference
 from controllers.nonlinear_pi import NONLINEAR_PI
 from controllers.scheduled_rotation import SCHEDULED_ROTATION
+from controllers.switched_rotation import SWITCHED_ROTATION
 from plants.equation import to_array
 from plants.interface import Measurement
 from workbench.simulation.references import Sine
@@ -56,9 +57,15 @@ def test_commands_follow_from_the_position_sensor_alone(controller: Controller, 
 
 def test_states_and_gains_are_plain_numbers() -> None:
     """What the compiled loop carries: vectors of finite numbers, the same length at every sample."""
-    for controller in (NONLINEAR_PI, DITHER, DISTURBANCE_OBSERVER, *SCHEDULED_ROTATION.values()):
+    for controller in (
+        NONLINEAR_PI,
+        DITHER,
+        DISTURBANCE_OBSERVER,
+        *SCHEDULED_ROTATION.values(),
+        *SWITCHED_ROTATION.values(),
+    ):
         gains = controller.design(controller.Settings(), BELIEF, H)
-        measured = Measurement(1e-3, 1e6, 1e6, 5.0)
+        measured = Measurement(1e-3, 1e6, 1e6, 5.0, 1.0)
         state = controller.start(measured, gains)
         command, following = controller.step(Reference(2e-3, 0.0, 0.0), measured, state, gains, H)
         for value in (gains, state, following, controller.commit(command, following, gains, H)):

@@ -14,6 +14,7 @@ from plants.drive import DRIVE_FORCE
 from plants.equation import fields, from_array, leaves, to_array
 from plants.friction import LuGre, steady_friction
 from plants.interface import Plant, compile_derivatives
+from plants.motor import LIMITS
 from plants.non_rotating import NON_ROTATING
 from plants.registry import plants
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
@@ -22,8 +23,11 @@ from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup, simulate
 
-SIMULATION = read_parameters(named_sets()["owen2001_simulation"])
-EXPERIMENT = read_parameters(named_sets()["owen2001_experiment"])
+SIMULATION, EXPERIMENT = (
+    {name: value for name, value in read_parameters(named_sets()[chosen]).items() if name not in LIMITS}
+    for chosen in ("owen2001_simulation", "owen2001_experiment")
+)
+"""As a set that knows no limits of the motor has them."""
 HYDRAULIC = [plant for plant in plants().values() if plant.command == "valve_voltage"]
 SPEEDS = [0.0, 0.05, 0.24, 0.92]
 """m/s at the piston's surface: 0 to 460 rpm."""

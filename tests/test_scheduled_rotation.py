@@ -30,11 +30,11 @@ def turn(
 ) -> tuple[list[float], list[float], Any]:
     """Commands and scheduled speeds over positions (m) for a minimum of 5 rad/s, starting at `turning` (rad/s)."""
     controller = SCHEDULED_ROTATION[input_name]
-    gains = controller.design(scheduled_rotation.Settings(bias), BELIEF, H)
+    gains = controller.design(scheduled_rotation.Settings(5.0, bias), BELIEF, H)
     state = controller.start(Measurement(positions[0], np.nan, np.nan, turning), gains)
     commands, scheduled = [], []
     for position in positions:
-        measured = Measurement(position, np.nan, np.nan, turning)
+        measured = Measurement(position, np.nan, np.nan, turning, bias)
         command, state = controller.step(Reference(5.0, 0.0, 0.0), measured, state, gains, H)
         state = controller.commit(command, state, gains, H)
         commands.append(float(command))
@@ -59,12 +59,20 @@ def test_schedule_changes_no_faster_than_allowed() -> None:
 
 
 def test_motor_voltage_by_hand() -> None:
-    """Bias 2 V at 5 rad/s is 2.02 V at 5.05, plus the servo's gain times 0.05 rad/s, plus its integral."""
+    """Bias 2 A at 5 rad/s is 2.02 A at 5.05, plus the servo's gain times 0.05 rad/s, plus its integral.
+
+    From 2 A the winding of 10.4 mH and 1.65 ohm gets there in a sample of 1 ms, and has 0.6685 V s/rad against it.
+    """
     commands, _, gains = turn("motor_voltage", np.zeros(2), 5.0, bias=2.0)
-    servo = speed_servo.design(speed_servo.Settings(2.0), BELIEF, H)
+    servo = speed_servo.design(speed_servo.Settings(5.0, 2.0), BELIEF, H)
     assert gains.servo == servo
     first = 2.02 + 0.05 * servo.proportional
-    assert commands == pytest.approx([first, first + H * servo.integral * 0.05], rel=1e-12)
+    decay = np.exp(-1.65 * H / 10.4e-3)
+    voltages = [
+        0.6685 * 5.0 + 1.65 * (current - decay * 2.0) / (1.0 - decay)
+        for current in (first, first + H * servo.integral * 0.05)
+    ]
+    assert commands == pytest.approx(voltages, rel=1e-12)
 
 
 def turned(plant: str, minimum: float, command: Callable[[Setup], Loop] | None) -> Run:
@@ -79,12 +87,14 @@ def turned(plant: str, minimum: float, command: Callable[[Setup], Loop] | None) 
 
 def scheduled_loop(setup: Setup, surface_acceleration: float = 5.0) -> Loop:
     name = str(setup.plant.rotary_command)
-    settings = scheduled_rotation.Settings(getattr(setup.inputs, name), surface_acceleration)
+    speed = float(np.nan_to_num(setup.plant.measure(setup.state, setup.parameters).rotation_speed))
+    current = getattr(setup.state, "motor_current", 0.0)
+    settings = scheduled_rotation.Settings(speed, current, surface_acceleration)
     return Loop(SCHEDULED_ROTATION[name], SCHEDULED_ROTATION[name].design(settings, setup.parameters, H))
 
 
 def servo_loop(setup: Setup) -> Loop:
-    settings = speed_servo.Settings(setup.inputs.motor_voltage)
+    settings = speed_servo.Settings(setup.state.surface_speed / RADIUS, setup.state.motor_current)
     return Loop(speed_servo.SPEED_SERVO, speed_servo.design(settings, setup.parameters, H))
 
 
@@ -202,7 +212,7 @@ def test_study_asks_for_the_schedule(tmp_path: Path) -> None:
     assert keyed.state.surface_speed == pytest.approx(0.05, rel=1e-12)
     assert keyed.inputs.motor_voltage == 0.0
     assert keyed.rotary.gains.servo.bias == pytest.approx(
-        keyed.plant.equilibrium(keyed.parameters, 0.05)[1].motor_voltage, rel=1e-12
+        keyed.plant.equilibrium(keyed.parameters, 0.05)[0].motor_current, rel=1e-12
     )
     _, by_rpm = setups(tmp_path, STUDY.replace('minimum_helical_speed = "50 mm/s"\n', ""))
     assert by_rpm.rotation_speed == pytest.approx(20.0 * np.pi / 30.0, rel=1e-12)

@@ -13,12 +13,15 @@ from numba.extending import register_jitable
 
 from controllers.interface import call_commit, call_step
 from plants.equation import address, shift
-from plants.interface import call_measure
+from plants.interface import Measurement, call_measure
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
 from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
 
 COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
 """How a loop ended."""
+
+FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
+"""From this channel on the motor's drive measures itself, speed and current, and at once; the rest may be delayed."""
 
 DIVERGENCE_BOUND = 1e6
 """A state beyond this many times its typical magnitude (and its initial value) has diverged."""
@@ -33,7 +36,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.UniTuple(_integer, 4),  # of step and commit of the controller, and of the rotary one
     types.Tuple((_vector, _vector, _vector, _vector)),  # y, inputs, parameters, scales
     types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
-    types.Tuple((_integer, _number, _integer)),  # command's input, its limit, rotary command's input
+    types.Tuple((_integer, _number, _integer, _number)),  # command's input, its limit; the same of the rotary command
     types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
     types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
@@ -84,9 +87,10 @@ def run_loop(
 ) -> tuple[int, int, int]:
     """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
 
-    At sample k: the sensors deliver y(k h - delay) with systematic error, noise and quantisation; the controllers
-    step; the sum of command and exogenous input is saturated and committed; the plant is integrated to (k + 1) h. An
-    exogenous input is held over the sample, or a ramp to its next value where its hold is linear.
+    At sample k: the sensors deliver y(k h - delay), those of the motor's drive y(k h), with systematic error, noise and
+    quantisation; the controllers step; the sum of each command and its exogenous input is saturated and committed; the
+    plant is integrated to (k + 1) h. An exogenous input is held over the sample, or a ramp to its next value where its
+    hold is linear.
 
     Returns:
         how it ended, the number of samples logged, the number of integration steps.
@@ -95,7 +99,7 @@ def run_loop(
     step, commit, rotary_step, rotary_commit = control
     y, base, parameters, scales = vectors
     state, gains, rotary_state, rotary_gains = memory
-    command_input, command_limit, rotary_input = channels
+    command_input, command_limit, rotary_input, rotary_limit = channels
     references, rotary_references, exogenous, linear = signals
     noise, resolution, cutoffs, errors = sensors
     delay_samples, delay_rest = delay
@@ -118,7 +122,7 @@ def run_loop(
     bounds = DIVERGENCE_BOUND * (scales + np.abs(y))
     samples = log_states.shape[0]
     slots = delay_samples + 1
-    delayed = np.zeros((slots, channel_count))
+    delayed, prompt = np.zeros((slots, channel_count)), np.zeros(channel_count)
     ramped = np.any(linear > 0.0)
     erring = np.any(errors != 0.0)
     guess = h
@@ -127,7 +131,8 @@ def run_loop(
     # From here on pointers: an array handed to a function costs a reference count, at every sample.
     p_y, p_base, p_scales, p_bounds = address(y), address(base), address(scales), address(bounds)
     p_now, p_initial, p_slopes, p_linear = address(now), address(initial), address(slopes), address(linear)
-    p_measured, p_delayed, p_work = address(measured), address(delayed), address(work)
+    p_measured, p_delayed, p_prompt = address(measured), address(delayed), address(prompt)
+    p_work = address(work)
     p_state, p_gains = address(state), address(gains)
     p_rotary_state, p_rotary_gains = address(rotary_state), address(rotary_gains)
     p_references, p_rotary_references = address(references), address(rotary_references)
@@ -143,8 +148,11 @@ def run_loop(
         if delay_rest == 0.0:
             _read(system, p_y, shift(p_delayed, (k % slots) * channel_count))
         oldest = shift(p_delayed, ((k + 1) % slots) * channel_count)
+        late = delay_samples > 0 or delay_rest > 0.0
+        if late:
+            _read(system, p_y, p_prompt)
         for j in range(channel_count):
-            value = oldest[j]
+            value = p_prompt[j] if late and j >= FIRST_OF_DRIVE else oldest[j]
             if erring:
                 value += systematic_error(value, shift(p_errors, j * ERROR_NUMBERS))
             value += p_noise[k * channel_count + j]
@@ -167,8 +175,9 @@ def run_loop(
             rotary = call_step(
                 rotary_step, shift(p_rotary_references, 3 * k), p_measured, p_rotary_state, p_rotary_gains, h
             )
-            p_initial[rotary_input] += rotary
-            call_commit(rotary_commit, rotary, p_rotary_state, p_rotary_gains, h)
+            rotary_feed = p_initial[rotary_input]
+            p_initial[rotary_input] = _clip(rotary + rotary_feed, rotary_limit)
+            call_commit(rotary_commit, p_initial[rotary_input] - rotary_feed, p_rotary_state, p_rotary_gains, h)
         for j in range(memory_count):
             p_log_control[k * memory_count + j] = p_state[j]
         for j in range(plant_states):

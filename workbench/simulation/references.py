@@ -108,6 +108,24 @@ class Ramp:
 
 
 @dataclass(frozen=True)
+class Held:
+    """Another reference up to an `instant` (s) within one of its dwells, and what it is then from there on."""
+
+    signal: ReferenceSignal
+    instant: float
+
+    period = None
+    fundamental = None
+
+    def dwells(self, duration: float) -> list[tuple[float, float]]:
+        spans = self.signal.dwells(min(self.instant, duration))
+        return [*spans[:-1], (spans[-1][0], duration)] if duration > self.instant else spans
+
+    def __call__(self, time: np.ndarray) -> Signal:
+        return self.signal(np.minimum(time, self.instant))
+
+
+@dataclass(frozen=True)
 class Triangle:
     """offset + a triangle wave of `amplitude` that starts upward at 0: constant speed through each reversal."""
 

@@ -16,9 +16,11 @@ from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
 from plants.equation import fields, from_array, to_array
-from plants.interface import Measurement, Plant
+from plants.interface import SENSORS, Measurement, Plant
+from plants.motor import Motor
 from workbench.simulation import engine, steppers
 from workbench.simulation.compilation import controller_addresses, plant_addresses
+from workbench.simulation.motor_limits import at_a_limit
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors, systematic_error
 
@@ -37,8 +39,24 @@ TIGHTER = 100.0
 COMPLETED = "completed"
 """The outcome of a run with which nothing is wrong."""
 
+TORQUE_LIMITED = "torque-limited"
+"""The outcome of a run whose motor cannot give what holding the speed of rotation takes."""
+
+LIMITED_SHARE = 0.05
+"""Of the run. A rod that comes to speed from standstill takes some tens of milliseconds at the limit, and so does a
+step's reversal; beyond a twentieth of the run it is the motor that says how the rod turns, not the command."""
+
 STUCK_SPEED = 1e-4
 """m/s. Slower than this counts as not moving."""
+
+FRICTION_ERROR = "friction_estimate_error"
+"""The signal of a friction estimate less the friction along the rod, where a run has both."""
+
+ESTIMATE, TRUE = "controller_friction", "axial_friction"
+"""The signals of both."""
+
+HARDLY_MOVES = 0.05
+"""A rod that moves by less than this share of what it is asked for hardly moves; no phase lag is meant then."""
 
 MEASURED = "measured_"
 """What stands before the name of a sensor's channel in the signals of a run."""
@@ -146,10 +164,12 @@ class Run:
         named = dict(zip(names, values, strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
-        for i, item in enumerate(fields(Measurement)):
-            named[f"{MEASURED}{item.name}"] = self.measurements[:, i]
+        for i, name in enumerate(SENSORS):
+            named[f"{MEASURED}{name}"] = self.measurements[:, i]
         for i, name in enumerate(memory_names(self.loop.controller)):
             named[name] = self.memory[:, i]
+        if ESTIMATE in named and TRUE in named:
+            named[FRICTION_ERROR] = named[ESTIMATE] - named[TRUE]
         if self.reference is not None:
             named["reference_position"] = self.reference[0]
             named["reference_velocity"] = self.reference[1]
@@ -213,6 +233,7 @@ def simulate(setup: Setup) -> Run:
             plant.input_index(plant.command),
             limit,
             plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
+            float(plant.rotary_limit(setup.parameters)),
         ),
         (references, rotary_references, exogenous, linear),
         (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
@@ -275,7 +296,30 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
     asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0
     if asked_to_move and np.max(np.abs(run.state("velocity"))) < STUCK_SPEED:
         return "stuck"
-    return COMPLETED
+    if run.reference is not None and _hardly_moves(run.reference[0], run.state("position")):
+        return "hardly moves"
+    return TORQUE_LIMITED if _torque_limited(run) else COMPLETED
+
+
+def _torque_limited(run: Run) -> bool:
+    """Whether a motor turns the rod and is at its limit in more than `LIMITED_SHARE` of the run."""
+    motor, command = getattr(run.parameters, "motor", None), run.plant.rotary_command
+    driven = "motor_current" in [item.name for item in fields(run.plant.State)]
+    if command is None or not driven or not isinstance(motor, Motor):
+        return False
+    voltage = run.inputs[:, run.plant.input_index(command)]
+    return bool(np.mean(at_a_limit(run.state("motor_current"), voltage, motor)) > LIMITED_SHARE)
+
+
+def _hardly_moves(asked: np.ndarray, position: np.ndarray) -> bool:
+    """Whether the position covers less than `HARDLY_MOVES` of what it is asked for (m), from its start or lately.
+
+    The second half of the run tells of a rod that goes to where a sine begins and does not follow it.
+    """
+    late = asked.size // 2
+    covered = np.ptp(position), np.ptp(position[late:])
+    wanted = max(np.ptp(asked), np.max(np.abs(asked - position[0]))), np.ptp(asked[late:])
+    return any(got < HARDLY_MOVES * far for got, far in zip(covered, wanted, strict=True))
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:
