@@ -133,7 +133,7 @@ def test_a_monotone_approach_is_none(size: float, rate: float, drift: float) -> 
 
 
 def test_four_cycles_are_needed_and_the_first_half_of_the_dwell_does_not_count() -> None:
-    assert verdict(wave(1e-3, 10.0 / 3.6)) == NONE
+    assert verdict(wave(1e-3, 10.0 / 3.6)).verdict == "too_short"
     assert verdict(wave(1e-3, 10.0 / 5.0)).verdict == "sustained"
     early = np.where(TIME < 9.9, wave(1e-3), 0.0)
     assert verdict(early) == NONE
@@ -143,8 +143,10 @@ def test_regular_cycles_that_end_are_decaying() -> None:
     assert verdict(np.where(TIME < 16.0, wave(1e-3), 0.0)).verdict == "decaying"
 
 
-def test_irregular_motion_is_none() -> None:
-    assert verdict(square(1, 0.4, 0.0)) == NONE
+def test_irregular_motion_counts_where_it_is_clear_of_the_band() -> None:
+    motion = square(1, 0.6, 0.0)
+    assert verdict(motion, 0.4e-3).verdict == "sustained"
+    assert verdict(motion, 0.9e-3) == NONE
 
 
 def test_growing_cycles_are_sustained() -> None:

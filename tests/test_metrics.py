@@ -16,9 +16,12 @@ from workbench.simulation.references import Sine, Steps
 
 def test_the_columns_are_those_of_the_contract() -> None:
     assert ", ".join(COLUMNS) == (
-        "outcome, phase_lag_deg, gain_ratio, steady_state_error_m, rms_error_m, max_error_m, settling_time_s, "
-        "limit_cycle, limit_cycle_amplitude_m, limit_cycle_period_s, stuck_fraction, hydraulic_power_W, "
-        "supply_power_W, rotation_power_W, motor_electric_power_W, total_power_W, control_effort_V, "
+        "outcome, phase_lag_deg, gain_ratio, steady_state_error_m, steady_state_max_error_m, rms_error_m, max_error_m, "
+        "settling_time_s, limit_cycle, limit_cycle_amplitude_m, limit_cycle_period_s, stuck_fraction, "
+        "hydraulic_power_W, supply_power_W, rotation_power_W, motor_electric_power_W, total_power_W, "
+        "motor_loss_W, paid_power_W, "
+        "rotation_speed_mean_rpm, rotation_speed_min_rpm, rotation_speed_max_rpm, below_stribeck_fraction, "
+        "torque_limited_fraction, motor_torque_rms_N_m, control_effort_V, "
         "jerk_rms_m_per_s3, friction_slope_N_s_per_m, friction_r_squared, friction_hysteresis_J, solver_error_m"
     )
     assert tuple(figures_of(np.sin, Sine(1.0, 1.0), 3.0, 1.0)) == COLUMNS[:-1]
@@ -48,7 +51,7 @@ def test_without_a_reference_there_is_no_tracking() -> None:
 
 
 def test_a_sine_has_no_dwells_and_steps_have_no_lag() -> None:
-    dwell_figures = set(COLUMNS[3:4] + COLUMNS[6:10])
+    dwell_figures = set(COLUMNS[3:5] + COLUMNS[7:11])
     sine = figures_of(np.sin, Sine(1.0, 0.5), 5.0, 1.0)
     assert all(sine[name] is None for name in dwell_figures)
     steps = figures_of(lambda time: np.ones_like(time), Steps((1.0,), 5.0), 5.0, 1.0)
@@ -122,7 +125,9 @@ def test_powers_and_effort() -> None:
         "rotation_power_W": 12.0,
         "motor_electric_power_W": 24.0,
         "total_power_W": 15.0,
+        "paid_power_W": 30.0,
     }
+    assert mean_powers({"supply_power": ramp}, slice(0, None)) == {"supply_power_W": 2.0, "paid_power_W": 2.0}
     assert mean_powers({"hydraulic_power": ramp}, slice(0, None)) == {"hydraulic_power_W": 2.0, "total_power_W": 2.0}
     assert mean_powers({}, slice(0, None)) == {}
     assert control_effort(np.array([3.0, -3.0, 3.0]), "V") == pytest.approx(3.0)

@@ -15,7 +15,7 @@ from workbench.simulation.references import Multisine, Ramp, Sine, Steps
 @settings(max_examples=100, deadline=None)
 @given(
     lag=st.floats(-179.9, 179.9),
-    gain=st.floats(0.01, 10.0),
+    gain=st.floats(0.06, 10.0),
     frequency=st.floats(0.5, 20.0),
     phase=st.floats(-7.0, 7.0),
     offset=st.floats(-1.0, 1.0),
@@ -50,6 +50,27 @@ def test_lag_of_opposite_phase_and_of_a_position_at_rest() -> None:
     assert gain == pytest.approx(2.0)
     assert phase_lag_and_gain(time, sine, 0.0 * sine, 1.0) == (None, pytest.approx(0.0, abs=1e-15))
     assert phase_lag_and_gain(time, 0.0 * sine, sine, 1.0) == (None, None)
+
+
+@settings(max_examples=40, deadline=None)
+@given(drift=st.floats(-0.05, 0.05), third=st.floats(-0.01, 0.01), periods=st.integers(2, 9))
+def test_a_drift_does_not_move_the_lag(drift: float, third: float, periods: int) -> None:
+    reference = Sine(0.03, 1.0)
+
+    def position(time: np.ndarray) -> np.ndarray:
+        return 0.02 * np.sin(2.0 * np.pi * time - 0.5) + third * np.sin(6.0 * np.pi * time) + drift * time
+
+    figures = figures_of(position, reference, periods + 0.5, 0.5)
+    assert figures["phase_lag_deg"] == pytest.approx(math.degrees(0.5), abs=1e-6)
+    assert figures["gain_ratio"] == pytest.approx(2.0 / 3.0, rel=1e-8)
+
+
+def test_a_rod_that_hardly_moves_has_no_lag() -> None:
+    reference = Sine(0.03, 1.0)
+    for gain, told in ((0.019, False), (0.049, False), (0.051, True)):
+        figures = figures_of(lambda t, gain=gain: 0.03 * gain * np.sin(2.0 * np.pi * t - 0.5), reference, 5.0, 1.0)
+        assert (figures["phase_lag_deg"] is not None) == told
+        assert figures["gain_ratio"] == pytest.approx(gain)
 
 
 def test_errors_over_the_window() -> None:

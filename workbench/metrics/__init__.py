@@ -5,16 +5,19 @@ A dwell is a span in which the reference is constant; those that end after the t
 
     outcome                   the run in words; one that diverged has no other figure
     phase_lag_deg             phase(reference) - phase(position), in (-180, 180], positive where the position is
-                              late: least-squares fits of sin, cos and 1 at the reference's fundamental, over
-                              whole periods
+                              late: least-squares fits of the reference's fundamental, its harmonics and a drift, over
+                              whole periods; none of a rod that hardly moves
     gain_ratio                amplitude of the position over that of the reference, by the same fits
     steady_state_error_m      |mean error over the last 20 % of a dwell|, the largest over the dwells
+    steady_state_max_error_m  largest |error| over the last 20 % of a dwell, the largest over the dwells: the error of a
+                              step, which a loop that hunts does not hide in its mean
     rms_error_m               root mean square of reference less true position, over the window
     max_error_m               largest magnitude of the same
     settling_time_s           from the jump with which a dwell begins until the error stays within 2 % of the jump,
                               the largest over such dwells; none if any does not settle
-    limit_cycle               none, decaying or sustained, as `workbench.metrics.limit_cycle` judges each dwell;
-                              the worst counts
+    limit_cycle               none, decaying, too_short or sustained, as `workbench.metrics.limit_cycle` judges each
+                              dwell; the worst counts. `workbench.study.run_on` makes the last dwell longer where it
+                              is too short, and takes these three and the two steady-state errors from there
     limit_cycle_amplitude_m   mean amplitude, peak to peak, of that dwell's cycles
     limit_cycle_period_s      mean period of the same
     stuck_fraction            share of the window's samples slower than 0.1 mm/s
@@ -23,6 +26,15 @@ A dwell is a span in which the reference is constant; those that end after the t
     rotation_power_W          mean of rotary friction times surface speed (thesis 4.17, 4.18)
     motor_electric_power_W    mean of voltage times current at the motor's terminals
     total_power_W             hydraulic plus rotary (thesis 4.19); hydraulic alone where the plant does not rotate
+    motor_loss_W              mean of what enters at the motor's terminals less what reaches the rod
+    paid_power_W              supply plus motor electric power; the supply alone where nothing rotates
+    rotation_speed_mean_rpm   mean of the rod's real speed over the window, where the plant rotates
+    rotation_speed_min_rpm    the least of it
+    rotation_speed_max_rpm    the largest of it
+    below_stribeck_fraction   share of the window's samples in which the contact slides (along the helix, where the rod
+                              turns) slower than the Stribeck velocity of the true friction along
+    torque_limited_fraction   share of the window's samples with the motor at its limit of torque, current or voltage
+    motor_torque_rms_N_m      root mean square of the motor's torque K_t i: beside it stands its nominal torque
     control_effort_V          root mean square of the realised command, where that is a voltage
     jerk_rms_m_per_s3         root mean square of the central differences of acceleration, over the window
     friction_slope_N_s_per_m  of the straight line, with intercept, of axial friction on velocity, over the window
@@ -38,7 +50,10 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from workbench.metrics import friction, limit_cycle, power, tracking
+from plants.friction import Friction
+from plants.motor import Motor
+from workbench.metrics import friction, power, rotation, tracking
+from workbench.metrics.rest import AT_REST, rest_figures, rests_of
 from workbench.metrics.window import Window, find_dwells, find_window
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Run
@@ -48,6 +63,7 @@ COLUMNS: tuple[str, ...] = (
     "phase_lag_deg",
     "gain_ratio",
     "steady_state_error_m",
+    "steady_state_max_error_m",
     "rms_error_m",
     "max_error_m",
     "settling_time_s",
@@ -60,6 +76,14 @@ COLUMNS: tuple[str, ...] = (
     "rotation_power_W",
     "motor_electric_power_W",
     "total_power_W",
+    "motor_loss_W",
+    "paid_power_W",
+    "rotation_speed_mean_rpm",
+    "rotation_speed_min_rpm",
+    "rotation_speed_max_rpm",
+    "below_stribeck_fraction",
+    "torque_limited_fraction",
+    "motor_torque_rms_N_m",
     "control_effort_V",
     "jerk_rms_m_per_s3",
     "friction_slope_N_s_per_m",
@@ -70,9 +94,7 @@ COLUMNS: tuple[str, ...] = (
 """The figures of results.csv, in its order."""
 
 TRACKING = frozenset({"phase_lag_deg", "gain_ratio", "rms_error_m", "max_error_m"})
-DWELLS = frozenset(
-    {"steady_state_error_m", "settling_time_s", "limit_cycle", "limit_cycle_amplitude_m", "limit_cycle_period_s"}
-)
+DWELLS = frozenset({*AT_REST, "settling_time_s"})
 FRICTION = frozenset({"friction_slope_N_s_per_m", "friction_r_squared", "friction_hysteresis_J"})
 COST = frozenset(COLUMNS) - TRACKING - DWELLS - FRICTION - {"outcome", "solver_error_m"}
 """Which of them are found together."""
@@ -134,19 +156,8 @@ def _dwells(run: Run, reference: ReferenceSignal, transient: float, resolution: 
     signals, dwells = run.signals, find_dwells(run.time, reference, transient)
     if not dwells:
         return {}
-    time, error, velocity = run.time, signals["error"], signals["velocity"]
-    forcing = run.loop.controller.forcing
-    forced = 0.0 if forcing is None else 1.0 / forcing(run.loop.gains)
-    cycle = limit_cycle.worst(
-        [limit_cycle.judge(time[i], error[i], velocity[i], resolution, transient, forced) for i in dwells]
-    )
-    return {
-        "steady_state_error_m": tracking.steady_state_error(run.time, signals["error"], dwells, transient),
-        "settling_time_s": tracking.settling_time(run.time, signals["reference_position"], signals["error"], dwells),
-        "limit_cycle": cycle.verdict,
-        "limit_cycle_amplitude_m": cycle.amplitude,
-        "limit_cycle_period_s": cycle.period,
-    }
+    settling = tracking.settling_time(run.time, signals["reference_position"], signals["error"], dwells)
+    return rest_figures(rests_of(run, reference, transient, resolution)) | {"settling_time_s": settling}
 
 
 def _cost(run: Run, window: Window) -> Figures:
@@ -156,6 +167,12 @@ def _cost(run: Run, window: Window) -> Figures:
         "control_effort_V": power.control_effort(run.command[samples], run.plant.command_unit),
         **power.mean_powers(signals, samples),
     }
+    if "rotation_speed" in signals:
+        figures.update(rotation.real_speed(signals["rotation_speed"][samples]))
+    if isinstance(motor := getattr(run.parameters, "motor", None), Motor):
+        figures.update(rotation.motor_figures(signals, samples, motor))
+    if isinstance(law := getattr(run.parameters, "friction", None), Friction):
+        figures["below_stribeck_fraction"] = rotation.below_stribeck_fraction(signals, samples, law)
     if "acceleration" in signals:
         figures["jerk_rms_m_per_s3"] = power.jerk_rms(run.time[samples], signals["acceleration"][samples])
     return figures

@@ -2,53 +2,71 @@
 
 How it is judged, on the second half of the dwell (the first is transient):
 
-- A straight line is taken off the error. A mean alone would leave the creep that remains after a step, and an
-  oscillation that rides on a creep would not cross zero. The line is fitted to all samples by least squares, and where
-  that shows cycles, once more to the middles between their extremes, since cycles tilt the first.
-- A crossing counts when the error goes from beyond one edge of the band to beyond the other; its instant is the last
-  zero crossing in between. Noise inside the band makes no crossing, nor does ringing that stays on one side of zero.
-- The extremes between crossings give the swings. The mean of an upward and a downward swing is the amplitude of a
-  cycle, peak to peak. Every crossing begins a period.
-- decaying: at least three amplitudes (2.5 cycles), each smaller than the one before, the last less than half the first;
-  or the logarithm of the amplitude falls along a line that chance explains in fewer than 1 of 1000 cases, by
-  more than 2 % in all; or regular cycles that end before the record does.
-- sustained: not decaying; at least 4 cycles, standard deviation of the period under 10 % of its mean, every amplitude
-  within 0.9 to 1.1 of the one a cycle before, or none smaller (an oscillation that grows is still on its way to its
-  limit cycle), and the cycles last to the end of the record.
-- none: everything else.
+- Half waves between hysteretic crossings of the motion's own midline (`workbench.metrics.half_waves`): at least 4
+  cycles. They count where they are regular, the standard deviation of their periods up to 25 % of the mean, or where
+  they stand clear of the noise band: two tones and beats are irregular, and so is noise that touches its band.
+- decaying: the amplitude falls (`workbench.metrics.envelope`), or the cycles end before the record does. Of a fast fall
+  2.5 cycles are enough: each smaller than the one before, the last less than half the first.
+- sustained: at least 4 cycles that do not. One that grows is on its way to its limit cycle.
+- too_short: fewer than 4 cycles, and the motion is not over (`workbench.metrics.swings`: it swung back in the second
+  half, and neither falls from swing to swing nor has been still for long), or the rod rests beside its reference while
+  the command still grows, as that of an integral does until the rod breaks away. A longer dwell decides
+  (`workbench.study.run_on`).
+- none: everything else: at rest, or a creep that never comes back.
 - What a controller forces on the plant, such as dither, is no limit cycle: the error is averaged over one period of it
   first, and a cycle of that period is none.
 
-A slow fall is looked for before amplitudes are compared with their neighbours, because friction of Coulomb's kind
-alone converges so slowly that neighbours agree within 10 %, and it is no limit cycle (Ruderman 2020). A verdict should
-be confirmed with twice the dwell and half the step. Irregular motion is no limit cycle.
+A verdict should be confirmed with half the step. A motion that beats with a period longer than what is judged is taken
+for what it does there.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from scipy.ndimage import uniform_filter1d
-from scipy.stats import linregress
 
+from workbench.metrics.envelope import dies
+from workbench.metrics.half_waves import FEW_CYCLES, HalfWaves, find_half_waves
+from workbench.metrics.swings import last_swings
 from workbench.simulation.simulate import STUCK_SPEED
 
-Verdict = Literal["none", "decaying", "sustained"]
+Verdict = Literal["none", "decaying", "too_short", "sustained"]
+
+HUNTING: tuple[Verdict, ...] = ("too_short", "sustained")
+"""Verdicts of a loop that hunts, or of which the longest record cannot say that it does not."""
+
+ORDER: tuple[Verdict, ...] = ("none", "decaying", "too_short", "sustained")
+"""From the best to the worst."""
 
 FLOOR = 1e-8
 """m. The band's least half-width: above the solver's error at its default tolerance, far below any sensor's step."""
 
 LEAST_SAMPLES = 3
-LEAST_CYCLES = 4
-PERIOD_SPREAD = 0.10
-"""Standard deviation of the period over its mean, up to which cycles are regular."""
-AMPLITUDE_RATIO = (0.9, 1.1)
-"""Amplitude over that of a cycle before, within which a cycle is sustained."""
 
-LEAST_AMPLITUDES = 3
-FALL, CHANCE = 0.02, 1e-3
-"""Relative fall of the amplitude over the record that counts, and the probability that it is chance."""
+CLEAR = 2.0
+"""Irregular half waves count from a mean height of this many times the band."""
+
+SWING = 3.0
+"""A swing counts from this many times the band, peak to peak: noise of a third of the band does not reach it."""
+
+LEAST_SWING = 1e-6
+"""m. Irregular half waves, or a few swings, that are smaller than this are nothing to wait for."""
+
+STOPPED = 1.5
+"""Cycles have ended where none has come for this many times the longest period."""
+
+RESTING = 0.1
+"""And where what comes after them is below this share of their amplitude, or within the noise."""
+
+FALLEN = 0.25
+"""A cycle that has fallen below this share of its strength within what is judged is taken to die."""
+
+FORCED_SPREAD = 0.10
+"""A cycle whose period is within this share of the forced one is the forced one."""
+
+STILL_GROWS = 0.8
+"""A command still grows whose change over a quarter of the dwell is this share of that over the quarter before."""
 
 STICKING_SHARE = 0.10
 SLOW = 0.10
@@ -58,19 +76,30 @@ cycle. A sine spends 4 % of its time below a tenth of its mean speed, so that a 
 
 @dataclass(frozen=True)
 class LimitCycle:
-    """Verdict over a dwell. `amplitude` (m, peak to peak) and `period` (s): means over the cycles; None without."""
+    """Verdict over a dwell. `amplitude` (m, peak to peak) and `period` (s): means over the cycles; None without.
+
+    `settled`: a longer dwell is not needed. One that is too short is not, nor is one that decays and has not fallen to
+    `FALLEN` yet: it may be on its way to a smaller limit cycle.
+    """
 
     verdict: Verdict
     amplitude: float | None = None
     period: float | None = None
     sticking: bool = False
+    settled: bool = True
 
 
 NONE = LimitCycle("none")
 
 
 def judge(
-    time: np.ndarray, error: np.ndarray, velocity: np.ndarray, band: float, transient: float = 0.0, forced: float = 0.0
+    time: np.ndarray,
+    error: np.ndarray,
+    velocity: np.ndarray,
+    band: float,
+    transient: float = 0.0,
+    forced: float = 0.0,
+    command: np.ndarray | None = None,
 ) -> LimitCycle:
     """Verdict over one dwell from samples of time (s), tracking error (m) and velocity (m/s).
 
@@ -78,92 +107,85 @@ def judge(
 
     `band` (m) is the half-width of the hysteresis: the larger of three standard deviations of the position noise and
     the sensor's step; at least `FLOOR`. `forced` (s): period of what the controller itself puts on the plant; 0: none.
+    `command`: what the controller asks of the plant, in any unit; without it a rod that rests is at rest.
     """
-    start = max(time.size // 2, int(np.searchsorted(time, transient)))
-    time, error, velocity = time[start:], error[start:], velocity[start:]
-    if time.size < LEAST_SAMPLES:
+    begin = int(np.searchsorted(time, transient))
+    start = max(time.size // 2, begin)
+    if time.size - start < LEAST_SAMPLES:
         return NONE
+    band = max(band, FLOOR)
     if forced:
         error = uniform_filter1d(error, max(1, round(forced / (time[1] - time[0]))), mode="nearest")
-    crossings, heights = _half_waves(time, error, max(band, FLOOR))
-    if heights.size < LEAST_AMPLITUDES + 2:
-        return NONE
-    amplitudes = 0.5 * (heights[:-2] + heights[2:]) + heights[1:-1]
-    periods = crossings[2:] - crossings[:-2]
-    verdict = _verdict(amplitudes, periods, time[-1] - crossings[-1])
-    if verdict == "none":
-        return NONE
-    amplitude, period = float(np.mean(amplitudes)), float(np.mean(periods))
-    if forced and abs(period / forced - 1.0) < PERIOD_SPREAD:
-        return NONE
-    cycling = (time >= crossings[0]) & (time <= crossings[-1])
-    slow = min(STUCK_SPEED, SLOW * 2.0 * amplitude / period)
-    return LimitCycle(verdict, amplitude, period, bool(np.mean(np.abs(velocity[cycling]) < slow) > STICKING_SHARE))
+    late, errors = time[start:], error[start:]
+    waves = find_half_waves(late, errors, band) if np.ptp(errors) > 2.0 * band else None
+    if waves is not None:
+        return _of_cycles(waves, late, errors, velocity[start:], band, forced)
+    fading = find_half_waves(late, errors, band, FEW_CYCLES)
+    if fading is not None and _falls_fast(fading.amplitudes):
+        return LimitCycle("decaying", float(np.mean(fading.amplitudes)), float(np.mean(fading.periods)))
+    swing = max(SWING * band, LEAST_SWING)
+    seen = last_swings(time[begin:], error[begin:], swing, time[start])
+    if seen.ending == "falling":
+        return LimitCycle("decaying", seen.size, seen.period)
+    pushed = command is not None and _is_pushed(late, errors, command[start:], swing)
+    return (
+        LimitCycle("too_short", seen.size, seen.period, settled=False) if pushed or seen.ending == "going on" else NONE
+    )
 
 
 def worst(verdicts: list[LimitCycle]) -> LimitCycle:
-    """The verdict that counts for a run of several dwells: sustained before decaying before none, then the larger."""
-    order = ("none", "decaying", "sustained")
-    return max(verdicts, key=lambda found: (order.index(found.verdict), found.amplitude or 0.0))
+    """The verdict that counts for a run of several dwells: the last of `ORDER`, then the larger cycle."""
+    return max(verdicts, key=lambda found: (ORDER.index(found.verdict), found.amplitude or 0.0))
 
 
-def _half_waves(time: np.ndarray, error: np.ndarray, band: float) -> tuple[np.ndarray, np.ndarray]:
-    """Instants of the crossings (s), and the height (m) of each half wave between them, above or below the trend."""
-    level = error - Polynomial.fit(time, error, 1)(time)
-    before = _last_before_crossing(level, band)
-    tops = _tops(level, before)
-    if tops.size >= LEAST_AMPLITUDES + 2:
-        midline = Polynomial.fit(_middles(time[tops]), _middles(error[tops]), 1)
-        level = error - midline(time)
-        before = _last_before_crossing(level, band)
-        tops = _tops(level, before)
-    step = time[before + 1] - time[before]
-    return time[before] + step * level[before] / (level[before] - level[before + 1]), np.abs(level[tops])
+def _of_cycles(
+    waves: HalfWaves, time: np.ndarray, error: np.ndarray, velocity: np.ndarray, band: float, forced: float
+) -> LimitCycle:
+    """Verdict where there are enough half waves."""
+    if not waves.regular and np.mean(waves.heights) < max(CLEAR * band, LEAST_SWING):
+        return NONE
+    amplitude, period = float(np.mean(waves.amplitudes)), float(np.mean(waves.periods))
+    if forced and abs(period / forced - 1.0) < FORCED_SPREAD:
+        return NONE
+    cycling = (time >= waves.crossings[0]) & (time <= waves.crossings[-1])
+    slow = min(STUCK_SPEED, SLOW * 2.0 * amplitude / period)
+    sticking = bool(np.mean(np.abs(velocity[cycling]) < slow) > STICKING_SHARE)
+    if _have_ended(waves, time, error, band):
+        return LimitCycle("decaying", amplitude, period, sticking)
+    if dies(waves.strengths):
+        fallen = bool(waves.strengths[-1] < FALLEN * waves.strengths[0])
+        return LimitCycle("decaying", amplitude, period, sticking, fallen)
+    return LimitCycle("sustained", amplitude, period, sticking)
 
 
-def _last_before_crossing(level: np.ndarray, band: float) -> np.ndarray:
-    """Samples after which `level` (m) changes sign for the last time on its way across the band of half-width (m)."""
-    side = np.where(level > band, 1, np.where(level < -band, -1, 0))
-    beyond = np.flatnonzero(side)
-    arrivals = beyond[1:][side[beyond[1:]] != side[beyond[:-1]]]
-    flips = np.flatnonzero((level[1:] > 0.0) != (level[:-1] > 0.0))
-    return flips[np.searchsorted(flips, arrivals) - 1] if arrivals.size else arrivals
-
-
-def _tops(level: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Sample of the extreme of each half wave between crossings."""
-    spans = zip(before[:-1] + 1, before[1:] + 1, strict=True)
-    return np.array([a + np.argmax(np.abs(level[a:b])) for a, b in spans], dtype=int)
-
-
-def _middles(extremes: np.ndarray) -> np.ndarray:
-    """Middle between each extreme and the mean of its neighbours: exact for a periodic motion on a straight line."""
-    return 0.25 * (extremes[:-2] + extremes[2:]) + 0.5 * extremes[1:-1]
-
-
-def _verdict(amplitudes: np.ndarray, periods: np.ndarray, silence: float) -> Verdict:
-    """Verdict from amplitudes (m) and periods (s), half a cycle apart, and the time (s) since the last crossing."""
-    if _falls_steadily(amplitudes):
-        return "decaying"
-    ratios = amplitudes[2:] / amplitudes[:-2]
-    level = np.all((ratios >= AMPLITUDE_RATIO[0]) & (ratios <= AMPLITUDE_RATIO[1]))
-    regular = (
-        periods.size >= 2 * LEAST_CYCLES - 1
-        and np.std(periods) < PERIOD_SPREAD * np.mean(periods)
-        and (level or np.all(ratios >= 1.0))
-    )
-    if not regular:
-        return "none"
-    return "sustained" if silence < 1.5 * np.mean(periods) else "decaying"
-
-
-def _falls_steadily(amplitudes: np.ndarray) -> bool:
-    """Whether amplitudes (m), half a cycle apart, fall: quickly in every step or slowly along a trend."""
-    if np.all(np.diff(amplitudes) < 0.0) and amplitudes[-1] < 0.5 * amplitudes[0]:
-        return True
-    apart = amplitudes[::2]  # neighbours half a cycle apart share a swing: their scatter is not independent
-    if apart.size < LEAST_AMPLITUDES:
+def _have_ended(waves: HalfWaves, time: np.ndarray, error: np.ndarray, band: float) -> bool:
+    """Whether nothing comes after the last crossing: neither a crossing for long, nor a motion on a creep."""
+    rest = time > waves.crossings[-1] + 0.5 * np.mean(waves.periods)
+    if time[-1] - waves.crossings[-1] < STOPPED * np.max(waves.periods) or np.sum(rest) < LEAST_SAMPLES:
         return False
-    trend = linregress(np.arange(apart.size), np.log(apart))
-    fall = 1.0 - np.exp(trend.slope * (apart.size - 1))
-    return bool(fall > FALL and trend.pvalue < CHANCE)
+    left = np.ptp(error[rest] - np.polynomial.Polynomial.fit(time[rest], error[rest], 1)(time[rest]))
+    amplitude = np.mean(waves.amplitudes)
+    return bool(left < max(RESTING * amplitude, min(SWING * band, 0.5 * amplitude)))
+
+
+def _falls_fast(amplitudes: np.ndarray) -> bool:
+    """Whether each of few amplitudes (m) is smaller than the one before, and the last less than half the first."""
+    return bool(np.all(np.diff(amplitudes) < 0.0)) and amplitudes[-1] < 0.5 * amplitudes[0]
+
+
+def _is_pushed(time: np.ndarray, error: np.ndarray, command: np.ndarray, least: float) -> bool:
+    """Whether the rod is beside its reference, by at least `least` (m), while the command goes on along a line."""
+    half = time.size // 2
+    if half < LEAST_SAMPLES or np.mean(np.abs(error[half:])) < least:
+        return False
+    first, second = (_growth(time[part], command[part]) for part in (slice(half), slice(half, None)))
+    return abs(second) > STILL_GROWS * abs(first)
+
+
+def _growth(time: np.ndarray, command: np.ndarray) -> float:
+    """Change of the command along its line; 0 where that is within what scatters about it."""
+    line = np.polynomial.Polynomial.fit(time, command, 1)
+    change = float(line(time[-1]) - line(time[0]))
+    scatter = float(np.std(command - line(time)))
+    least = max(1e-3 * float(np.max(np.abs(command))), 10.0 * scatter / np.sqrt(time.size))
+    return change if abs(change) > least else 0.0

@@ -12,13 +12,16 @@ POWERS = ("hydraulic_power", "supply_power", "rotation_power", "motor_electric_p
 
 
 def mean_powers(signals: Mapping[str, np.ndarray], samples: slice) -> dict[str, float]:
-    """Means (W) of those of `POWERS` that the plant has, and their total, by column.
+    """Means (W) of those of `POWERS` that the plant has, and what they add up to, by column.
 
-    total = hydraulic + rotary (thesis 4.19), the hydraulic power alone where the plant does not rotate.
+    total = hydraulic + rotary (thesis 4.19), the hydraulic power alone where the plant does not rotate; paid = supply +
+    motor's terminals, the supply alone where nothing rotates.
     """
     means = {f"{name}_W": float(np.mean(signals[name][samples])) for name in POWERS if name in signals}
     if "hydraulic_power_W" in means:
         means["total_power_W"] = means["hydraulic_power_W"] + means.get("rotation_power_W", 0.0)
+    if "supply_power_W" in means:
+        means["paid_power_W"] = means["supply_power_W"] + means.get("motor_electric_power_W", 0.0)
     return means
 
 

@@ -3,21 +3,66 @@
 import math
 from collections.abc import Sequence
 
-from scipy.stats import binom, binomtest
+from scipy.stats import binom, binomtest, norm
 
 SURE = 0.95
 """Of every interval."""
 
+MOST_ALIKE = 1e-4
+"""Shares that differ by less are not told apart by any number of draws that could be run."""
 
-def share_interval(successes: int, trials: int) -> tuple[float, float]:
-    """Wilson's score interval of a share: where it is with a probability of about `SURE`.
 
-    (p + z^2/2n +- z sqrt(p (1 - p)/n + z^2/4n^2)) / (1 + z^2/n) with p = successes/n, n = trials and z = 1.96.
+def share_interval(successes: int, trials: int, sure: float = SURE) -> tuple[float, float]:
+    """Exact interval of a share: where it is with a probability of at least `sure`, whatever the share.
 
-    Source: Wilson 1927; recommended for small n by Brown, Cai, DasGupta 2001 (Statistical Science 16, 101).
+    low = B(a/2; k, n - k + 1), high = B(1 - a/2; k + 1, n - k), quantiles of the beta distribution with a = 1 - sure,
+    k = successes, n = trials; 0 where k = 0, 1 where k = n.
+
+    Source: Clopper and Pearson 1934 (Biometrika 26, 404).
     """
-    found = binomtest(successes, trials).proportion_ci(SURE, method="wilson")
+    found = binomtest(successes, trials).proportion_ci(sure, method="exact")
     return float(found.low), float(found.high)
+
+
+def least_draws(share: float, sure: float = SURE) -> int:
+    """The least number of draws that can show a share to be exceeded: all of them succeed, and the interval is above.
+
+    Of n successes in n the lower end is (a/2)^(1/n), which is above the share from n = ln(a/2) / ln(share) on.
+    """
+    return math.floor(math.log(0.5 * (1.0 - sure)) / math.log(share)) + 1
+
+
+def deciding_counts(share: float, draws: int, sure: float = SURE) -> tuple[int | None, int | None]:
+    """Of so many draws the least successes that show a share to be exceeded, and the most that show it is not reached.
+
+    None where no number of successes does.
+    """
+    ends = [share_interval(count, draws, sure) for count in range(draws + 1)]
+    above = [count for count, (low, _) in enumerate(ends) if low > share]
+    below = [count for count, (_, high) in enumerate(ends) if high < share]
+    return min(above, default=None), max(below, default=None)
+
+
+def settling_draws(observed: float, share: float, sure: float = SURE) -> int | None:
+    """About how many draws tell an observed share from another: the interval then no longer holds it.
+
+    None where the two differ by less than `MOST_ALIKE`. The normal approximation, n = z^2 p (1 - p) / d^2 with
+    p the observed share and d the distance, begins the search; the exact interval ends it.
+    """
+    distance = abs(observed - share)
+    if distance < MOST_ALIKE:
+        return None
+    z = float(norm.ppf(0.5 * (1.0 + sure)))
+    draws = max(2, round(0.5 * z**2 * observed * (1.0 - observed) / distance**2))
+    while _holds(observed, draws, share, sure):
+        draws = math.ceil(1.05 * draws)
+    return draws
+
+
+def _holds(observed: float, draws: int, share: float, sure: float) -> bool:
+    """Whether the interval of an observed share over so many draws holds another share."""
+    low, high = share_interval(round(observed * draws), draws, sure)
+    return low <= share <= high
 
 
 def quantile(values: Sequence[float], share: float) -> float:

@@ -5,22 +5,41 @@ import math
 import numpy as np
 
 from workbench.metrics.window import first_sample
+from workbench.simulation.simulate import HARDLY_MOVES
 
 LAST_PART = 0.20
-"""Share of a dwell, at its end, whose mean error is the steady-state error."""
+"""Share of a dwell, at its end, over which the steady-state errors are taken."""
 
 SETTLED = 0.02
 """Share of the jump within which the error must stay."""
+
+HARMONICS = 7
+WAVES = (np.sin, np.cos)
+LEAST_PERIODS = 1.99
+"""Periods from which a drift is told from harmonics; the samples may lack a little of the second."""
 
 LEAST_AMPLITUDE = 1e-9
 """m. A fundamental, or a jump, smaller than this is none."""
 
 
 def fundamental(time: np.ndarray, signal: np.ndarray, frequency: float) -> complex:
-    """A exp(i phi), where A sin(w t + phi) + c fits `signal` best by least squares; w = 2 pi `frequency` (Hz)."""
+    """A exp(i phi) of the fundamental A sin(w t + phi) of `signal`, by least squares; w = 2 pi `frequency` (Hz).
+
+        sum over k = 1..K of a_k sin(k w t) + b_k cos(k w t), + c + d t
+
+    The drift d is fitted where there are two periods to tell it from a harmonic, and the harmonics up to K =
+    `HARMONICS` with it, since a sine that is left out tilts the line. One period has K = 1 and d = 0.
+    """
     angle = 2.0 * np.pi * frequency * time
-    basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(angle)])
-    (sine, cosine, _), *_ = np.linalg.lstsq(basis, signal, rcond=None)
+    step = angle[1] - angle[0]
+    drifts = (angle[-1] - angle[0] + step) / (2.0 * np.pi) > LEAST_PERIODS
+    most = int(np.pi / step) - 1  # fewer than half the samples of a period
+    columns = [wave(k * angle) for k in range(1, (max(1, min(HARMONICS, most)) if drifts else 1) + 1) for wave in WAVES]
+    columns.append(np.ones_like(angle))
+    if drifts:
+        columns.append(np.linspace(-1.0, 1.0, angle.size))
+    basis = np.column_stack(columns)
+    sine, cosine, *_ = np.linalg.solve(basis.T @ basis, basis.T @ signal)
     return complex(sine, cosine)
 
 
@@ -30,14 +49,16 @@ def phase_lag_and_gain(
     """Phase lag (deg) of position behind reference (both m) at `frequency` (Hz), and the ratio of their amplitudes.
 
     phi(reference) - phi(position) in (-180, 180], positive where the position is late; over whole periods. Both are
-    None where the reference has no such fundamental, the lag also where the position has none.
+    None where the reference has no such fundamental, the lag also where the position hardly moves: a ratio below
+    HARDLY_MOVES.
     """
     asked, got = fundamental(time, reference, frequency), fundamental(time, position, frequency)
     if abs(asked) < LEAST_AMPLITUDE:
         return None, None
     lead = math.degrees(math.atan2(got.imag, got.real) - math.atan2(asked.imag, asked.real))
     lag = 180.0 - (180.0 + lead) % 360.0
-    return lag if abs(got) >= LEAST_AMPLITUDE else None, abs(got) / abs(asked)
+    gain = abs(got) / abs(asked)
+    return lag if abs(got) >= LEAST_AMPLITUDE and gain >= HARDLY_MOVES else None, gain
 
 
 def root_mean_square(signal: np.ndarray) -> float:
@@ -45,18 +66,16 @@ def root_mean_square(signal: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(signal))))
 
 
-def steady_state_error(time: np.ndarray, error: np.ndarray, dwells: list[slice], transient: float) -> float | None:
-    """Largest, over the dwells, |mean error over the last 20 % of the dwell| (m); None without dwells.
-
-    Samples before `transient` (s) are left out.
-    """
-    means = []
-    for dwell in dwells:
-        count = max(1, round(LAST_PART * (dwell.stop - dwell.start)))
-        start = max(dwell.stop - count, first_sample(time, transient))
-        if start < dwell.stop:
-            means.append(abs(float(np.mean(error[start : dwell.stop]))))
-    return max(means, default=None)
+def steady_state_errors(
+    time: np.ndarray, error: np.ndarray, dwell: slice, transient: float
+) -> tuple[float | None, float | None]:
+    """|mean error| and largest |error| over the last 20 % of a dwell (m); None where it lies before `transient` (s)."""
+    count = max(1, round(LAST_PART * (dwell.stop - dwell.start)))
+    start = max(dwell.stop - count, first_sample(time, transient))
+    if start >= dwell.stop:
+        return None, None
+    last = error[start : dwell.stop]
+    return abs(float(np.mean(last))), float(np.max(np.abs(last)))
 
 
 def settling_time(time: np.ndarray, reference: np.ndarray, error: np.ndarray, dwells: list[slice]) -> float | None:
