@@ -38,7 +38,8 @@ def test_list_names_all_that_a_study_may_name() -> None:
     words = set(everything.out.replace(",", " ").split())
     assert {*plants(), *controllers(), *named_sets(), *KINDS, *COLUMNS, "by_rpm", "rk4", "kp"} <= words
     sections = [
-        workbench("list", kind).out for kind in ("plants", "controllers", "parameters", "scenarios", "references")
+        workbench("list", kind).out
+        for kind in ("plants", "controllers", "parameters", "machines", "scenarios", "references")
     ]
     assert everything.out.startswith("".join(sections))
     assert workbench("list", "references").out.splitlines()[1].split(maxsplit=1) == [
@@ -68,11 +69,14 @@ def listed(controller: str) -> dict[str, list[str]]:
 
 def test_list_shows_of_each_controller_what_it_can_use() -> None:
     adaptive = listed("lugre_adaptive")
-    assert adaptive[""] == ["law", "injection", "adaptation", "velocity"]
-    assert adaptive["law = valve_inversion"] == ["position_rate", "force_rate", "lead"]
+    assert adaptive[""] == ["law", "injection", "adaptation", "velocity", "rotation"]
+    assert adaptive["law = valve_inversion"] == ["position_rate", "force_rate"]
+    assert adaptive["law = valve_inversion or acceleration_feedback"] == ["lead"]
+    assert adaptive["rotation = measured"] == ["rotation_time_constant"]
     assert adaptive["velocity = kalman"] == ["position_noise", "jerk_density"]
     assert {"controller_theta", "controller_friction"} <= set(adaptive["signals"])
-    assert listed("friedland_park")[""] == ["law", "observer_gain", "exponent", "velocity"]
+    assert listed("friedland_park")[""] == ["law", "observer_gain", "exponent", "velocity", "rotation"]
+    assert listed("load_pressure")[""] == ["law", "pressure_time_constant"]
     assert listed("pid")["ki not 0"] == ["tracking_time"]
 
 
@@ -173,7 +177,7 @@ def test_columns_of_results(tmp_path: Path) -> None:
     assert answer.code == 0
     head, _, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in answer.out.splitlines()]
     assert head == ["rpm", "outcome", "gain_ratio"]
-    assert [line[:2] for line in lines] == [["0", "completed"], ["460", "completed"]]
+    assert [line[:2] for line in lines] == [["0", "completed"], ["460", "torque-limited"]]  # 47 N m for a motor of 23
     one = workbench("table", out, "--column", "gain_ratio", "--where", "rpm=460").out.splitlines()
     assert len(one) == 3
     assert one[-1].split("|")[1].strip() == "460"

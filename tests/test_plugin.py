@@ -112,7 +112,7 @@ def test_the_study_ends_at_the_deadband(tmp_path: Path) -> None:
     """The cylinder integrates: without overshoot it stops where the command becomes 0, at |e| = D."""
     out = tmp_path / "out"
     done = in_a_process(site(tmp_path, declared=True), "run", STUDY, "--out", out)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
     results = pd.read_parquet(out / "results.parquet")
     assert list(results["outcome"]) == ["completed"] * 3
     np.testing.assert_allclose(results["steady_state_error_m"], [0.0, 0.5e-3, 1.0e-3], rtol=0.0, atol=1e-8)
@@ -249,6 +249,59 @@ def test_a_broken_plugin_is_told_where_it_is_named(
     refused = workbench("check", write(tmp_path, changed(old, '"mine"', DRIVE)))
     assert (refused.code, refused.out) == (2, "")
     assert refused.err.partition(".toml:")[2].partition(": ")[2] == f"{key}: {said}"
+
+
+FRICTIONLESS = """\
+from dataclasses import replace
+from typing import Annotated, NamedTuple
+import numpy as np
+from plants.drive import DRIVE_FORCE
+from plants.hydraulics import Mass
+class Parameters(NamedTuple):
+    body: Mass
+    stroke: Annotated[float, "m"] = np.inf
+IT = replace(DRIVE_FORCE, name="slider", Parameters=Parameters)
+"""
+
+
+@pytest.mark.parametrize(
+    "name", ["lugre", "lugre_adaptive", "tafazoli", "friedland_park", "static_map", "uncompensated"]
+)
+def test_a_compensator_says_what_the_plant_of_a_plugin_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """In one line: a mass without friction has nothing to believe in."""
+    module = f"frictionless_{name}"
+    brings(tmp_path, "friction_workbench.plants", f"slider = {module}:IT")
+    visible(tmp_path, monkeypatch)
+    monkeypatch.delitem(sys.modules, module, raising=False)
+    write(tmp_path, FRICTIONLESS, f"{module}.py")
+    study = changed('"drive"', '"slider"', changed('type = "pid"\nkp = "3 N/m"', f'type = "{name}"', DRIVE))
+    said = (
+        f'controllers.p: type "{name}" needs "friction" among the parameters of its plant, and slider has body, stroke'
+    )
+    fails(workbench("check", write(tmp_path, study)), said)
+    fails(workbench("run", write(tmp_path, study), "--out", tmp_path / "out"), said)
+
+
+SLIP = """\
+from dataclasses import replace
+from controllers.pid import PID
+def design(settings, belief, sample_time):
+    return settings.gain
+IT = replace(PID, name="mine", design=design)
+"""
+
+
+def test_a_slip_in_the_code_of_a_plugin_is_not_blamed_on_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    brings(tmp_path, "friction_workbench.controllers", "mine = slip:IT")
+    visible(tmp_path, monkeypatch)
+    monkeypatch.delitem(sys.modules, "slip", raising=False)
+    write(tmp_path, SLIP, "slip.py")
+    with pytest.raises(AttributeError, match="gain"):
+        workbench("check", write(tmp_path, changed('"pid"', '"mine"', DRIVE)))
 
 
 def test_a_list_shows_the_name_that_studies_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -173,7 +173,7 @@ def test_the_plant_by_its_model(tmp_path: Path, model: str, rpm: int, name: str)
 def test_rotation_speed_is_that_asked_for(tmp_path: Path) -> None:
     """460 rpm at a radius of 19 mm: 0.915 m/s of surface speed, from the first instant or from standstill."""
     turning, standstill = (
-        resolved(tmp_path, changed('"by_rpm"', f'"by_rpm"\nstart = "{start}"'))[1].setup
+        resolved(tmp_path, changed('"by_rpm"', f'"by_rpm"\nrotation = "voltage"\nstart = "{start}"'))[1].setup
         for start in ("turning", "standstill")
     )
     assert turning.state.surface_speed == pytest.approx(460.0 * 2.0 * np.pi / 60.0 * 0.019, rel=1e-12)
@@ -181,13 +181,16 @@ def test_rotation_speed_is_that_asked_for(tmp_path: Path) -> None:
     assert turning.inputs.motor_voltage == standstill.inputs.motor_voltage > 0.0
 
 
-def test_a_speed_servo_starts_from_the_believed_voltage(tmp_path: Path) -> None:
-    text = changed('"by_rpm"', '"by_rpm"\nrotation = "servo"').replace("[0, 460]", "[460]")
-    voltage = resolved(tmp_path, changed("[0, 460]", "[460]"))[0].setup.inputs.motor_voltage
+def test_a_speed_servo_starts_from_the_believed_current(tmp_path: Path) -> None:
+    """By default the speed is held by the servo; the friction of the truth is 30 % above that believed."""
+    text = changed("[0, 460]", "[460]") + "[plant.scale]\ncoulomb = 1.3\nviscous = 1.3\n"
+    setup = resolved(tmp_path, changed("[0, 460]", "[460]") + "[scenarios.up.plant.scale]\ncoulomb = 1.3\n")[0].setup
+    current = setup.plant.equilibrium(setup.parameters, setup.state.surface_speed)[0].motor_current
     setup = resolved(tmp_path, text)[0].setup
     assert setup.rotary is not None
     assert setup.inputs.motor_voltage == 0.0
-    assert setup.rotary.gains.bias == pytest.approx(voltage, rel=1e-12)
+    assert setup.rotary.gains.bias == pytest.approx(current, rel=1e-12)
+    assert setup.state.motor_current > 1.2 * current
 
 
 @pytest.mark.parametrize(

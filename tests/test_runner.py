@@ -2,10 +2,12 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import sqlite3
 import subprocess
+import sys
 import time
 from contextlib import closing
 from pathlib import Path
@@ -19,9 +21,12 @@ from workbench.study.probes import decay_rate
 from workbench.study.store import Store, read_results
 
 FIGURES = (
-    "outcome,phase_lag_deg,gain_ratio,steady_state_error_m,rms_error_m,max_error_m,settling_time_s,limit_cycle,"
+    "outcome,phase_lag_deg,gain_ratio,steady_state_error_m,steady_state_max_error_m,rms_error_m,max_error_m,"
+    "settling_time_s,limit_cycle,"
     "limit_cycle_amplitude_m,limit_cycle_period_s,stuck_fraction,hydraulic_power_W,supply_power_W,rotation_power_W,"
-    "motor_electric_power_W,total_power_W,control_effort_V,jerk_rms_m_per_s3,friction_slope_N_s_per_m,"
+    "motor_electric_power_W,total_power_W,motor_loss_W,paid_power_W,rotation_speed_mean_rpm,"
+    "rotation_speed_min_rpm,rotation_speed_max_rpm,below_stribeck_fraction,torque_limited_fraction,"
+    "motor_torque_rms_N_m,control_effort_V,jerk_rms_m_per_s3,friction_slope_N_s_per_m,"
     "friction_r_squared,friction_hysteresis_J,solver_error_m"
 )
 """As docs and other programs read them."""
@@ -56,7 +61,7 @@ def test_columns_in_the_order_of_the_contract(tmp_path: Path) -> None:
     assert len(lines) == 3
     still, turning = (dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:])
     assert (still["rpm"], turning["rpm"]) == ("0", "460")
-    assert still["outcome"] == turning["outcome"] == "completed"
+    assert (still["outcome"], turning["outcome"]) == ("completed", "torque-limited")  # 47 N m for a motor of 23
     assert float(still["top_m"]) == pytest.approx(float(still["gain_ratio"]) * 5e-3, rel=0.02)
     for name in ("rotation_power_W", "motor_electric_power_W", "steady_state_error_m", "limit_cycle"):
         assert still[name] == "", "a figure that does not apply is empty"
@@ -380,9 +385,41 @@ def test_a_row_is_committed_as_it_ends(tmp_path: Path) -> None:
     store.close()
 
 
-def test_nothing_on_stderr_when_piped(tmp_path: Path) -> None:
-    """No progress bar, and no control codes, but on a terminal."""
-    command = [*PROCESS, "run", str(write(tmp_path, STUDY)), "--out", str(tmp_path / "out")]
-    piped = subprocess.run(command, capture_output=True, check=True)
-    assert piped.stderr == b""
-    assert b"\x1b" not in piped.stdout
+PIPED = """\
+from workbench.cli import main, progress
+progress.INTERVAL = {interval}
+main()
+"""
+
+
+def piped(folder: Path, interval: str) -> subprocess.CompletedProcess[str]:
+    """A run of six short cases, one at a time, with its output in pipes."""
+    study = write(folder, changed("rpm = [0, 460]", "rpm = [0, 50, 100, 150, 200, 250]"))
+    options = ["run", str(study), "--out", str(folder / "out"), "--jobs", "1"]
+    command = [sys.executable, "-c", PIPED.format(interval=interval), *options]
+    return subprocess.run(command, capture_output=True, text=True, check=True)
+
+
+def test_plain_lines_when_piped(tmp_path: Path) -> None:
+    """How far it is, and how long it may take; no control codes, and nothing of a run that is short."""
+    told = piped(tmp_path, "0.0")
+    lines = told.stderr.splitlines()
+    assert [line.partition(",")[0] for line in lines] == [f"{count} of 6 cases" for count in range(1, 6)]
+    assert all(re.fullmatch(r"\d of 6 cases, about \d+ (s|min) left", line) for line in lines)
+    assert "\x1b" not in told.stdout + told.stderr
+    again = tmp_path / "again"
+    again.mkdir()
+    assert piped(again, "1e9").stderr == ""
+
+
+def test_a_line_is_seen_when_it_is_written(tmp_path: Path) -> None:
+    """The plan of a study that is still running, in a pipe."""
+    study = write(tmp_path, changed('duration = "1 s"', 'duration = "500 s"'))
+    command = [*PROCESS, "run", str(study), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        first = running.stdout.readline()
+        still = running.poll() is None
+        running.kill()
+    assert first == "a study for tests\n"
+    assert still

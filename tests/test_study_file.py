@@ -73,9 +73,9 @@ def test_all_missing_and_unknown_keys_of_a_case_come_at_once(tmp_path: Path) -> 
     path = write(tmp_path, changed("kp =", "gain =") + "[controllers.p.nothing]\na = 1\n")
     assert workbench("check", path).err.removeprefix("error: ").replace(str(path), "@").splitlines() == [
         "@:11: controllers.p.gain: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
-        "velocity_time_constant, position_noise, jerk_density, type",
+        "velocity_time_constant, position_noise, jerk_density, lead, type",
         "@:21: controllers.p.nothing: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
-        "velocity_time_constant, position_noise, jerk_density, type",
+        "velocity_time_constant, position_noise, jerk_density, lead, type",
         "@:9: controllers.p.kp: is missing; this key is needed here",
     ]
 
@@ -87,6 +87,14 @@ def test_all_missing_and_unknown_keys_of_a_case_come_at_once(tmp_path: Path) -> 
         (
             changed('"0.4 s"', '"0.6 s"'),
             '@:19: simulation.duration: "sine" has a period of 0.5 s, and after the transient only 0.4 s are left',
+        ),
+        (
+            changed(
+                'kind = "sine"\namplitude = "5 mm"\nfrequency = "2 Hz"',
+                'kind = "steps"\nlevels = ["5 mm"]\ndwell = "1 s"',
+            ),
+            '@:20: simulation.transient: "sine" jumps for the last time at 0 s, and the transient of 0.4 s leaves '
+            "nothing of that to rms_error_m and max_error_m; shorten it, or ask for steady-state errors",
         ),
     ],
 )

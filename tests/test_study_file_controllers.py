@@ -53,8 +53,8 @@ MISTAKES = {
         "@:8: controllers.p.hold: got 'cubic', expected one of linear, zero",
     ),
     "idle law setting": (
-        changed('"pid"\nkp = "500 V/m"', '"lugre"\nposition_rate = 34'),
-        '@:11: controllers.p.position_rate: has no effect: it belongs to law = "valve_inversion", and law is '
+        changed('"pid"\nkp = "500 V/m"', '"lugre"\nlaw = "acceleration_feedback"\nposition_rate = 34'),
+        '@:12: controllers.p.position_rate: has no effect: it belongs to law = "valve_inversion", and law is '
         '"acceleration_feedback"; leave it out',
     ),
     "idle gain of a law": (
@@ -65,12 +65,13 @@ MISTAKES = {
     "idle estimator setting": (
         changed('"pid"\nkp = "500 V/m"', '"lugre_adaptive"\nlaw = "valve_inversion"\nobserver_gain = 1'),
         "@:12: controllers.p.observer_gain: lugre_adaptive has no use for it here; it uses law, position_rate, "
-        "force_rate, lead, injection, sliding_rate, adaptation, velocity, velocity_time_constant",
+        "force_rate, lead, injection, sliding_rate, adaptation, velocity, velocity_time_constant, rotation, "
+        "rotation_time_constant",
     ),
     "idle adaptation": (
         changed('"pid"\nkp = "500 V/m"', '"friedland_park"\nadaptation = 1'),
-        "@:11: controllers.p.adaptation: friedland_park has no use for it here; it uses law, kp, kd, ka, feedforward, "
-        "observer_gain, exponent, velocity, velocity_time_constant",
+        "@:11: controllers.p.adaptation: friedland_park has no use for it here; it uses law, position_rate, "
+        "force_rate, lead, observer_gain, exponent, velocity, velocity_time_constant, rotation, rotation_time_constant",
     ),
     "idle density of a filter": (
         changed('"pid"\nkp = "500 V/m"', '"lugre"\njerk_density = 1\nvelocity = "filter"'),
@@ -90,9 +91,41 @@ MISTAKES = {
         changed('"500 V/m"', '"500 V/m"\nvelocity_time_constant = "1 ms"'),
         "@:12: controllers.p.velocity_time_constant: has no effect where kd is 0; leave it out, or set kd",
     ),
+    "law of the measured load pressure": (
+        changed('"pid"\nkp = "500 V/m"', '"load_pressure"\nlaw = "acceleration_feedback"'),
+        '@:9: controllers.p: law = "acceleration_feedback" needs a friction estimate, and "load_pressure" has none: '
+        'with F^ = A P_L the estimated acceleration (A P_L - F^) / M is always 0; take law = "valve_inversion"',
+    ),
+    "velocity of the measured load pressure": (
+        changed('"pid"\nkp = "500 V/m"', '"load_pressure"\nvelocity = "kalman"'),
+        "@:11: controllers.p.velocity: load_pressure has no use for it here; it uses law, position_rate, lead, "
+        "pressure_time_constant",
+    ),
+    "gauge that no rig has": (
+        changed('"pid"\nkp = "500 V/m"', '"friction_gauge"'),
+        '@: sensors.friction_gauge: is missing: controller type "friction_gauge" needs a gauge of the true friction, '
+        "which no rig has; write friction_gauge = true to say so, or take another type",
+    ),
+    "gauge of an imposed speed": (
+        changed('"pid"\nkp = "500 V/m"', '"friction_gauge"').replace(
+            'model = "by_rpm"\n', 'model = "by_rpm"\nrotation = "ideal"\n'
+        )
+        + "[sensors]\nfriction_gauge = true\n",
+        "@:22: sensors.friction_gauge: rotating_helical_ideal has no friction gauge: its speed is imposed; take "
+        'rotation = "servo"',
+    ),
+    "idle lead": (
+        changed('"500 V/m"', '"500 V/m"\nlead = 1'),
+        "@:12: controllers.p.lead: has no effect where feedforward is 0; leave it out, or set feedforward",
+    ),
+    "time constant of an ignored rotation": (
+        changed('"pid"\nkp = "500 V/m"', '"lugre"\nrotation = "ignored"\nrotation_time_constant = "5 ms"'),
+        '@:12: controllers.p.rotation_time_constant: has no effect: it belongs to rotation = "measured", and rotation '
+        'is "ignored"; leave it out',
+    ),
     "feed-forward of a compensator on a drive": (
-        changed('"pid"\nkp = "3 N/m"', '"lugre"\nfeedforward = 1', DRIVE),
-        "@:8: controllers.p.feedforward: lugre has no use for it here; it uses law, kp, kd, ka, injection, "
+        changed('"pid"\nkp = "3 N/m"', '"lugre"\nlaw = "acceleration_feedback"\nfeedforward = 1', DRIVE),
+        "@:9: controllers.p.feedforward: lugre has no use for it here; it uses law, kp, kd, ka, injection, "
         "sliding_rate, velocity, velocity_time_constant",
     ),
     "negative gain": (

@@ -14,9 +14,9 @@ from workbench.metrics import COLUMNS
 from workbench.parameters import named_sets
 from workbench.report.diagnosis_names import PLAIN
 from workbench.simulation.simulate import METHODS, memory_names
+from workbench.study.layers import LAYERS
 from workbench.study.reference_tables import KINDS
 from workbench.study.resolve import MODELS
-from workbench.study.scenarios import scenario_files
 
 
 def catalogue() -> dict[str, list[str]]:
@@ -32,9 +32,12 @@ def catalogue() -> dict[str, list[str]]:
             *_broken(CONTROLLERS),
         ],
         "parameters": [f"{name:22} {read_toml(path)[0]['title']}" for name, path in named_sets().items()],
-        "scenarios": [
-            f"{name:22} {read_toml(path)[0].get('title', '')}" for name, path in scenario_files(Path.cwd()).items()
-        ],
+        **{
+            layer.section: [
+                f"{name:22} {read_toml(path)[0].get('title', '')}" for name, path in layer.files(Path.cwd()).items()
+            ]
+            for layer in LAYERS.values()
+        },
         "references": [
             f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}"
             for kind, table in KINDS.items()

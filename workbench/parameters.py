@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field
 import workbench.files as toml
 from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
+from plants.motor import LIMITS
 from plants.registry import plants
 from workbench.errors import UserError, nearest
 from workbench.units import QuantityError, si
@@ -29,7 +30,7 @@ SIGNED = {
     "spring_stiffness",
     "pressure_1_offset",
 }
-UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit"}
+UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit", "motor_nominal_torque", *LIMITS}
 MAY_BE_ZERO = {
     "hose_volume",
     "tank_pressure",
@@ -80,7 +81,8 @@ def known_units() -> dict[str, str]:
     return known
 
 
-def named_sets() -> dict[str, Path]:
+@functools.cache
+def named_sets() -> Mapping[str, Path]:
     """The parameter sets that come with the program, by name."""
     folder = Path(str(files("plants"))) / "parameters"
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}

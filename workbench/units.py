@@ -51,6 +51,15 @@ def _si(text: str, unit: str) -> float:
     return float(base.magnitude)
 
 
+def unit_written(value: Any) -> str | None:
+    """The unit that a quantity is written with, "" of a bare number, None of what is no quantity."""
+    parts = _QUANTITY.fullmatch(str(value).strip())
+    if parts is None:
+        return None
+    unit = parts["unit"] or parts["inverse"] or ""
+    return unit if not unit or _converts(unit, unit) else None
+
+
 def nearest_unit(text: str, unit: str) -> str:
     """The unit that a misspelled one is taken for, of those that measure what `unit` does; empty without any."""
     close = get_close_matches(text, _SPELLED, n=len(_SPELLED), cutoff=0.75)

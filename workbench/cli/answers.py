@@ -1,6 +1,5 @@
 """The commands that answer questions: identify and diagnose from records, tune and decide from a study."""
 
-import os
 import sys
 import time
 from pathlib import Path
@@ -19,21 +18,25 @@ def decide(
     out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
     jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
+    machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
 ) -> None:
     """Say which controllers meet an accuracy, and how probably."""
-    import time
-
+    from workbench.cli.plan import say_decision
     from workbench.decide.decision import decide as decided
     from workbench.decide.plan import plan_decision
     from workbench.report.decision import check_folder, summary, write_decision
-    from workbench.study.document import read_study
+    from workbench.study.document import deciding_on, read_study
 
-    began, planned = time.time(), plan_decision(read_study(study))
+    content = read_study(study)
+    began, planned = time.time(), plan_decision(content if machine is None else deciding_on(content, machine))
+    if dry_run:
+        say_decision(planned)
+        return
     check_folder(out, overwrite)
     try:
-        with ProgressLine() as told:
-            tell = told or (lambda said, done: None)
-            found = decided(planned, jobs, lambda done, runs: tell(f"{done} of {runs} runs", done / runs))
+        with ProgressLine() as tell:
+            found = decided(planned, jobs, tell)
             tell("tables, figures, page", 1.0)
             write_decision(found, out, began, jobs)
     except KeyboardInterrupt:
@@ -51,8 +54,6 @@ def identify(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
 ) -> None:
     """Find friction and other parameters of a plant in records."""
-    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from workbench.files import read_toml
     from workbench.identify.experiment import is_experiment, read_experiment
     from workbench.identify.identification import identify as identified
@@ -84,13 +85,11 @@ def diagnose(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
 ) -> None:
     """Say what the plant of an experiment lacks, and how sure that is."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
     from workbench.diagnose.diagnose import diagnose as diagnosed
     from workbench.report.diagnosis import check_folder, summary, write_diagnosis
 
     check_folder(out, overwrite)
-    with ProgressLine() as told:
-        tell = told or (lambda said, done: None)
+    with ProgressLine() as tell:
         found = diagnosed(experiment, tell)
         tell("tables, figures, page", 0.93)
         write_diagnosis(found, out)
@@ -102,23 +101,24 @@ def diagnose(
 def tune(
     study: StudyFile,
     out: Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")],
-    controller: Annotated[str, typer.Option(help="A controller of the study, or all.", metavar="NAME")] = "all",
-    trials: Annotated[int | None, typer.Option(min=1, help="Trials of each; default: what [tune] says.")] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(help="A controller of the study; several: once each. Default: all.", metavar="NAME"),
+    ] = None,
+    trials: Annotated[int | None, typer.Option(min=1, help="Trials of each seed; default: what [tune] says.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Searches at a time; default: one a core.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
 ) -> None:
     """Find gains, with the same budget and objective for all."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in identify
     from workbench.report.tuning import open_folder, say_tuning, write_tuning
     from workbench.study.document import read_study
     from workbench.tune.study import prepared, tune_all
 
-    ready, names = prepared(read_study(study), controller, trials)
+    ready, names = prepared(read_study(study), controller or ["all"], trials)
     database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
     try:
-        with ProgressLine() as told:
-            tell = told or (lambda said, done: None)
+        with ProgressLine() as tell:
             found = tune_all(ready, names, database, jobs, tell)
             written = write_tuning(found, out, began=began, jobs=jobs, tell=tell)
     except KeyboardInterrupt:

@@ -8,15 +8,15 @@ from workbench.decide.plan import plan_decision
 from workbench.files import read_toml
 from workbench.identify.experiment import is_experiment
 from workbench.parameters import read_parameters, serves
-from workbench.study.document import only_decides, read_study, scenario_trial
+from workbench.study.document import layer_trial, only_decides, read_study
 from workbench.study.gain_file import is_gain_file, read_gain_file
+from workbench.study.layers import layer_of
 from workbench.study.runner import plan
-from workbench.study.scenarios import is_scenario
 from workbench.tune.study import tasks_of
 
 
 def check_file(file: Path) -> None:
-    """Check a study, scenario, experiment or parameter set to the last key, and print what it would do.
+    """Check a study, machine, scenario, experiment or parameter set to the last key, and print what it would do.
 
     Raises:
         UserError: a mistake in it.
@@ -34,10 +34,10 @@ def check_file(file: Path) -> None:
     if is_experiment(data):
         check_experiment(file)
         return
-    if is_scenario(file):
-        trial = plan(scenario_trial(file)).study
-        tables = ", ".join(f"[{name}]" for name in trial.file.scenarios[file.stem]) or "nothing"
-        print(f"{file}: a scenario, in order; it changes {tables}")
+    if (layer := layer_of(file)) is not None:
+        trial = plan(layer_trial(layer, file)).study
+        tables = ", ".join(f"[{name}]" for name in getattr(trial.file, layer.section)[file.stem]) or "nothing"
+        print(f"{file}: a {layer.axis}, in order; it changes {tables}")
         return
     study = read_study(file)
     planned = None if only_decides(study) else plan(study)
@@ -55,6 +55,8 @@ def check_file(file: Path) -> None:
 def _check_gains(file: Path) -> None:
     """Say what a gain file holds."""
     found = read_gain_file(file)
-    settings = ", ".join(f"{name} {value}" for name, value in found.settings.items())
-    print(f"{file}: tuned gains of {found.type}, in order: {settings}")
+    print(f"{file}: tuned gains of {found.type}, in order")
+    for entry in found.at:
+        settings = ", ".join(f"{name} {value}" for name, value in entry.settings.items())
+        print(f"  {'any speed' if entry.rpm is None else f'{entry.rpm:g} rpm'}: {settings}")
     print(found.source)

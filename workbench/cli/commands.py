@@ -1,12 +1,13 @@
 """The commands. What a command does not need it does not import: help appears at once."""
 
+import io
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from workbench.cli.progress import ProgressBar
 from workbench.errors import UserError, nearest
 
 app = typer.Typer(
@@ -17,6 +18,9 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+LONGEST = 150
+"""Lines of a table that is printed."""
 
 StudyFile = Annotated[Path, typer.Argument(help="A study: a TOML file.", metavar="STUDY.toml")]
 Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DIR")]
@@ -44,46 +48,28 @@ def run(
     keep_trajectories: Annotated[
         bool, typer.Option("--keep-trajectories", help="Keep every case's signals, not only those of figures.")
     ] = False,
+    draws: Annotated[int | None, typer.Option(min=0, help="Draws of machines, instead of the study's number.")] = None,
+    fresh_draws: Annotated[
+        int | None, typer.Option(min=0, help="Draws on which the best of a comparison are measured again.")
+    ] = None,
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
     from workbench.cli.plan import say_plan
-    from workbench.files import read_toml
-    from workbench.identify.experiment import is_experiment
-    from workbench.study.document import only_decides, read_study
-    from workbench.study.runner import plan, run_study
+    from workbench.cli.run import Options, planned_study, run_all
 
-    if is_experiment(read_toml(study)[0]):
-        raise UserError(f"{study}: this is an experiment; use workbench identify {study} --out {out}")
     if resume and overwrite:
         raise UserError("--resume and --overwrite: choose one")
-    content = read_study(study)
-    if only_decides(content):
-        raise UserError(f"{study}: has [decide] and no [references]; use workbench decide {study} --out {out}")
-    planned = plan(content)
+    planned = planned_study(study, out, draws, fresh_draws)
     say_plan(planned)
     if dry_run:
         return
-    try:
-        with ProgressBar(len(planned.cases)) as progress:
-            run_study(
-                planned,
-                out,
-                jobs=jobs,
-                cluster=cluster,
-                resume=resume,
-                overwrite=overwrite,
-                keep_all=keep_trajectories,
-                progress=progress,
-            )
-    except KeyboardInterrupt:
-        print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
-        raise typer.Exit(130) from None
+    run_all(planned, out, Options(jobs, cluster, resume, overwrite, keep_trajectories))
     _report(out, planned)
 
 
 @app.command()
 def check(
-    file: Annotated[Path, typer.Argument(help="A study, scenario, experiment or parameter set.", metavar="FILE")],
+    file: Annotated[Path, typer.Argument(help="A study, machine, scenario, experiment or parameters.", metavar="FILE")],
 ) -> None:
     """Check a file to the last key and say what it would do. Nothing is run or written."""
     from workbench.cli.check import check_file
@@ -95,7 +81,9 @@ def check(
 def list_(
     kind: Annotated[
         str | None,
-        typer.Argument(help="plants, controllers, parameters, scenarios, references, effects, integrators or columns."),
+        typer.Argument(
+            help="plants, controllers, parameters, machines, scenarios, references, effects, integrators or columns."
+        ),
     ] = None,
 ) -> None:
     """List what a study may name, and effects that a diagnosis knows."""
@@ -119,8 +107,9 @@ def table(
     where: Where = None,
 ) -> None:
     """Write a study's tables again, or show columns of its results."""
+    from workbench.compare.page import write_comparison
     from workbench.report.select import columns_of
-    from workbench.report.study_report import write_pages, write_tables
+    from workbench.report.study_report import write_tables
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -129,7 +118,7 @@ def table(
         print(columns_of(frame, column or [], _conditions(where)).to_markdown(index=False, floatfmt=".6g"))
         return
     study = read_study(folder / STUDY_COPY)
-    tables, pages = write_tables(study, frame, folder), write_pages(study, frame, folder)
+    tables, pages = write_tables(study, frame, folder), write_comparison(study, frame, folder)
     if not tables and not pages:
         raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
     _print_tables(tables)
@@ -146,22 +135,37 @@ def plot(
     out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
 ) -> None:
     """Draw a study's figures again, or any stored signal or column."""
-    from workbench.report.figures import quick_plot
-    from workbench.report.study_report import write_figures, write_pages
+    from workbench.compare.page import write_comparison
+    from workbench.report.quick_plot import quick_plot
+    from workbench.report.study_report import write_figures
     from workbench.study.document import read_study
     from workbench.study.store import STUDY_COPY, read_results
 
     frame = read_results(folder)
     if y:
-        path = quick_plot(folder, frame, x, y, _conditions(where), out)
+        path, left_out = quick_plot(folder, frame, x, y, _conditions(where), out)
+        if left_out:
+            print(f"left out: {'; '.join(left_out)}")
         print(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
-    figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
+    figures, pages = write_figures(study, frame, folder), write_comparison(study, frame, folder)
     if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for paths in [*figures, *([page] for page in pages)]:
         print("wrote " + ", ".join(str(path) for path in paths))
+
+
+@app.command()
+def agree(
+    one: Folder,
+    other: Annotated[Path, typer.Argument(help="Another folder of results of the same.", metavar="DIR")],
+) -> None:
+    """Say how many verdicts another comparison moves."""
+    from workbench.compare.agreement import agreement
+    from workbench.compare.results import verdicts_of
+
+    print("\n".join(agreement(verdicts_of(one), verdicts_of(other)).words))
 
 
 def _conditions(where: list[str] | None) -> dict[str, str]:
@@ -176,13 +180,14 @@ def _conditions(where: list[str] | None) -> dict[str, str]:
 
 def _report(folder: Path, planned: Any) -> None:
     """Tables, figures and pages of finished results, and which cases did not simply complete."""
-    from workbench.report.study_report import write_cycles, write_figures, write_pages, write_tables
+    from workbench.compare.page import write_comparison
+    from workbench.report.study_report import write_cycles, write_figures, write_tables
     from workbench.study.store import read_results
 
     frame, study = read_results(folder), planned.study
     _print_tables(write_tables(study, frame, folder) + write_cycles(planned, frame, folder))
     write_figures(study, frame, folder)
-    for page in write_pages(study, frame, folder):
+    for page in write_comparison(study, frame, folder):
         print(f"wrote {page}")
     unusual = frame[frame["outcome"] != "completed"]
     for outcome, count in unusual["outcome"].value_counts().items():
@@ -192,13 +197,18 @@ def _report(folder: Path, planned: Any) -> None:
 
 
 def _print_tables(paths: list[Path]) -> None:
+    """Print tables; of one that nobody would read on a terminal only where it lies."""
     for path in paths:
-        print()
-        print(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        print(f"\n{text}" if text.count("\n") <= LONGEST else f"wrote {path} ({text.count(chr(10))} lines)")
 
 
 def main() -> None:
     """Run the command line. A user's mistake, or a file system's, is one or two lines and exit code 2."""
+    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
     try:
         app()
     except (UserError, OSError) as error:

@@ -1,19 +1,44 @@
-"""How far a command is, on a terminal; nothing where standard error goes elsewhere."""
+"""How far a command is: a bar on a terminal, plain lines now and then where standard error goes elsewhere."""
 
 import sys
+import time
+from collections.abc import Callable
 from typing import Any
+
+INTERVAL = 15.0
+"""Seconds between two plain lines, and before the first: what is over sooner says nothing."""
+
+
+class Lines:
+    """Plain lines on standard error, each written at once, none sooner than `INTERVAL` after the one before."""
+
+    def __init__(self) -> None:
+        self._began = self._said = time.monotonic()
+
+    def say(self, text: str, done: float | None = None) -> None:
+        """Write how far it is, in words and with the time left where `done`, the share that is done, is known."""
+        now = time.monotonic()
+        if now - self._said < INTERVAL:
+            return
+        self._said = now
+        left = f", about {_duration((now - self._began) * (1.0 - done) / done)} left" if done else ""
+        print(f"{text}{left}", file=sys.stderr, flush=True)
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
 class ProgressBar:
-    """A progress bar with the time left, only on a terminal."""
+    """Cases done, of all: a bar with the time left on a terminal, else plain lines."""
 
     def __init__(self, total: int) -> None:
         self._total = total
         self._bar: Any = None
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Callable[[int, int, Any], None]:
         if not sys.stderr.isatty():
-            return None
+            return self._plain(Lines())
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -23,20 +48,31 @@ class ProgressBar:
         task = self._bar.add_task("", total=self._total)
         return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
 
+    def _plain(self, lines: Lines) -> Callable[[int, int, Any], None]:
+        before: list[int] = []  # what an earlier run has done says nothing of the speed of this one
+
+        def told(count: int, total: int, case: Any) -> None:
+            if not before:
+                before.append(count - 1)
+            if count < total:
+                lines.say(f"{count} of {total} cases", (count - before[0]) / (total - before[0]))
+
+        return told
+
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:
             self._bar.stop()
 
 
 class ProgressLine:
-    """A line that says what is being done, how far that is and how long it may take, only on a terminal."""
+    """What is being done, how far that is and how long it may take: a line on a terminal, else now and then a line."""
 
     def __init__(self) -> None:
         self._line: Any = None
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Callable[..., None]:
         if not sys.stderr.isatty():
-            return None
+            return Lines().say
         from rich.console import Console
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 

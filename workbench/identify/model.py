@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from plants.equation import fields
-from plants.interface import Measurement
+from plants.interface import SENSORS, Measurement
 from workbench.errors import UserError
 from workbench.identify.differentiate import averaged
 from workbench.identify.experiment import Experiment
@@ -89,9 +89,9 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     feeds = tuple(Feed(name, _input(record, channels[name])) for name in driven if name in channels)
     if not any(feed.input == experiment.plant.command for feed in feeds):
         raise UserError(f"{record.path}: a simulation needs the measured {experiment.plant.command}; add its channel")
-    outputs = [name for name in Measurement._fields if name in channels]
+    outputs = [name for name in SENSORS if name in channels]
     if not outputs:
-        raise UserError(f"{record.path}: a fit needs one of {', '.join(Measurement._fields)}; add its channel")
+        raise UserError(f"{record.path}: a fit needs one of {', '.join(SENSORS)}; add its channel")
     count = max(1, round(1.0 / (FIT_RATE * record.sample_time)))
     filters = {name: Channel(anti_alias=experiment.channels[name].anti_alias) for name in outputs}
     parameters = experiment.parameters()

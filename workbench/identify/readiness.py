@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from plants.equation import fields
-from plants.interface import Measurement
+from plants.interface import SENSORS
 from workbench.errors import UserError
 from workbench.identify import thesis_method
 from workbench.identify.experiment import Experiment
@@ -96,8 +96,8 @@ def _check_simulation_channels(experiment: Experiment) -> None:
     driven = [item.name for item in fields(plant.Inputs) if item.name in known]
     if plant.command not in driven and "command" not in known:
         raise UserError(f"{experiment.path}: a simulation needs the measured {plant.command}; add it to [channels]")
-    if not any(name in known for name in Measurement._fields):
-        needed = ", ".join(Measurement._fields)
+    if not any(name in known for name in SENSORS):
+        needed = ", ".join(SENSORS)
         raise UserError(f"{experiment.path}: a fit needs one of {needed}; add it to [channels]")
 
 

@@ -16,13 +16,18 @@ from workbench.errors import nearest
 from workbench.files import Key
 from workbench.metrics.window import whole_periods
 from workbench.parameters import FLOW_SHARE
+from workbench.simulation.references import Steps
 from workbench.simulation.simulate import memory_names
+from workbench.study.axis_values import are_names, shown_unit
 from workbench.study.document import Case, Study, located, named
 from workbench.study.friction_curves import check_friction_curves
+from workbench.study.layers import MACHINE
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
 from workbench.study.report_schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.resolve import Resolved
+from workbench.study.rotation_checks import rotation_warning
 from workbench.study.store import INDEX
+from workbench.study.table_layout import LayoutError, lay_out
 from workbench.units import QuantityError
 
 MEMORY = "controller_"
@@ -31,6 +36,9 @@ MEMORY = "controller_"
 CLOSE = 0.85
 """Likeness above which such a name is a slip of the pen: they all begin alike."""
 
+
+WINDOWED = ("rms_error_m", "max_error_m")
+"""Figures of all that comes after the transient."""
 
 REACH_INSTANTS = 10_001
 """At most so many instants tell how far a reference goes."""
@@ -84,8 +92,9 @@ class Checks:
         if spec is None:
             return
         known = {kind: dict.fromkeys(named(case, kind) for case in self.cases) for kind in ("controller", "reference")}
-        for i, name in enumerate(spec.plain):
-            self._name(("comparison", "plain", i), "controller", name, known["controller"])
+        for family in ("plain", "pressure"):
+            for i, name in enumerate(getattr(spec, family)):
+                self._name(("comparison", family, i), "controller", name, known["controller"])
         for i, name in enumerate(spec.steps):
             self._name(("comparison", "steps", i), "reference", name, known["reference"])
         for pair in spec.before.items():
@@ -146,10 +155,14 @@ class Checks:
         return found
 
     def _published(self, key: Key, values: Iterable[str], axis: str) -> None:
-        numeric = all(isinstance(case.columns.get(axis, 0), int | float) for case in self.cases)
+        numeric = not are_names(self._values(axis))
         for value in values:
-            if numeric and not _is_number(value):
+            if numeric and are_names([value]):
                 raise self.study.error((*key, "published"), f'got "{value}", expected a number as {axis} has them')
+
+    def _values(self, axis: str) -> list[Any]:
+        """What the cases have on an axis."""
+        return [case.columns[axis] for case in self.cases if axis in case.columns]
 
     def _table(self, key: Key, table: TableSpec) -> None:
         if table.index is not None:
@@ -166,7 +179,13 @@ class Checks:
         for i, row in enumerate(table.rows):
             self._chosen((*key, "rows", i), {**table.where, **row.where}, one=True)
         for i, column in enumerate(table.columns):
+            self._chosen((*key, "columns", i), {**table.where, **column.where}, one=False)
             self._published((*key, "columns", i), column.published, str(table.index))
+        if table.index in self.axes and {*table.where, *(k for c in table.columns for k in c.where)} <= {*self.axes}:
+            try:
+                lay_out(table, [case.columns for case in self.cases], self.axes)
+            except LayoutError as error:
+                raise self.study.error((*key, *error.key), str(error)) from None
 
     def _break_even(self, key: Key, even: BreakEvenTable) -> None:
         self._name((*key, "axis"), "axis", even.axis, self.axes)
@@ -188,6 +207,13 @@ class Checks:
         self._name((*key, "y"), "figure", curve.y, self.columns)
         self._chosen(key, curve.where, one=False)
         self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
+        try:
+            if panel.x in self.axes:
+                shown_unit(panel.x, self._values(panel.x), panel.x_unit)
+            elif panel.x_unit is not None:
+                shown_factor(unit_of_column(panel.x), panel.x_unit)
+        except QuantityError as error:
+            raise self.study.error((*key[:4], "x" if panel.x_unit is None else "x_unit"), str(error)) from None
         self._published(key, curve.published, panel.x)
 
     def _curve_of_signals(self, key: Key, panel: Panel, curve: Curve) -> None:
@@ -195,16 +221,22 @@ class Checks:
             self._name((*key, "where", name), "axis", name, self.axes)
         case = self._chosen(key, curve.where, one=True)[0]
         units = signal_units()
-        for coordinate, name, shown in (("x", curve.x or panel.x, panel.x_unit), ("y", curve.y, panel.y_unit)):
+        x_unit = units.get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+        for coordinate, name, shown in (("x", curve.x or panel.x, x_unit), ("y", curve.y, panel.y_unit)):
             place = key if coordinate == "y" or curve.x else key[:4]
             self._signal((*place, coordinate), name, [case])
             self._unit((*key[:4], f"{coordinate}_unit"), units.get(name, "1"), shown)
 
     def warnings(self) -> list[str]:
-        """What may be meant, and seldom is: references beyond the stroke, no whole period after the transient."""
+        """What may be meant, and seldom is: far references, too little after the transient, rotations not held."""
         found: dict[str, None] = {}
         seen: set[str] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):
+            turned = repr((case.tables["plant"], item.setup.rotation_speed, item.belief, item.setup.sample_time))
+            if turned not in seen:
+                seen.add(turned)
+                if message := rotation_warning(case, item):
+                    found[str(located(self.study, case, ("plant", "rotation"), message))] = None
             name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
             point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
             if item.signal is None or repr(point) in seen:
@@ -217,10 +249,27 @@ class Checks:
             if item.setup.reference is not None and period is not None and whole_periods(left, period) == 0:
                 message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
                 found[str(located(self.study, case, ("simulation", "duration"), message))] = None
+            if self._errors_are_asked_for and (jump := _last_jump(item)) is not None and jump < item.transient:
+                message = (
+                    f'"{name}" jumps for the last time at {jump:g} s, and the transient of {item.transient:g} s leaves '
+                    f"nothing of that to {' and '.join(WINDOWED)}; shorten it, or ask for steady-state errors"
+                )
+                found[str(located(self.study, case, ("simulation", "transient"), message))] = None
         return list(found)
 
+    @cached_property
+    def _errors_are_asked_for(self) -> bool:
+        """Whether a table asks for the errors after the transient; without tables any figure may be meant."""
+        tables = self.study.file.tables
+        asked = {one.result for table in tables for one in table.columns}
+        asked |= {one.result for table in tables for one in table.rows}
+        return not tables or not asked.isdisjoint(WINDOWED)
+
     def without_use(self) -> None:
-        """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads."""
+        """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads.
+
+        What a machine says is no mistake: it is whole, whichever of its plants a study asks for.
+        """
         without: dict[Key, tuple[Case, str]] = {}
         used: set[Key] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):
@@ -230,8 +279,17 @@ class Checks:
                 else:
                     used.add(key)
         for key, (case, message) in without.items():
-            if key not in used:
+            if key not in used and not self._of_machine(case, key):
                 raise located(self.study, case, key, message)
+
+    def _of_machine(self, case: Case, key: Key) -> bool:
+        """Whether the machine of a case says this."""
+        table: Any = self.study.file.machines.get(str(case.axes.get(MACHINE.axis)), {})
+        for part in key:
+            if not isinstance(table, Mapping) or part not in table:
+                return False
+            table = table[str(part)]
+        return True
 
 
 def _reach(item: Resolved) -> float:
@@ -243,6 +301,12 @@ def _reach(item: Resolved) -> float:
         if setup.reference
         else 0.0
     )
+
+
+def _last_jump(item: Resolved) -> float | None:
+    """When steps jump for the last time within a case (s)."""
+    reference = item.setup.reference
+    return reference.dwells(item.setup.duration)[-1][0] if isinstance(reference, Steps) else None
 
 
 def _family(case: Case, plant: Plant) -> list[Plant]:
@@ -277,17 +341,10 @@ def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dic
     rotates = any(plant.rotary_command is not None for plant in family)
     valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))
     features = {"bristle": rotates, "inertia": rotates, "rotation": rotates, "start": rotates, "flow": valve}
+    features |= {"motor": rotates, "motor_limits": rotates}
     features["command"] = table["model"] == "drive"
     found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
     for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):
         for name in case.tables[section[0]].get(section[1], {}):
             found[(*section, name)] = name in names
     return found
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -1,23 +1,24 @@
 """A study file, and the cases that it unfolds into: its cases, times the product of its axes."""
 
 import copy
+import functools
 import hashlib
 import itertools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from workbench import files
 from workbench.errors import UserError, nearest
-from workbench.study.gain_file import KEY, with_gains
+from workbench.study.gain_file import KEY, GainFile, read_gain_file, with_gains
+from workbench.study.layers import LAYERS, MACHINE, Layer
 from workbench.study.quantities import rpm_si
-from workbench.study.scenarios import FOLDER, read_scenario, scenario_files
 from workbench.study.schema import OVERRIDES, StudyFile
 
-NAMED_AXES = ("rpm", "controller", "reference", "scenario")
+NAMED_AXES = ("rpm", "controller", "reference", *LAYERS)
 """Axes that are not dotted keys of the file."""
 
 CASE = "case"
@@ -33,17 +34,19 @@ TUNED = {"uncertainty", "tune", "decide"}
 
 @dataclass(frozen=True)
 class Study:
-    """A study file as read. `file.scenarios` holds scenario files too; their path and text are in `sources`."""
+    """A study file as read. `file.machines` and `file.scenarios` hold those of files too, whose path and text are in
+    `sources`, by section and name.
+    """
 
     path: Path
     text: str
     file: StudyFile
-    sources: Mapping[str, tuple[Path, str]] = field(default_factory=dict)
+    sources: Mapping[files.Key, tuple[Path, str]] = field(default_factory=dict)
 
     def error(self, key: files.Key, message: str) -> UserError:
-        """The error for a mistake at `key`, in the scenario file where that is what holds it."""
-        if key[0] == "scenarios" and len(key) > 1 and key[1] in self.sources:
-            return files.at(*self.sources[str(key[1])], key[2:], message)
+        """The error for a mistake at `key`, in the file of a machine or scenario where that is what holds it."""
+        if key[:2] in self.sources:
+            return files.at(*self.sources[key[:2]], key[2:], message)
         return files.at(self.path, self.text, key, message)
 
     @property
@@ -57,8 +60,8 @@ class Study:
 class Case:
     """One point of a study, before anything is built: `tables` is what the file says there.
 
-    `axes` are its columns in the results; `declared` is the plant table without what scenario and axes changed:
-    what a controller may believe. Plain data, so that it can travel to another process.
+    `axes` are its columns in the results; `declared` is the plant table of its machine, without what scenario and axes
+    changed: what a controller may believe. Plain data, so that it can travel to another process.
     """
 
     index: int
@@ -76,7 +79,7 @@ class Case:
     @property
     def rpm(self) -> float:
         """The speed of rotation that the case asks for (rpm), in whole millionths."""
-        return round(rpm_si(self.tables.get("rpm", 0.0)) * 30.0 / math.pi, 6)
+        return rpm_of(self.tables)
 
     @property
     def label(self) -> str:
@@ -93,15 +96,36 @@ def read_study(path: Path) -> Study:
     data, text = files.read_toml(path)
     study = Study(path, text, files.validate(StudyFile, data, path, text))
     file = study.file
-    for section in ("cases", "scenarios"):
+    sections = [layer.section for layer in LAYERS.values()]
+    for section in ("cases", *sections):
         for name, overrides in getattr(file, section).items():
-            allowed = [key for key in OVERRIDES if not (section == "scenarios" and key == "axes")]
+            allowed = [key for key in OVERRIDES if not (section in sections and key == "axes")]
             for key in overrides:
                 if key not in allowed:
                     raise study.error((section, name, key), f"unknown key; {nearest(key, allowed)}")
-    beside = scenario_files(path.parent)
-    wanted = [name for name in _named_scenarios(file) if name in beside and name not in file.scenarios]
-    return _with_scenarios(study, {name: beside[name] for name in wanted})
+    for layer in LAYERS.values():
+        beside, own = layer.files(path.parent), getattr(file, layer.section)
+        wanted = [name for name in _named_on(file, layer.axis) if name in beside and name not in own]
+        study = _with_files(study, layer, {name: beside[name] for name in wanted})
+    return study if file.decide is None or file.decide.machine is None else deciding_on(study, file.decide.machine)
+
+
+def deciding_on(study: Study, machine: str) -> Study:
+    """The study with its [decide] on the machine of that name, whose file is read where the study has no such table.
+
+    Raises:
+        UserError: there is no such machine, or no [decide].
+    """
+    decide, beside = study.file.decide, MACHINE.files(study.path.parent)
+    if decide is None:
+        raise UserError(f"{study.path}: has no [decide] that could be on a machine")
+    known = {*study.file.machines, *beside}
+    if machine not in known:
+        raise study.error(("decide", "machine"), f'unknown machine "{machine}"; {nearest(machine, sorted(known))}')
+    if machine not in study.file.machines:
+        study = _with_files(study, MACHINE, {machine: beside[machine]})
+    asked = decide.model_copy(update={"machine": machine})
+    return replace(study, file=study.file.model_copy(update={"decide": asked}))
 
 
 def only_decides(study: Study) -> bool:
@@ -109,24 +133,24 @@ def only_decides(study: Study) -> bool:
     return study.file.decide is not None and not study.file.references and not study.file.cases
 
 
-def _named_scenarios(file: StudyFile) -> list[str]:
-    """What the axes `scenario` name, in whatever shape they are."""
+def _named_on(file: StudyFile, axis: str) -> list[str]:
+    """What all axes of that name say, in whatever shape they are."""
     tables = [file.axes, *(overrides.get("axes") for overrides in file.cases.values())]
-    lists = [table.get("scenario") for table in tables if isinstance(table, dict)]
+    lists = [table.get(axis) for table in tables if isinstance(table, dict)]
     return [value for values in lists if isinstance(values, list) for value in values if isinstance(value, str)]
 
 
-def _with_scenarios(study: Study, paths: Mapping[str, Path]) -> Study:
-    """The study with the scenarios of these files beside its own."""
-    scenarios, sources = dict(study.file.scenarios), {}
+def _with_files(study: Study, layer: Layer, paths: Mapping[str, Path]) -> Study:
+    """The study with the machines or scenarios of these files beside its own."""
+    known, sources = dict(getattr(study.file, layer.section)), dict(study.sources)
     for name, path in paths.items():
-        scenario, text = read_scenario(path)
-        scenarios[name], sources[name] = scenario.overrides, (path, text)
-    return replace(study, file=study.file.model_copy(update={"scenarios": scenarios}), sources=sources)
+        content, text = layer.read(path)
+        known[name], sources[layer.section, name] = content.overrides, (path, text)
+    return replace(study, file=study.file.model_copy(update={layer.section: known}), sources=sources)
 
 
-def scenario_trial(path: Path) -> Study:
-    """A study of one case that takes the scenario file at `path`: what it would do to the thesis's actuator.
+def layer_trial(layer: Layer, path: Path) -> Study:
+    """A study of one case that takes the machine or scenario at `path`: what it would do to the thesis's actuator.
 
     Raises:
         UserError: unreadable, not TOML, unknown or missing keys.
@@ -137,10 +161,15 @@ def scenario_trial(path: Path) -> Study:
         "controllers": {"p": {"type": "pid", "kp": "500 V/m"}},
         "references": {"step": {"kind": "steps", "levels": ["5 mm"], "dwell": "1 s"}},
         "simulation": {"duration": "1 s"},
-        "axes": {"scenario": [path.stem]},
+        "axes": {layer.axis: [path.stem]},
     }
-    beside = path.resolve().parent.parent / path.name  # where a study that names the scenario stands
-    return _with_scenarios(Study(beside, "", StudyFile.model_validate(content)), {path.stem: path})
+    beside = path.resolve().parent.parent / path.name  # where a study that names it stands
+    return _with_files(Study(beside, "", StudyFile.model_validate(content)), layer, {path.stem: path})
+
+
+def rpm_of(tables: Mapping[str, Any]) -> float:
+    """The speed of rotation (rpm) that the tables of a case ask for, in whole millionths."""
+    return round(rpm_si(tables.get("rpm", 0.0)) * 30.0 / math.pi, 6)
 
 
 def named(case: Case, kind: str) -> str:
@@ -157,17 +186,17 @@ def unfold(study: Study) -> list[Case]:
     file = study.file
     base = {name: copy.deepcopy(getattr(file, name)) for name in OVERRIDES}
     cases: list[Case] = []
+    read = functools.cache(read_gain_file)
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     for name, overrides in named:
         tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
-        tables["controllers"] = _with_gains(study, tables["controllers"])
         axes = overrides.get("axes", tables.pop("axes"))
         tables.pop("axes", None)
         _check_axes(study, name, axes, tables)
         for values in itertools.product(*axes.values()):
             point = dict(zip(axes, values, strict=True))
-            filled = _at_point(study, name, tables, point)
-            cases.append(Case(len(cases), name, point, filled, tables["plant"], study.path.parent))
+            filled, declared = _at_point(study, name, tables, point, read)
+            cases.append(Case(len(cases), name, point, filled, declared, study.path.parent))
     return cases
 
 
@@ -197,13 +226,18 @@ def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, 
         known = {
             "controller": tables["controllers"],
             "reference": tables["references"],
-            "scenario": {**study.file.scenarios, **scenario_files(study.path.parent)},
+            **{
+                layer.axis: {**getattr(study.file, layer.section), **layer.files(study.path.parent)}
+                for layer in LAYERS.values()
+            },
         }
         if axis in known:
             for value in values:
                 if not isinstance(value, str) or value not in known[axis]:
-                    looked = f" (looked in this file, {study.path.parent / FOLDER} and the program's own)"
-                    where = looked if axis == "scenario" else ""
+                    where = ""
+                    if axis in LAYERS:
+                        folder = study.path.parent / LAYERS[axis].section
+                        where = f" (looked in this file, {folder} and the program's own)"
                     raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}{where}')
         elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
             roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
@@ -219,15 +253,25 @@ def axes_key(study: Study, case: str | None) -> files.Key:
     return ("cases", case, "axes") if case and "axes" in study.file.cases[case] else ("axes",)
 
 
-def _at_point(study: Study, case: str | None, tables: Mapping[str, Any], point: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a case at one point of its axes."""
+def _at_point(
+    study: Study,
+    case: str | None,
+    tables: Mapping[str, Any],
+    point: Mapping[str, Any],
+    read: Callable[[Path], GainFile],
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The tables of a case at one point of its axes, and the plant that is declared there."""
     result = copy.deepcopy(dict(tables))
-    if scenario := point.get("scenario"):
-        result = merged(result, study.file.scenarios[scenario])
+    declared = result["plant"]
+    for axis, layer in LAYERS.items():
+        if axis in point:
+            result = merged(result, getattr(study.file, layer.section)[point[axis]])
+        if layer is MACHINE:
+            declared = copy.deepcopy(result["plant"])
     for axis, value in point.items():
         if axis in ("rpm", "controller", "reference"):
             result[axis] = value
-        elif axis != "scenario":
+        elif axis not in LAYERS:
             *parents, last = axis.split(".")
             table = result
             for part in parents:
@@ -235,25 +279,32 @@ def _at_point(study: Study, case: str | None, tables: Mapping[str, Any], point: 
                 if not isinstance(table, dict):
                     raise study.error((*axes_key(study, case), axis), f'"{part}" is not a table')
             table[last] = value
-    result["controllers"] = _with_gains(study, result["controllers"])
-    return result
+    result["controllers"] = _with_gains(study, result, point.get(MACHINE.axis), read)
+    return result, declared
 
 
-def _with_gains(study: Study, controllers: Mapping[str, Any]) -> dict[str, Any]:
-    """Controllers with what their gain files say."""
-    found = dict(controllers)
+def _with_gains(
+    study: Study, tables: Mapping[str, Any], machine: str | None, read: Callable[[Path], GainFile]
+) -> dict[str, Any]:
+    """Controllers with what their gain files say for a case's speed and machine.
+
+    Of controllers beside the case's own a file that has nothing for this speed is left: they have cases of their own.
+    """
+    controllers = tables["controllers"]
+    found, own = dict(controllers), tables.get("controller") or next(iter(controllers), None)
     for name, table in controllers.items():
         if not isinstance(table, dict) or KEY not in table:
             continue  # what is no table is told when the case is resolved
         try:
-            found[name] = with_gains(table, study.path.parent)
+            found[name] = with_gains(table, study.path.parent, rpm_of(tables), machine, read)
         except UserError as error:
-            raise study.error(("controllers", name, KEY), str(error)) from None
+            if name == own:
+                raise study.error(("controllers", name, KEY), str(error)) from None
     return found
 
 
 def located(study: Study, case: Case, key: files.Key, message: str) -> UserError:
-    """The mistake where the user wrote it: on an axis, in the scenario, in the case, or in the study itself."""
+    """The mistake where the user wrote it: on an axis, in scenario or machine, in the case, or in the study itself."""
     for axis in case.axes:
         parts = tuple(axis.split("."))
         if parts == tuple(map(str, key[: len(parts)])):
@@ -261,8 +312,9 @@ def located(study: Study, case: Case, key: files.Key, message: str) -> UserError
     layers: list[tuple[files.Key, Any]] = [((), study.file.model_dump(include=set(OVERRIDES)))]
     if case.name:
         layers.append((("cases", case.name), study.file.cases[case.name]))
-    if scenario := case.axes.get("scenario"):
-        layers.append((("scenarios", scenario), study.file.scenarios[scenario]))
+    for axis, layer in LAYERS.items():
+        if name := case.axes.get(axis):
+            layers.append(((layer.section, name), getattr(study.file, layer.section)[name]))
     place: files.Key = ()
     depth = -1
     for prefix, table in layers:

@@ -7,9 +7,9 @@ from typing import Any
 from controllers.interface import Controller
 from controllers.registry import controllers
 from plants.equation import fields
-from plants.interface import Measurement, Plant
+from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
-from workbench.simulation.simulate import MEASURED, memory_names
+from workbench.simulation.simulate import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE, memory_names
 from workbench.units import COMMAND, factor
 
 TRACKING = ("reference_position", "reference_velocity", "error")
@@ -18,9 +18,10 @@ TRACKING = ("reference_position", "reference_velocity", "error")
 SIGNAL_UNITS = {
     "time": "s",
     "error": "m",
+    FRICTION_ERROR: "N",
     "reference_position": "m",
     "reference_velocity": "m/s",
-    **{f"{MEASURED}{item.name}": item.unit for item in fields(Measurement)},
+    **{f"{MEASURED}{item.name}": item.unit for item in fields(Measurement) if item.name in SENSORS},
 }
 """Units of signals that no plant declares."""
 
@@ -32,6 +33,7 @@ BASE_UNITS = {
     "V": "V",
     "J": "J",
     "N": "N",
+    "N_m": "N m",
     "N_s_per_m": "N s/m",
     "m_per_s": "m/s",
     "m_per_s3": "m/s^3",
@@ -43,8 +45,10 @@ BASE_UNITS = {
 def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
     """Names of the signals of a run; `tracks`: whether a position reference is followed."""
     names = [item.name for item in (*fields(plant.Signals), *fields(plant.Inputs))]
-    measured = [f"{MEASURED}{item.name}" for item in fields(Measurement)]
-    return list(dict.fromkeys([*names, "time", *measured, *memory_names(controller), *(TRACKING if tracks else ())]))
+    measured = [f"{MEASURED}{name}" for name in SENSORS]
+    memory = memory_names(controller)
+    judged = [FRICTION_ERROR] if ESTIMATE in memory and TRUE in names else []
+    return list(dict.fromkeys([*names, "time", *measured, *memory, *judged, *(TRACKING if tracks else ())]))
 
 
 def signal_units() -> dict[str, str]:
@@ -79,10 +83,11 @@ def shown_factor(unit: str, shown: str) -> float:
 
 def matches(columns: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
     """Whether a case has the values that `where` asks for; numbers are compared as numbers, "460" being one."""
-    return all(_comparable(columns.get(key)) == _comparable(value) for key, value in where.items())
+    return all(comparable(columns.get(key)) == comparable(value) for key, value in where.items())
 
 
-def _comparable(value: Any) -> float | str:
+def comparable(value: Any) -> float | str:
+    """A value such that equal ones compare equal: a number where it is one, however it is written."""
     if isinstance(value, list | dict):
         return json.dumps(value)
     try:

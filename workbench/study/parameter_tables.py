@@ -1,8 +1,11 @@
 """[plant] and [belief]: from their sets, files and changes to the plant's parameters, true and believed."""
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from plants import motor
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
 from workbench.files import SchemaError
@@ -26,10 +29,22 @@ def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str
     return values
 
 
-def _with_inertia(plant: Plant, values: dict[str, float], kind: str) -> dict[str, float]:
-    """Values with the rotary inertia that the study asks for: "mass" is the thesis's M R^2 (section 3.3.1.2)."""
-    if kind == "mass" and plant.rotary_command and {"mass", "piston_radius"} <= values.keys():
-        return {**values, "rotary_inertia": values["mass"] * values["piston_radius"] ** 2}
+def _rotated(plant: Plant, values: dict[str, float], table: Mapping[str, Any]) -> dict[str, float]:
+    """Values with what a study says of rotation in [plant]: `inertia`, `motor` and `motor_limits`.
+
+    Inertia "mass" is the thesis's M R^2 (section 3.3.1.2). A "consistent" motor has the back-EMF constant of its torque
+    constant, so that what enters at the terminals is shaft power, winding loss and what winding and rotor store:
+    torque and current are what the thesis measured friction with (4.2), the printed back EMF only moves the voltage.
+    """
+    if not plant.rotary_command:
+        return values
+    values = dict(values)
+    if table.get("inertia") == "mass" and {"mass", "piston_radius"} <= values.keys():
+        values["rotary_inertia"] = values["mass"] * values["piston_radius"] ** 2
+    if table.get("motor") == "consistent" and "torque_constant" in values:
+        values["back_emf_constant"] = values["torque_constant"]
+    if not table.get("motor_limits", True):
+        values |= dict.fromkeys(motor.LIMITS, math.inf)
     return values
 
 
@@ -51,7 +66,7 @@ def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
             if scaled in values:
                 values[scaled] *= ratio
     try:
-        return build(plant.Parameters, _with_inertia(plant, values, table.inertia), table.flow)
+        return build(plant.Parameters, _rotated(plant, values, table.model_dump()), table.flow)
     except UserError as error:
         raise SchemaError(
             ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'
@@ -84,7 +99,7 @@ def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
     overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
     values = _values(source, overrides, case.folder, "belief")
     try:
-        values = _with_inertia(plant, values, declared.get("inertia", "own"))
+        values = _rotated(plant, values, declared)
         return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
     except UserError as error:
         raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None

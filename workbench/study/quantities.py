@@ -14,6 +14,7 @@ Metre = Annotated[float, BeforeValidator(partial(si, unit="m"))]
 MetrePerSecond = Annotated[float, BeforeValidator(partial(si, unit="m/s"))]
 Second = Annotated[float, BeforeValidator(partial(si, unit="s"))]
 Hertz = Annotated[float, BeforeValidator(partial(si, unit="Hz"))]
+NewtonMetre = Annotated[float, BeforeValidator(partial(si, unit="N m"))]
 Radian = Annotated[float, BeforeValidator(partial(si, unit="rad"))]
 
 

@@ -5,7 +5,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from workbench.files import Strict
-from workbench.study.quantities import Metre, MetrePerSecond, Second
+from workbench.study.quantities import Metre, MetrePerSecond, NewtonMetre, Second
 
 
 class Probe(Strict):
@@ -36,13 +36,19 @@ class Probe(Strict):
 
 
 class Column(Strict):
-    """One column of a table over an axis: a figure of the results, beside its published values by axis value."""
+    """One column of a table over an axis: a figure of the results, beside its published values by axis value.
+
+    `where` picks its cases among those of the table, as where columns come from different references. What is smaller
+    than `least`, a number in the unit shown, or an error than its solver error, is shown as "< least".
+    """
 
     result: str
     label: str
     unit: str = "1"
     digits: int = 4
     published: dict[str, float] = {}
+    where: dict[str, Any] = {}
+    least: float = Field(0.0, ge=0.0)
 
 
 class Row(Strict):
@@ -55,6 +61,7 @@ class Row(Strict):
     digits: int = 4
     published: float | None = None
     remark: str = ""
+    least: float = Field(0.0, ge=0.0)
 
 
 class TableSpec(Strict):
@@ -62,7 +69,8 @@ class TableSpec(Strict):
 
     `compared_with` heads the values under `published`: "reference" where they come from a formula or from another
     computation and are printed nowhere. With `across`, another axis, the values of one column stand side by side, each
-    with its place among its neighbours above and below, the smallest first.
+    with its place among its neighbours above and below (none with `places` = false): the smallest in magnitude first, a
+    power by its value; those below what is told apart share a place.
     """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
@@ -73,6 +81,7 @@ class TableSpec(Strict):
     index: str | None = None
     index_label: str = ""
     across: str | None = None
+    places: bool | None = None
     where: dict[str, Any] = {}
     columns: list[Column] = []
     rows: list[Row] = []
@@ -83,6 +92,8 @@ class TableSpec(Strict):
             raise ValueError("expected index with columns, or rows")
         if self.across is not None and (len(self.columns) != 1 or self.columns[0].published):
             raise ValueError("across: expected index with one column, without published values")
+        if self.places is not None and self.across is None:
+            raise ValueError("places: belongs to a table with across")
         headings = [(column.label, column.unit) for column in self.columns]
         if len(set(headings)) < len(headings):
             raise ValueError("two columns have the same label: expected different ones")
@@ -106,6 +117,7 @@ class Curve(Strict):
 
 class Panel(Strict):
     """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them.
+    Without `x_unit` it is that of the signal, of the column, or of the axis as the study writes its values.
 
     `measured_rpm` draws the measured friction of [friction_curves] at that speed of rotation under signals over
     velocity; how far each of them is off it goes to the table `validation`.
@@ -115,7 +127,7 @@ class Panel(Strict):
     x: str = "time"
     x_label: str
     y_label: str
-    x_unit: str = "s"
+    x_unit: str | None = None
     y_unit: str = "1"
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
@@ -192,14 +204,31 @@ class FrictionCurvesTable(Strict):
 class ComparisonTable(Strict):
     """[comparison]: make a page that compares compensation with rotation out of the results.
 
-    `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `steps` the
-    references that are judged by steady-state error and limit cycles; errors that differ by less than `negligible` are
-    level. `before` has for controllers with tuned gains the name of the one with the gains before: the page is of the
-    tuned ones, and says which conclusions are others.
+    `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `pressure` those
+    that compensate by the measured load pressure, without a friction model; all others have a friction model. `steps`
+    are the references that are judged by the largest error at the end of a dwell; what hunts in them never wins.
+    Errors that differ by less than `negligible` are level. `probability` is that of the intervals of one scenario and
+    reference together. The best of each class are measured again on `fresh_draws` machines that no choice has seen.
+    `nominal_torque` (N m) is what the motor may deliver for good. `before` has for controllers with tuned gains the
+    name of the one with the gains before: the page is of the tuned ones, and says which conclusions are others.
+    `left_out` says what the study does not hold.
     """
 
     plain: list[str] = Field(min_length=1)
+    pressure: list[str] = []
     steps: list[str] = []
     before: dict[str, str] = {}
     negligible: Metre = Field(1e-6, gt=0.0)
+    probability: float = Field(0.95, gt=0.5, lt=1.0)
+    fresh_draws: int = Field(0, ge=0)
+    nominal_torque: NewtonMetre = Field(8.0, gt=0.0)
+    left_out: list[str] = []
     assumptions: list[str] = []
+
+    @model_validator(mode="after")
+    def _families_apart(self) -> "ComparisonTable":
+        if both := set(self.plain) & set(self.pressure):
+            raise ValueError(f"{', '.join(sorted(both))}: in plain and in pressure; expected one of them")
+        if self.fresh_draws == 1:
+            raise ValueError("fresh_draws = 1 gives no interval; expected 0 (none) or at least 2, such as 20")
+        return self

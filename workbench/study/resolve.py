@@ -5,13 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from controllers import scheduled_rotation, speed_servo
+from controllers import scheduled_rotation, speed_servo, switched_rotation
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.registry import CONTROLLERS
 from controllers.scheduled_rotation import SCHEDULED_ROTATION
 from controllers.settings import ANY, Setting, settings_of, usable
+from controllers.switched_rotation import SWITCHED_ROTATION
 from plants.equation import fields
+from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.plugins import Registry
 from plants.registry import PLANTS
@@ -20,6 +22,7 @@ from workbench.errors import UserError, nearest
 from workbench.files import SchemaError
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
+from workbench.study.believed import designing
 from workbench.study.document import Case, Study, located
 from workbench.study.parameter_tables import build_belief, build_truth
 from workbench.study.reference_tables import KINDS
@@ -32,7 +35,13 @@ T = TypeVar("T")
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
 """Models of [plant] that stand for several plants; any registered plant's own name serves too."""
 
-ROTATED_BY = {"servo": ("motor_voltage",), "scheduled": tuple(SCHEDULED_ROTATION), "ideal": ("surface_speed",)}
+ROTATED_BY = {
+    "servo": ("motor_voltage",),
+    "voltage": ("motor_voltage",),
+    "scheduled": tuple(SCHEDULED_ROTATION),
+    "switched": tuple(SWITCHED_ROTATION),
+    "ideal": ("surface_speed",),
+}
 """The input of the plant that each kind of rotation drives."""
 
 SIGMAS = 3.0
@@ -42,7 +51,7 @@ SIGMAS = 3.0
 @dataclass(frozen=True)
 class Resolved:
     """A case ready to run. `band` (m) is what the sensors cannot tell from rest; `settings` are the controller's, and
-    `belief` is what it believes of the plant.
+    `belief` is what it believes of the plant. `hold_limit` (s) is how long its last dwell may be made.
     """
 
     setup: Setup
@@ -50,6 +59,7 @@ class Resolved:
     band: float
     settings: Any = None
     belief: Any = None
+    hold_limit: float = 0.0
 
     @property
     def signal(self) -> ReferenceSignal | None:
@@ -74,13 +84,13 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     plant = _plant(tables)
     parameters = build_truth(plant, tables, case.folder)
     belief = build_belief(plant, tables, case)
-    rotation_speed, surface_speed = _rotation(plant, parameters, tables)
-    state, inputs = plant.equilibrium(parameters, surface_speed)
-    if tables.plant.start == "standstill":
-        state, _ = plant.equilibrium(parameters, 0.0)
-    state = state._replace(position=tables.plant.start_position)
-    rotary, inputs = _rotary(plant, belief, inputs, surface_speed, tables)
+    turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
+    state, _ = plant.equilibrium(parameters, turning)
+    state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed
+    rotation_speed, surface_speed = _rotation(plant, belief, tables)
+    rotary, inputs = _rotary(plant, belief, rotation_speed, surface_speed, tables)
     loop, settings, reference, feeds = _position_loop(plant, belief, tables, case.folder)
+    plant = _gauged(plant, loop.controller, tables)
     sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
     simulation = tables.simulation
@@ -100,23 +110,45 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
         simulation.sample_time,
         simulation.seed,
     )
-    return Resolved(setup, simulation.transient, max(SIGMAS * position.noise, position.resolution), settings, belief)
+    band = max(SIGMAS * position.noise, position.resolution)
+    return Resolved(setup, simulation.transient, band, settings, belief, simulation.hold_limit)
+
+
+def _gauged(plant: Plant, controller: Controller, tables: CaseTables) -> Plant:
+    """The plant with the hypothetical friction gauge for the controller that is made for it, else as it is.
+
+    So every other controller gets NaN in its place, whatever [sensors] says.
+    """
+    if not controller.gauge:
+        return plant
+    if not tables.sensors.friction_gauge:
+        raise SchemaError(
+            ("sensors", "friction_gauge"),
+            f'is missing: controller type "{controller.name}" needs a gauge of the true friction, which no rig has; '
+            "write friction_gauge = true to say so, or take another type",
+        )
+    try:
+        return gauged(plant)
+    except ValueError as error:
+        raise SchemaError(("sensors", "friction_gauge"), str(error)) from None
 
 
 def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float, float]:
     """The wanted speed of rotation (rad/s) and of the piston's surface (m/s); of a schedule, those at rest."""
     if not plant.rotary_command:
         return tables.rpm, 0.0
-    radius, minimum = parameters.motor.piston_radius, tables.plant.minimum_helical_speed
+    with designing("rotation", plant, parameters, ("rpm",)):
+        radius, minimum = parameters.motor.piston_radius, tables.plant.minimum_helical_speed
     return (tables.rpm, tables.rpm * radius) if minimum is None else (minimum / radius, minimum)
 
 
 def _rotary(
-    plant: Plant, belief: Any, inputs: Any, surface_speed: float, tables: CaseTables
+    plant: Plant, belief: Any, rotation_speed: float, surface_speed: float, tables: CaseTables
 ) -> tuple[Loop | None, Any]:
-    """What controls the rotation, if anything does, and the inputs without what it then gives."""
+    """What controls the rotation, if anything does, and the inputs, as believed, without what it then gives."""
     rotation, command = tables.plant.rotation, plant.rotary_command
-    if not command or rotation == "voltage":
+    believed, inputs = plant.equilibrium(belief, surface_speed)
+    if not command or (command == "surface_speed" and "rotation" not in tables.plant.model_fields_set):
         return None, inputs
     if command not in ROTATED_BY[rotation]:
         raise SchemaError(
@@ -124,16 +156,19 @@ def _rotary(
             f'"{rotation}" drives {" or ".join(ROTATED_BY[rotation])}, and {plant.name} is rotated by its {command}; '
             "expected another rotation, or another model",
         )
-    if rotation == "ideal":
+    if rotation in ("ideal", "voltage"):
         return None, inputs
-    _, believed = plant.equilibrium(belief, surface_speed)
+    current = getattr(believed, "motor_current", 0.0)
     settings: Any
     if rotation == "servo":
-        controller, settings = speed_servo.SPEED_SERVO, speed_servo.Settings(believed.motor_voltage)
+        controller, settings = speed_servo.SPEED_SERVO, speed_servo.Settings(rotation_speed, current)
+    elif tables.plant.switch_speed is not None:  # it belongs to "switched"
+        controller = SWITCHED_ROTATION[command]
+        settings = switched_rotation.Settings(rotation_speed, current, tables.plant.switch_speed)
     else:
-        controller = SCHEDULED_ROTATION[command]
-        settings = scheduled_rotation.Settings(getattr(believed, command))
-    gains = controller.design(settings, belief, tables.simulation.sample_time)
+        controller, settings = SCHEDULED_ROTATION[command], scheduled_rotation.Settings(rotation_speed, current)
+    with designing(f'"{rotation}"', plant, belief, ("plant", "rotation")):
+        gains = controller.design(settings, belief, tables.simulation.sample_time)
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
 
 
@@ -181,12 +216,10 @@ def _position_loop(
         raise SchemaError(("controllers",), "is missing: expected a table such as [controllers.p]")
     controller, settings = _controller(name, tables, plant.command_unit)
     key = ("controllers", name)
-    try:
+    with designing(f'type "{tables.controllers[name]["type"]}"', plant, belief, key):
         if controller.choose is not None:
             controller = controller.choose(settings, belief)
         gains = controller.design(settings, belief, tables.simulation.sample_time)
-    except ValueError as error:
-        raise SchemaError(key, str(error)) from None
     unit, target = "m", ""
     if controller is OPEN_LOOP:
         target = settings.input or plant.command

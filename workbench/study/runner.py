@@ -19,13 +19,14 @@ from controllers.registry import CONTROLLERS
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
 from plants.registry import PLANTS
 from workbench.errors import UserError
-from workbench.metrics import COLUMNS, evaluate
+from workbench.metrics import COLUMNS
 from workbench.simulation.simulate import simulate, solver_error
 from workbench.study.checks import Checks
 from workbench.study.document import Case, Study, unfold
 from workbench.study.names import matches
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
+from workbench.study.run_on import evaluated
 from workbench.study.store import (
     Store,
     export,
@@ -36,6 +37,7 @@ from workbench.study.store import (
     write_study,
     write_trajectory,
 )
+from workbench.study.uncertainty import on_drawn_machines
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
@@ -73,7 +75,8 @@ class Plan:
         for item in self.resolved:
             setup = item.setup
             signals = [setup.reference, *(feed.signal for feed in setup.feeds)]
-            for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains):
+            turned = (setup.rotary.gains,) if setup.rotary else ()
+            for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
                 numbers.update(to_array(values).tobytes())
             for signal in signals:
                 if signal is not None:
@@ -106,11 +109,25 @@ def plan(study: Study) -> Plan:
     Raises:
         UserError: the first mistake in any case, table or figure.
     """
-    cases = unfold(study)
-    planned = Plan(study, cases, [resolve(study, case) for case in cases])
-    checks = Checks(study, cases, planned.resolved, planned.axes, COLUMNS)
+    declared = unfold(study)
+    resolved = [resolve(study, case) for case in declared]
+    cases = on_drawn_machines(study, declared)
+    if cases != declared:
+        resolved = [resolve(study, case) for case in cases]
+    planned = Plan(study, cases, resolved)
+    checks = Checks(study, cases, resolved, planned.axes, COLUMNS)
     checks.all()
     return replace(planned, warnings=checks.warnings())
+
+
+def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> Plan:
+    """Those cases of a plan that have one of the `wanted` sets of columns, on so many machines not yet drawn."""
+    declared = unfold(planned.study)
+    chosen = [case for case in declared if any(matches(case.columns, where) for where in wanted)]
+    table = planned.study.file.uncertainty
+    first = 1 + (table.draws if table is not None else 0)
+    cases = on_drawn_machines(planned.study, chosen, range(first, first + draws))
+    return Plan(planned.study, cases, [resolve(planned.study, case) for case in cases])
 
 
 def needed_trajectories(planned: Plan) -> set[int]:
@@ -126,15 +143,18 @@ def needed_trajectories(planned: Plan) -> set[int]:
     return {case.index for case in planned.cases if any(matches(case.columns, where) for where in wanted)}
 
 
-def run_case(study: Study, case: Case, keep: Path | None, record: Path | None = None) -> dict[str, Any]:
+def run_case(
+    study: Study, case: Case, keep: Path | None, record: Path | None = None, resolved: Resolved | None = None
+) -> dict[str, Any]:
     """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`.
 
-    A mistake in the file has been found before, by `plan`.
+    `resolved` is what the case runs, where that need not travel to another process. A mistake in the file has been
+    found before, by `plan`.
     """
-    resolved = resolve(study, case)
+    resolved = resolved or resolve(study, case)
     run = simulate(resolved.setup)
     values: dict[str, Any] = dict(case.columns)
-    values |= evaluate(run, resolved.signal, resolved.transient, resolved.band)
+    values |= evaluated(resolved, run)
     values["solver_error_m"] = solver_error(resolved.setup, run)
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
@@ -185,7 +205,14 @@ def run_study(
         waiting = [case for case in planned.cases if case.index not in done]
         with _executor(jobs, cluster) as executor:
             futures: dict[Future[dict[str, Any]], Case] = {
-                executor.submit(run_case, study, case, paths.get(case.index), records.get(case.index)): case
+                executor.submit(
+                    run_case,
+                    study,
+                    case,
+                    paths.get(case.index),
+                    records.get(case.index),
+                    planned.resolved[case.index] if cluster is None else None,
+                ): case
                 for case in waiting
             }
             try:

@@ -29,8 +29,11 @@ class PlantTable(Strict):
     parameters: str
     bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
     inertia: Literal["own", "mass"] = "own"
-    rotation: Literal["voltage", "servo", "ideal", "scheduled"] = "voltage"
+    rotation: Literal["voltage", "servo", "ideal", "scheduled", "switched"] = "servo"
+    motor_limits: bool = True
+    motor: Literal["printed", "consistent"] = "printed"
     minimum_helical_speed: Annotated[MetrePerSecond, Field(gt=0.0)] | None = None
+    switch_speed: Annotated[MetrePerSecond, Field(gt=0.0)] | None = None
     start: Literal["turning", "standstill"] = "turning"
     flow: Literal["derived", "chapter3"] = "derived"
     command: Literal["force", "voltage"] = "force"
@@ -43,6 +46,8 @@ class PlantTable(Strict):
     def _minimum_is_used(self) -> "PlantTable":
         if self.minimum_helical_speed is not None and self.rotation != "scheduled":
             raise ValueError('minimum_helical_speed belongs to rotation = "scheduled"')
+        if (self.switch_speed is not None) != (self.rotation == "switched"):
+            raise ValueError('switch_speed belongs to rotation = "switched", which needs one')
         return self
 
 
@@ -82,7 +87,10 @@ class ChannelTable(Strict):
 
 
 class SensorsTable(Strict):
-    """[sensors]: ideal where nothing is said."""
+    """[sensors]: ideal where nothing is said.
+
+    `friction_gauge` adds what no rig has: the true friction, for a controller of that type and for no other.
+    """
 
     delay: Second = Field(0.0, ge=0.0)
     position: ChannelTable = ChannelTable()
@@ -90,10 +98,14 @@ class SensorsTable(Strict):
     pressure_2: ChannelTable = ChannelTable()
     rotation_speed: ChannelTable = ChannelTable()
     motor_current: ChannelTable = ChannelTable()
+    friction_gauge: bool = False
 
 
 class SimulationTable(Strict):
-    """[simulation]: how long, how exactly."""
+    """[simulation]: how long, how exactly.
+
+    `hold_limit`: how long the last dwell of a reference may be made where it is too short to tell a limit cycle.
+    """
 
     duration: Second = Field(gt=0.0)
     transient: Second = Field(0.0, ge=0.0)
@@ -102,6 +114,7 @@ class SimulationTable(Strict):
     method: Method = "dormand_prince"
     step: Second = Field(1e-4, gt=0.0)
     tolerance: float = Field(DEFAULT_TOLERANCE, gt=0.0, le=1e-2)
+    hold_limit: Second = Field(120.0, ge=0.0)
 
     @model_validator(mode="after")
     def _fits(self) -> "SimulationTable":
@@ -130,7 +143,7 @@ class CaseTables(Strict):
 
 
 OVERRIDES = ("plant", "belief", "sensors", "simulation", "controllers", "references", "axes")
-"""What a [cases.NAME] may change of the study; a [scenarios.NAME] the same without axes."""
+"""What a [cases.NAME] may change of the study; [machines.NAME] and [scenarios.NAME] the same without axes."""
 
 
 class StudyFile(Strict):
@@ -149,6 +162,7 @@ class StudyFile(Strict):
     controllers: dict[str, dict[str, Any]] = {}
     references: dict[str, dict[str, Any]] = {}
     axes: dict[str, list[Any]] = {}
+    machines: dict[str, dict[str, Any]] = {}
     scenarios: dict[str, dict[str, Any]] = {}
     cases: dict[str, dict[str, Any]] = {}
     probes: dict[str, Probe] = {}

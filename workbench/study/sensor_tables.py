@@ -1,7 +1,7 @@
 """[sensors]: what may stand there, and the sensors that it becomes."""
 
 from plants.equation import fields
-from plants.interface import Measurement
+from plants.interface import SENSORS, Measurement
 from workbench.files import SchemaError
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.study.schema import ChannelTable, SensorsTable
@@ -16,6 +16,8 @@ def build_sensors(table: SensorsTable) -> Sensors:
     """
     channels = {}
     for item in fields(Measurement):
+        if item.name not in SENSORS:
+            continue
         channel: ChannelTable = getattr(table, item.name)
         resolution = _value(channel, "resolution", item.name, item.unit)
         if channel.bits is not None:

@@ -1,11 +1,12 @@
 """A folder of results: results.sqlite while the study runs, tables for people and programs when it is done.
 
 study.toml        the study as it was run
-scenarios/        the scenario files that it names
+machines/, scenarios/     the files of machines and scenarios that it names
 results.sqlite    one row a finished case, committed as it ends
 results.csv, results.parquet, run.json        written when all cases are done
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
 records/          one Parquet file a case with the signals that the study names under `records`
+fresh/            the finalists of a comparison on machines not drawn before, in a folder of the same form
 """
 
 import json
@@ -21,13 +22,14 @@ from workbench.errors import UserError
 from workbench.folders import held, remove, write_whole
 from workbench.simulation.simulate import Run
 from workbench.study.document import Case, Study
-from workbench.study.scenarios import FOLDER as SCENARIOS
+from workbench.study.layers import LAYERS
 
 DATABASE = "results.sqlite"
 INDEX = "case_index"
 """The column of the database that orders the cases; not exported."""
 
 STUDY_COPY = "study.toml"
+FRESH = "fresh"
 REPLACED = (
     STUDY_COPY,
     "results.csv",
@@ -37,12 +39,13 @@ REPLACED = (
     "records",
     "tables",
     "figures",
+    FRESH,
     DATABASE,
 )
 """What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
 
-OURS = (SCENARIOS, *REPLACED)
-"""With the scenarios, of which no file is removed: studies look for theirs in a folder of that name."""
+OURS = (*(layer.section for layer in LAYERS.values()), *REPLACED)
+"""With machines and scenarios, of which no file is removed: studies look for theirs in folders of these names."""
 
 
 class Store:
@@ -131,10 +134,10 @@ class Store:
 
 
 def write_study(study: Study, folder: Path) -> None:
-    """Copy a study and the scenario files that it names, so that it can be run again from there."""
+    """Copy a study and the files of machines and scenarios that it names, so that it can be run again from there."""
     (folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
-    for name, (_, text) in study.sources.items():
-        path = folder / SCENARIOS / f"{name}.toml"
+    for (section, name), (_, text) in study.sources.items():
+        path = folder / str(section) / f"{name}.toml"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text, encoding="utf-8")
 

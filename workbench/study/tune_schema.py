@@ -111,21 +111,30 @@ class TuneTable(Strict):
 
     `where` chooses the cases that count, `yardstick` is the controller whose figures, with the gains of the study, are
     the unit of the objective (default: the study's first). Under `gains` each controller may have the numbers that
-    are tuned; otherwise all that its type documents a range for and that are not 0.
+    are tuned; otherwise all that its type documents a range for and that are not 0. Each combination of values on the
+    axes that `per` names has a tuning of its own. `trials` are those of each of `seeds` searches, whose seeds are
+    `seed` and those after it.
     """
 
     objective: WeightsTable
     constraints: ConstraintsTable = ConstraintsTable()
     where: dict[str, Any] = {}
     yardstick: str | None = None
-    trials: int = Field(60, ge=1)
+    per: list[Literal["machine", "rpm"]] = []
+    trials: int = Field(80, ge=1)
     seed: int = Field(1, ge=0)
+    seeds: int = Field(3, ge=1)
     draws: int = Field(0, ge=0)
     quantile: float = Field(0.9, gt=0.0, lt=1.0)
     fresh_draws: int = Field(200, ge=0)
-    polish: bool = True
     rotation: RotationTable | None = None
     gains: dict[str, dict[str, BoundTable]] = {}
+
+    @model_validator(mode="after")
+    def _one_speed(self) -> "TuneTable":
+        if self.rotation is not None and self.rotation.rpm is not None and "rpm" in self.per:
+            raise ValueError("rpm is tuned itself ([tune.rotation]): it cannot be among per")
+        return self
 
 
 class FactorTable(Strict):
@@ -153,10 +162,14 @@ class UncertaintyTable(Strict):
     """[uncertainty]: machines that may be met. Each draw is one.
 
     `friction`: standard deviations of the parameter set by which each friction parameter is spread. `scale`: factors
-    on other parameters (mass, supply_pressure, bulk_modulus, ...). `noise`: of sensors, by channel.
+    on other parameters (mass, supply_pressure, bulk_modulus, ...). `noise`: of sensors, by channel. `calibration`: the
+    sensors' offsets and gain errors are bounds, of which a draw has any share of either sign, and it draws the
+    curves of their calibration errors. `draws`: on how many machines each case of `workbench run` is simulated.
     """
 
+    draws: int = Field(0, ge=0)
     friction: float = Field(1.0, ge=0.0)
     scale: dict[str, FactorTable] = {}
     noise: dict[str, NoiseTable] = {}
+    calibration: bool = True
     seed: int = Field(1, ge=0)

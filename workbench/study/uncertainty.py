@@ -4,14 +4,14 @@ A draw changes what a case says of its plant and sensors, as a scenario does; wh
 """
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from plants.equation import NEGATIVE, fields
-from plants.interface import Measurement
+from plants.interface import SENSORS, Measurement
 from workbench.errors import nearest
 from workbench.files import SchemaError
 from workbench.identify.schema import FRICTION
@@ -20,21 +20,52 @@ from workbench.study.document import Case, Study
 from workbench.study.tune_schema import FactorTable, UncertaintyTable
 from workbench.units import QuantityError, si
 
-CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement)}
+CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement) if item.name in SENSORS}
 
 LAST_SEED = 2**31 - 1
 
+DRAW = "draw"
+"""The column that numbers the machines of a case."""
 
-def check_scales(study: Study) -> None:
+RUN_STREAM = 3
+"""The stream of draws of `workbench run`: none of those on which gains are tuned or decisions made."""
+
+
+def on_drawn_machines(study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None) -> list[Case]:
+    """Each case on each machine of these `numbers` (default: 1 to the study's number of draws), in that order.
+
+    The cases as they are where a study draws none. Results get a column `draw`.
+
+    Raises:
+        UserError: what [uncertainty] says does not serve the study's plants or sensors.
+    """
+    table = study.file.uncertainty
+    if table is None or not table.draws:
+        return list(cases)
+    check_scales(study, cases)
+    found: list[Case] = []
+    for case in cases:
+        for number in numbers or range(1, table.draws + 1):
+            try:
+                drawn = drawn_case(case, table, number, RUN_STREAM)
+            except SchemaError as mistake:
+                raise study.error(mistake.key, mistake.message) from None
+            found.append(replace(drawn, index=len(found), axes={**case.axes, DRAW: number}))
+    return found
+
+
+def check_scales(study: Study, cases: Iterable[Case]) -> None:
     """Factors need parameters that there are; told where they stand, not where a draw puts them.
 
     Raises:
-        UserError: a factor on a parameter that the study's plant has not.
+        UserError: a factor on a parameter that the plant of no case has.
     """
     if study.file.uncertainty is None:
         return
-    path = parameter_path(str(study.file.plant["parameters"]), study.path.parent)
-    known = {*read_parameters(path), *study.file.plant.get("set", {})}
+    tables = [case.tables["plant"] for case in cases]
+    known = {name for table in tables for name in table.get("set", {})}
+    for parameters in {str(table["parameters"]) for table in tables}:
+        known |= set(read_parameters(parameter_path(parameters, study.path.parent)))
     for name in study.file.uncertainty.scale:
         if name not in known:
             raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
@@ -64,7 +95,22 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
         low, high = (_noise(channel, key, value) for key, value in (("min", limits.min), ("max", limits.max)))
         sensor = tables.setdefault("sensors", {}).setdefault(channel, {})
         sensor["noise"] = low + (high - low) * generator.random()
+    if table.calibration:
+        _draw_calibration(tables.get("sensors", {}), generator)
     return replace(case, tables=tables)
+
+
+def _draw_calibration(sensors: dict[str, Any], generator: np.random.Generator) -> None:
+    """Lay over sensors what a draw has of their systematic errors; every channel takes as many random numbers."""
+    for channel, unit in CHANNEL_UNITS.items():
+        sensor, shares = sensors.get(channel, {}), generator.uniform(-1.0, 1.0, 2)
+        curve = int(generator.integers(LAST_SEED))
+        if "offset" in sensor:
+            sensor["offset"] = float(shares[0]) * si(sensor["offset"], unit)
+        if "gain_error" in sensor:
+            sensor["gain_error"] = float(shares[1]) * sensor["gain_error"]
+        if "calibration_error" in sensor:
+            sensor["calibration_seed"] = curve
 
 
 def _factor(factors: FactorTable, share: float) -> float:
