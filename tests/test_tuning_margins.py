@@ -17,6 +17,7 @@ from controllers.pid import PID
 from controllers.registry import controllers
 from controllers.settings import settings_of
 from plants.equation import from_array
+from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
 from workbench.errors import UserError
@@ -258,6 +259,7 @@ def test_every_controller_has_margins_on_every_plant_that_it_serves(
     try:
         chosen = controller if controller.choose is None else controller.choose(settings, parameters)
         gains = chosen.design(settings, parameters, H)
+        plant = gauged(plant) if chosen.gauge else plant
     except ValueError:
         return  # it says itself that it does not serve this plant
     found = margins(Setup(plant, parameters, state, inputs, 1.0, Loop(chosen, gains)), SPEED)

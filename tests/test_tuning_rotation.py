@@ -8,7 +8,6 @@ from tuned_study import STUDY, tuned
 
 from workbench.study.gain_file import read_gain_file
 from workbench.tune.gains import gain_file
-from workbench.tune.search import is_candidate
 
 
 def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
@@ -29,7 +28,7 @@ def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
     assert dear.best is not None
     assert free.best is not None
     assert dear.best["rpm"] < 0.5 * free.best["rpm"]
-    assert read_gain_file(write(tmp_path, gain_file(free), "free.toml")).rotation["rpm"] == (
+    assert read_gain_file(write(tmp_path, gain_file([free]), "free.toml")).at[0].rotation["rpm"] == (
         f"{free.best['rpm'] * 30.0 / np.pi:.12g} rpm"
     )
 
@@ -48,9 +47,9 @@ def test_the_threshold_of_a_scheduled_rotation_is_tuned(tmp_path: Path) -> None:
     )
     found = tuned(tmp_path, text, "p", trials=12, jobs=2).found[0]
     assert found.best is not None
-    judged = [trial for trial in found.trials if trial.value is not None and is_candidate(trial)]
-    thresholds = [trial.params["minimum_helical_speed"] for trial in judged]
+    judged = [trial for trial in found.trials if trial.feasible]
+    thresholds = [trial.point["minimum_helical_speed"] for trial in judged]
     assert max(thresholds) > 2.0 * min(thresholds)
     assert found.best["minimum_helical_speed"] == min(thresholds)
-    kept = read_gain_file(write(tmp_path, gain_file(found), "p.toml"))
-    assert kept.rotation == {"minimum_helical_speed": f"{found.best['minimum_helical_speed']:.12g} m/s"}
+    kept = read_gain_file(write(tmp_path, gain_file([found]), "p.toml"))
+    assert kept.at[0].rotation == {"minimum_helical_speed": f"{found.best['minimum_helical_speed']:.12g} m/s"}

@@ -38,7 +38,7 @@ from workbench.tune.study import prepared, tune_all
             "[tune.gains.p]\nki = {}\n[tune.objective]",
             "p.ki: has no documented range here; give it min",
         ),
-        ("trials = 10", 'trials = 10\nyardstick = "q"', 'tune.yardstick: unknown controller "q"'),
+        ("trials = 20", 'trials = 20\nyardstick = "q"', 'tune.yardstick: unknown controller "q"'),
         (
             "[tune.objective]",
             "[tune.gains.luger]\nlead = {}\n[tune.objective]",
@@ -49,7 +49,7 @@ from workbench.tune.study import prepared, tune_all
             'kind = "steps"\nlevels = ["1 mm"]\ndwell = "1 s"',
             "the yardstick's steady_state_error_m is",
         ),
-        ("trials = 10", "trials = 10\nwhere = { rpm = 7 }", "[tune] where: no case of p has rpm 7"),
+        ("trials = 20", "trials = 20\nwhere = { rpm = 7 }", "[tune] where: no case of p has rpm 7"),
         ("rms_error = 1", "steady_state_error = 1", "steady_state_error_m does not apply to any of the cases"),
     ],
 )
@@ -76,7 +76,7 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
     tmp_path: Path, name: str, fast: float, slow: float
 ) -> None:
     """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
-    study, names = prepared(read_study(STUDIES / "tuning.toml"), name, 24)
+    study, names = prepared(read_study(STUDIES / "tuning.toml"), [name], 24)
     found = tune_all(study, names, tmp_path / "results.sqlite", 2).found[0]
     assert found.score is not None
     errors = [ran.figures["rms_error_m"] for ran in found.score.ran]
@@ -88,7 +88,7 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (STUDY.replace("trials = 10", "trials = 10\ndraws = 8"), "tune.draws: needs [uncertainty], which says what"),
+        (STUDY.replace("trials = 20", "trials = 20\ndraws = 8"), "tune.draws: needs [uncertainty], which says what"),
         (
             robust().replace("bulk_modulus = {", "bulk_modules = {"),
             'uncertainty.scale.bulk_modules: unknown parameter; did you mean "bulk_modulus"?',
@@ -118,8 +118,8 @@ def test_the_added_pd_can_be_tuned_alone(tmp_path: Path) -> None:
 def test_a_drive_without_a_largest_command_is_tuned_without_classic_points(tmp_path: Path) -> None:
     study = write(
         tmp_path,
-        DRIVE.replace('levels = ["1 m"]', 'levels = ["1 mm"]').replace('kp = "3 N/m"', 'kp = "30 N/m"\nkd = "6 N s/m"')
-        + "[tune]\ntrials = 4\n[tune.objective]\nrms_error = 1\n[tune.constraints]\nlimit_cycle = false\n"
+        DRIVE.replace('levels = ["1 m"]', 'levels = ["1 mm"]').replace('kp = "3 N/m"', 'kp = "3 N/mm"\nkd = "60 N s/m"')
+        + "[tune]\ntrials = 4\nseeds = 1\n[tune.objective]\nrms_error = 1\n[tune.constraints]\nlimit_cycle = false\n"
         + "gain_margin_dB = 0\nphase_margin_deg = 0\n",
     )
     answer = workbench("tune", study, "--out", tmp_path / "out")

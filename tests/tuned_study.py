@@ -1,5 +1,6 @@
 """A small study that is tuned, as tests of tuning write it."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from workbench.study.document import Study, read_study
@@ -24,8 +25,8 @@ transient = "0.4 s"
 [axes]
 controller = ["p", "pd", "lugre"]
 [tune]
-trials = 10
-polish = false
+trials = 20
+seeds = 1
 [tune.objective]
 rms_error = 1
 """
@@ -54,8 +55,8 @@ frequency = "0.2 Hz"
 duration = "10 s"
 transient = "5 s"
 [tune]
-trials = 12
-polish = false
+trials = 16
+seeds = 1
 [tune.objective]
 rms_error = 1
 [tune.constraints]
@@ -74,12 +75,12 @@ def robust(text: str = STUDY, draws: int = 8) -> str:
     return text.replace("[tune]\n", f"[tune]\ndraws = {draws}\nfresh_draws = 12\n") + DRAWN
 
 
-def ready(folder: Path, text: str, name: str, trials: int | None = None) -> tuple[Study, list[str]]:
+def ready(folder: Path, text: str, name: str | Sequence[str], trials: int | None = None) -> tuple[Study, list[str]]:
     """A study file of this text in `folder`, and the controllers that are tuned."""
     folder.mkdir(exist_ok=True)
     path = folder / "study.toml"
     path.write_text(text, encoding="utf-8")
-    return prepared(read_study(path), name, trials)
+    return prepared(read_study(path), [name] if isinstance(name, str) else name, trials)
 
 
 def tuned(folder: Path, text: str, name: str, *, trials: int | None = None, jobs: int = 1) -> Tuning:

@@ -1,74 +1,64 @@
-"""From the sampler's best downhill, by exact derivatives, where the goal has them."""
+"""Downhill along the bounds of constraints: COBYQA, which takes no derivatives (scipy.optimize).
+
+T. M. Ragonneau, Model-based derivative-free optimization methods and software, thesis, Hong Kong Polytechnic
+University, 2022: quadratic models of objective and constraints in a trust region. Where an optimum lies on the bound of
+a constraint, as that of most gains does on the phase margin's, its steps follow the bound.
+"""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
+from scipy.optimize import NonlinearConstraint, minimize
 
-from workbench.metrics.window import find_window
-from workbench.tune.bench import Bench
-from workbench.tune.goal import Score
-from workbench.tune.polish import Bound, PolishCase, PolishProblem, polish
-from workbench.tune.search import SHORT
-from workbench.tune.space import Dimension, Point
+SMOOTH = ("gain margin", "phase margin", "saturation")
+"""Constraints that change gradually with the gains, and of which there can be a model; others are a wall."""
 
-SHARES = (1.0, 0.7, 0.4, 0.2, 0.1)
-"""Of the way that a descent goes, at which it is looked at: constraints may end it before its end."""
+LAST_RADIUS = 1e-3
+"""Of the trust region, in shares of the ranges."""
 
+WITHIN = 1e-3
+"""Shares of a constraint by which its bound is kept clear of, so that where the descent ends it is kept."""
 
-def descended(bench: Bench, best: Point) -> tuple[Point, Score, str]:
-    """The best after a descent, where that helps; its score; and what was gained in words."""
-    score = bench.judge([best], math.inf)[0]
-    reason = _obstacle(bench)
-    if reason:
-        return best, score, reason
-    task, descent = bench.task, polish(_problem(bench, best))
-    if descent.value >= descent.start_value:
-        return best, score, f"no gain: {descent.reason}"
-    end = {one.name: float(getattr(descent.settings, one.name)) for one in task.dimensions}
-    points = [_between(task.dimensions, best, end, share) for share in SHARES]
-    tried = list(zip(points, bench.judge(points, math.inf), strict=True))
-    better = [(point, one) for point, one in tried if one.feasible and one.value < score.value]
-    if not better:
-        failed = ", ".join(name for name, beyond in tried[0][1].violations.items() if beyond > 0.0)
-        why = f"what it leads to does not keep {failed}" if failed else "the simulation does not confirm it"
-        return best, score, f"no gain: {why}"
-    point, again = min(better, key=lambda one: one[1].value)
-    share = 100.0 * (1.0 - again.value / score.value)
-    return point, again, f"{share:.2g} % by {descent.gradient_evaluations} evaluations of the gradient"
+WALL = 0.1
+"""By which the logarithm of the objective behind a wall is above the largest that was met."""
+
+LEAST = 1e-12
+"""Objective below which all are alike."""
+
+Tried = Callable[[np.ndarray], tuple[float, Mapping[str, float]]]
+"""The objective at a point of the unit cube, and by constraint how far beyond it the point is."""
 
 
-def _between(dimensions: Sequence[Dimension], start: Point, end: Point, share: float) -> dict[str, float]:
-    """The point at a share of the way, on each number's own scale."""
-    point = {}
-    for one in dimensions:
-        a, b = start[one.name], end[one.name]
-        value = a * (b / a) ** share if one.logarithmic else a + share * (b - a)
-        point[one.name] = min(max(float(f"{value:.{SHORT}g}"), one.low), one.high)
-    return point
+def descend(tried: Tried, start: np.ndarray, radius: float, count: int) -> None:
+    """Try at most `count` points from `start` (in the unit cube) downhill, the first at `radius` from it.
 
+    The logarithm of the objective is what is made small: ratios count. Where a run fails, or the loop hunts, there is
+    nothing to make a model of; the objective is then a little above all that were met.
+    """
+    seen: dict[bytes, tuple[float, np.ndarray]] = {}
+    highest = -math.inf
 
-def _obstacle(bench: Bench) -> str:
-    """Why there is no descent, "" if there is one."""
-    table = bench.goal.table
-    if not table.polish:
-        return "not asked for"
-    if table.draws:
-        return "none: a quantile over draws is not smooth"
-    if set(bench.goal.columns) != {"rms_error_m"}:
-        return "none: only the rms error has a derivative here"
-    return "none: the rotation is tuned too" if bench.task.rotates else ""
+    def at(shares: np.ndarray) -> tuple[float, np.ndarray]:
+        nonlocal highest
+        shares = np.clip(shares, 0.0, 1.0)
+        key = shares.tobytes()
+        if key not in seen:
+            value, violations = tried(shares)
+            walled = any(beyond > 0.0 for name, beyond in violations.items() if name not in SMOOTH)
+            beyond = np.array([violations[name] for name in SMOOTH]) + WITHIN
+            if math.isfinite(value):
+                highest = max(highest, math.log(max(value, LEAST)))
+            if walled or not math.isfinite(value):
+                value = math.exp(highest + WALL) if math.isfinite(highest) else 1.0
+            seen[key] = math.log(max(value, LEAST)), beyond
+        return seen[key]
 
-
-def _problem(bench: Bench, best: Point) -> PolishProblem:
-    """The smooth part of a goal about a point."""
-    task, cases = bench.task, bench.task.declared(best)
-    units = [one["rms_error_m"] for one in bench.goal.units]
-    parts = []
-    for case, unit in zip(cases, units, strict=True):
-        samples = round(case.setup.duration / case.setup.sample_time) + 1
-        window = find_window(case.setup.sample_time * np.arange(samples), case.signal, case.transient)
-        if unit is not None and window is not None:
-            parts.append(PolishCase(case.setup, window.start, samples - 1, 1.0 / (unit * len(cases))))
-    bounds = {one.name: Bound(one.low, one.high, one.logarithmic) for one in task.dimensions}
-    return PolishProblem(tuple(parts), task.controller, task.settings_at(best), cases[0].belief, bounds)
+    minimize(
+        lambda shares: at(shares)[0],
+        start,
+        method="COBYQA",
+        bounds=[(0.0, 1.0)] * start.size,
+        constraints=[NonlinearConstraint(lambda shares: at(shares)[1], -np.inf, 0.0)],
+        options={"initial_tr_radius": radius, "final_tr_radius": LAST_RADIUS, "maxfev": count},
+    )

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -12,23 +12,48 @@ import numpy as np
 from workbench.study.gain_file import KEY
 from workbench.tune.goal import margin_speed
 from workbench.tune.loop import open_loop
-from workbench.tune.search import SCORE, is_candidate
 from workbench.tune.space import RPM, THRESHOLD
 from workbench.tune.task import in_user_units, tune_table
 from workbench.tune.tuning import Tuned
 
-PACKAGES = ("optuna", "control", "casadi", "numpy", "scipy", "numba")
+PACKAGES = ("optuna", "scipy", "numpy", "numba")
 """Whose versions a gain file keeps."""
 
 LOWEST, POINTS = 0.01, 6000
 """rad/s, and number of frequencies up to Nyquist's, of the response whose margins a gain file carries."""
 
-KEPT = ("trial", "value", "ended", "feasible")
-"""What a gain file's history says of each trial, beside the point."""
+DIGITS = 6
+"""Significant digits of what a gain file says of the search; settings have all that were tried."""
 
 
-def gain_file(found: Tuned) -> str:
-    """The text of the gain file of a controller that has feasible gains: as `workbench.study.gain_file` reads it."""
+def gain_file(tunings: Sequence[Tuned]) -> str:
+    """The text of the gain file of a controller with feasible gains, as `workbench.study.gain_file` reads it: an entry
+    for each of these tunings of it.
+    """
+    task = tunings[0].task
+    head = {
+        "title": f"{task.name}, tuned" + (f", {task.at['machine']}" if "machine" in task.at else ""),
+        "source": f"workbench tune, {task.study.path.name}: {task.study.file.title}",
+        "type": str(task.cases[0].tables["controllers"][task.name]["type"]),
+    }
+    lines = list(_lines(head))
+    for found in sorted(tunings, key=lambda one: one.task.rpm or 0.0):
+        lines += ["", "[[at]]", *_lines(_entry(found), "at.")]
+    return "\n".join(lines) + "\n"
+
+
+def gain_files(tunings: Sequence[Tuned]) -> dict[str, str]:
+    """The text of every gain file, by its name in the folder of gains: NAME.toml, or MACHINE/NAME.toml."""
+    by_name: dict[str, list[Tuned]] = {}
+    for found in tunings:
+        if found.best is not None:
+            folder = f"{found.task.at['machine']}/" if "machine" in found.task.at else ""
+            by_name.setdefault(f"{folder}{found.task.name}.toml", []).append(found)
+    return {name: gain_file(own) for name, own in by_name.items()}
+
+
+def _entry(found: Tuned) -> dict[str, Any]:
+    """[[at]] of one tuning."""
     assert found.best is not None
     assert found.score is not None
     task, table = found.task, tune_table(found.task.study)
@@ -37,36 +62,37 @@ def gain_file(found: Tuned) -> str:
     own = {
         key: value for key, value in task.cases[0].tables["controllers"][task.name].items() if key not in ("type", KEY)
     }
-    settings = {**own, **{name: value for name, value in tuned.items() if name not in rotation}}
-    content: dict[str, Any] = {
-        "title": f"{task.name}, tuned",
-        "source": f"workbench tune, {task.study.path.name}: {task.study.file.title}",
-        "type": str(task.cases[0].tables["controllers"][task.name]["type"]),
-        "settings": settings,
+    differ = found.seeds_differ
+    return {
+        **({} if task.rpm is None else {"rpm": task.rpm}),
+        "settings": {**own, **{name: value for name, value in tuned.items() if name not in rotation}},
         "rotation": rotation,
         "objective": {
-            "value": found.score.value,
-            "with_the_study_s_gains": found.on_searched["start"].value if found.on_searched else found.start.value,
-            "on_the_declared_machine": found.score.nominal,
+            "value": _short(found.score.value),
+            "with_the_study_s_gains": _short(_start(found)),
+            "on_the_declared_machine": _short(found.score.nominal),
             "yardstick": table.yardstick or next(iter(task.study.file.controllers)),
             "weights": {name: weight for name, weight in table.objective.model_dump().items() if weight},
             **_draws(found),
         },
         "margins": _margins(found),
         "search": {
-            "sampler": "optuna TPE",
-            "seed": table.seed,
-            "trials": len(found.trials),
-            "best_trial": found.number,
-            "polish": found.polished,
+            "by": "optuna TPE, then COBYQA",
+            "trials": table.trials,
+            "seeds": list(found.seeds),
+            "objective_of_each": [math.inf if one is None else _short(one) for one in found.seeds.values()],
+            **({} if differ is None else {"seeds_differ": _short(differ)}),
             "versions": {name: version(name) for name in PACKAGES},
         },
     }
-    lines = list(_lines(content))
-    for row in history(found):
-        kept = {name: value for name, value in row.items() if name in KEPT or name in found.best}
-        lines += ["", "[[history]]", *(f"{key} = {_toml(value)}" for key, value in kept.items())]
-    return "\n".join(lines) + "\n"
+
+
+def _start(found: Tuned) -> float:
+    return found.on_searched["start"].value if found.on_searched else found.start.value
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _margins(found: Tuned) -> dict[str, Any]:
@@ -95,7 +121,10 @@ def _draws(found: Tuned) -> dict[str, Any]:
     for kind, quantiles in (("searched", found.on_searched), ("fresh", found.on_fresh)):
         if "tuned" in quantiles:
             one = quantiles["tuned"]
-            out[f"on_{kind}_draws"] = {"draws": one.draws, "value": one.value, "low": one.low, "high": one.high}
+            out[f"on_{kind}_draws"] = {
+                "draws": one.draws,
+                **{key: _short(getattr(one, key)) for key in ("value", "low", "high")},
+            }
     return out
 
 
@@ -109,26 +138,31 @@ def _lines(table: Mapping[str, Any], path: str = "") -> Iterator[str]:
 
 
 def _toml(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
     if isinstance(value, float) and not math.isfinite(value):
         return "inf" if value > 0.0 else "-inf"
     return json.dumps(value, ensure_ascii=False)
 
 
 def history(found: Tuned) -> list[dict[str, Any]]:
-    """A row a trial: its number, value, how it ended, what it breaks, margins, and the point (SI; rpm in rpm)."""
+    """A row a trial: its seed, number, value, what it breaks, margins, and the point (SI; rpm in rpm)."""
+    draws = tune_table(found.task.study).draws
     return [
         {
             "controller": found.task.name,
+            **found.task.at,
             "trial": number,
-            "value": trial.value if trial.value is not None else next(iter(trial.intermediate_values.values())),
-            "ended": trial.state.name.lower(),
-            "feasible": all(beyond <= 0.0 for beyond in trial.constraints.values()),
-            "candidate": is_candidate(trial),
-            "breaks": ", ".join(name for name in found.start.violations if trial.constraints[name] > 0.0),
-            "nominal": trial.user_attrs[SCORE]["nominal"],
-            "gain_margin_dB": trial.user_attrs[SCORE]["gain_margin_dB"],
-            "phase_margin_deg": trial.user_attrs[SCORE]["phase_margin_deg"],
-            **{name: value * 30.0 / math.pi if name == RPM else value for name, value in trial.params.items()},
+            "seed": trial.seed,
+            "value": trial.value,
+            "draws": trial.draws,
+            "feasible": trial.feasible,
+            "candidate": trial.feasible and trial.draws == draws,
+            "breaks": ", ".join(name for name, beyond in trial.violations.items() if beyond > 0.0),
+            "nominal": trial.nominal,
+            "gain_margin_dB": trial.gain_margin_dB,
+            "phase_margin_deg": trial.phase_margin_deg,
+            **{name: value * 30.0 / math.pi if name == RPM else value for name, value in trial.point.items()},
         }
         for number, trial in enumerate(found.trials)
     ]

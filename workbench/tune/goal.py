@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from workbench.errors import UserError
-from workbench.metrics import evaluate
+from workbench.metrics.limit_cycle import HUNTING
 from workbench.metrics.window import first_sample
-from workbench.simulation.references import Steps
-from workbench.simulation.simulate import COMPLETED, simulate
+from workbench.simulation.simulate import COMPLETED, TORQUE_LIMITED, simulate
+from workbench.study.hold import HOLD_SHARE, held, largest_level
 from workbench.study.resolve import Resolved
+from workbench.study.run_on import evaluated
 from workbench.study.tune_schema import ConstraintsTable, TuneTable
 from workbench.tune.loop import Margins, margins
 
@@ -27,9 +28,6 @@ SLOW = 0.01
 
 NOTHING = 1e-9
 """m. An error below it is the solver's: nothing is measured by it."""
-
-HOLD_SHARE = 0.25
-"""Of the largest level that any reference asks for: the step after which a rest is judged."""
 
 FARTHEST = 5.0
 """Shares by which a margin counts as short at most: an unstable loop may have none at all."""
@@ -46,8 +44,8 @@ class Ran:
 
     @property
     def broken(self) -> bool:
-        """Whether the run failed."""
-        return self.outcome != COMPLETED
+        """Whether the run failed; one whose motor cannot hold its speed is what it is, with any gains."""
+        return self.outcome not in (COMPLETED, TORQUE_LIMITED)
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class Score:
     """Of one point: J on the declared machine, the run of each case, by constraint how far it is beyond (<= 0: kept).
 
     `margins` are the smallest over the cases. `value` is what is made small: J, or its quantile over draws, of which
-    `on_draws` holds those that were run, in order; `pruned`: it was given up before the last.
+    `on_draws` holds those of all draws. `ran` is empty of a point that was not run, since its margins are too small.
     """
 
     nominal: float
@@ -64,7 +62,6 @@ class Score:
     margins: Margins
     value: float
     on_draws: Sequence[float] = field(default_factory=tuple)
-    pruned: bool = False
 
     @property
     def feasible(self) -> bool:
@@ -100,7 +97,7 @@ def run(resolved: Resolved, columns: Sequence[str]) -> Ran:
     setup = resolved.setup
     done = simulate(setup)
     judged = [*columns, "limit_cycle"] if rests(resolved) else columns
-    figures = evaluate(done, resolved.signal, resolved.transient, resolved.band, judged)
+    figures = evaluated(resolved, done, judged)
     last = done.time.size - 1  # 0 of a run that diverges at once
     start = min(first_sample(done.time, resolved.transient), last) if last else 0
     limit = float(setup.plant.command_limit(setup.parameters))
@@ -109,7 +106,7 @@ def run(resolved: Resolved, columns: Sequence[str]) -> Ran:
         {name: value if isinstance(value, float) else None for name, value in wanted.items()},
         done.outcome,
         float(np.mean(np.abs(done.command[start:]) >= limit)),
-        None if figures["limit_cycle"] is None else figures["limit_cycle"] == "sustained",
+        None if figures["limit_cycle"] is None else figures["limit_cycle"] in HUNTING,
     )
 
 
@@ -124,21 +121,12 @@ def hold(cases: Sequence[Resolved], constraints: ConstraintsTable) -> list[Resol
     resting = [case for case in cases if rests(case)]
     if resting or not constraints.limit_cycle:
         return []
-    level = constraints.hold_level or HOLD_SHARE * max(_largest(case) for case in cases)
-    step, duration = Steps((level,), constraints.hold_duration), constraints.hold_duration
-    held: dict[tuple[Any, ...], Resolved] = {}
+    level = constraints.hold_level or HOLD_SHARE * max(largest_level(case) for case in cases)
+    held_cases: dict[tuple[Any, ...], Resolved] = {}
     for case in cases:
-        setup = replace(case.setup, reference=step, duration=duration)
-        held.setdefault((setup.parameters, setup.rotation_speed), replace(case, setup=setup, transient=0.0))
-    return list(held.values())
-
-
-def _largest(case: Resolved) -> float:
-    """The largest level (m) that a reference asks for, from where it starts."""
-    setup = case.setup
-    assert setup.reference is not None
-    times = setup.sample_time * np.arange(round(setup.duration / setup.sample_time) + 1)
-    return float(np.max(np.abs(setup.reference(times)[0] - setup.state.position)))
+        machine = (case.setup.parameters, case.setup.rotation_speed)
+        held_cases.setdefault(machine, held(case, level, constraints.hold_duration))
+    return list(held_cases.values())
 
 
 class Goal:
@@ -183,7 +171,7 @@ class Goal:
         asked = self.table.constraints
         beyond = {
             "run to its end": 1.0 if any(one.broken for one in (*ran, *held)) else -1.0,
-            "saturation": max(one.saturated for one in ran) - asked.saturated,
+            "saturation": max((one.saturated for one in ran), default=0.0) - asked.saturated,
             "stable loop": -1.0 if found.stable else 1.0,
             "gain margin": _short(found.gain_dB, asked.gain_margin_dB),
             "phase margin": _short(found.phase_deg, asked.phase_margin_deg),
@@ -203,9 +191,3 @@ class Goal:
 def _short(value: float, asked: float) -> float:
     """By which share of what is asked a margin is short; that of a loop that is not stable is negative."""
     return float(np.clip((asked - value) / asked, -1.0, FARTHEST)) if asked else -1.0
-
-
-def beyond_reach(values: Sequence[float], draws: int, share: float, best: float) -> bool:
-    """Whether the quantile over all `draws` is certain to be above `best`, whatever those not yet run are."""
-    allowed = draws - max(math.ceil(share * draws - 1e-9), 1)
-    return sum(value > best for value in values) > allowed

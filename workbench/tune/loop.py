@@ -28,6 +28,9 @@ RELATIVE_STEP = 1e-7
 the scale of the quantity itself; a velocity differentiated from position bends a thousand times sooner and leaves 1e-8,
 rounding 1e-9. Linear controllers come out to 1e-9 of their largest gain."""
 
+TURNING = ("surface_speed", "motor_current")
+"""States of a plant that a controlled rotation holds."""
+
 _POINTER = ctypes.c_void_p
 _STEP = ctypes.CFUNCTYPE(ctypes.c_double, _POINTER, _POINTER, _POINTER, _POINTER, ctypes.c_double)
 _COMMIT = ctypes.CFUNCTYPE(None, ctypes.c_double, _POINTER, _POINTER, ctypes.c_double)
@@ -54,9 +57,11 @@ def open_loop(setup: Setup, speed: float) -> control.StateSpace:
 
     In it: the plant at the operating point of `workbench.tune.sliding`, its command held over each sample (exactly),
     anti-alias filters and the delay of the sensors (exactly, whole samples and the rest), and the controller's sampled
-    equations. Rotation stays in the plant with its input held as it is there. The growing reference and position are
-    the motion from which deviations count. States that the command does not reach or that do not reach the command (a
-    frozen theta, a dither's phase, a motor) are left out; the others are in units of their magnitude.
+    equations. Rotation stays in the plant: fed with a voltage, that is held as it is there; a rotation that is
+    controlled is taken to hold its speed, since its servo is an order of magnitude faster than the loop. The growing
+    reference and position are the motion from which deviations count. States that the command does not reach or that do
+    not reach the command (a frozen theta, a dither's phase, a motor) are left out; the others are in units of their
+    magnitude.
 
     Raises:
         UserError: the loop does not slide steadily at that speed, or the speed is 0.
@@ -140,6 +145,8 @@ def _plant_with_filters(setup: Setup, point: OperatingPoint) -> Matrices:
     scales = np.array([item.scale for item in fields(plant.State)])
     outputs = _scales(point.reach[1])
     rates, by_inputs = jacobians(plant, parameters, point.state, point.inputs)
+    if setup.rotary is not None:
+        rates[[i for i, item in enumerate(fields(plant.State)) if item.name in TURNING]] = 0.0
     a = rates * scales / scales[:, None]
     b = by_inputs[:, [plant.input_index(plant.command)]] / scales[:, None]
     c = measurement_jacobian(plant, parameters, point.state) * scales / outputs[:, None]

@@ -1,14 +1,18 @@
-"""The search for gains: optuna's sampler, asked so that the same seed gives the same points whatever happens.
+"""The search for gains from one seed: everywhere, then along the constraints, then on drawn machines.
 
-Points are asked for in batches of a fixed size, and each by a sampler with a seed of its own, that of the search and
-the point's number. So neither the number of jobs nor a kill changes what is tried: a batch depends only on the trials
-of those before it, and these are in the file.
+1. everywhere: the given starts, then optuna's TPE sampler. Margins come first; a point that does not keep them is
+   not run.
+2. along the constraints: COBYQA (`workbench.tune.descent`) on the declared machine, from the best and from others
+   that lie apart from it, until its share of the trials is spent.
+3. on drawn machines, where there are any: COBYQA again, from the best of the declared machine.
+
+A search depends on nothing but its seed. What was tried is kept by its point, so that one that was killed goes the same
+way again without running anything twice.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -17,131 +21,202 @@ from optuna.distributions import FloatDistribution
 from optuna.samplers import TPESampler
 from optuna.trial import FrozenTrial, TrialState, create_trial
 
-from workbench.errors import UserError
+from workbench.tune.bench import SEARCHED, Bench
+from workbench.tune.descent import descend
 from workbench.tune.goal import Score
 from workbench.tune.space import Dimension, Point
+from workbench.tune.trials import ON_DRAWS, Trial, key_of
 
 BATCH = 4
-"""Points that are asked for at once."""
+"""Points that the sampler is asked for at once."""
 
 STARTUP = 12
 """Points at random before the sampler learns."""
 
-SHORT = 5
-"""Significant digits with which a point is tried: what a gain file holds is what was tried."""
+EVERYWHERE, ON_MACHINES = 0.3, 0.4
+"""Shares of the trials of the first and of the last stage; the second has the rest."""
 
-SCORE = "score"
-"""The attribute of a trial that holds what its score was made of."""
+FIRST_RADIUS, NEXT_RADIUS = 0.1, 0.03
+"""Of a descent from a point of another stage, and from one where a descent has ended; shares of the ranges."""
 
-IDENTITY = "identity"
-"""The attribute of a search that says of which study it is."""
+APART = 0.15
+"""Share of the ranges by which another start of a descent is away from those before."""
 
-Judge = Callable[[Sequence[Point], float], Sequence[Score]]
-"""Scores of points; given too the best value until now, above which a point may be given up."""
+NO_GAIN = 1e-4
+"""A descent from the best that gains less than this share is the last."""
 
-
-@contextmanager
-def trials_in(database: Path, name: str, identity: str) -> Iterator[optuna.Study]:
-    """The stored search of a controller, new or to go on with.
-
-    Raises:
-        UserError: it is of another study.
-    """
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    storage = optuna.storages.RDBStorage(f"sqlite:///{database.resolve()}")
-    try:
-        stored = optuna.create_study(storage=storage, study_name=name, load_if_exists=True)
-        known = stored.user_attrs.get(IDENTITY)
-        if known is None:
-            stored.set_user_attr(IDENTITY, identity)
-        elif known != identity:
-            raise UserError(
-                f"{database.parent}: its trials of {name} are of another study, seed or version of the program; start "
-                "anew with --overwrite, or choose another --out"
-            )
-        yield stored
-    finally:
-        storage.engine.dispose()
+Level = Literal["screened", "declared", "draws"]
+Keep = Callable[[str, Trial], None]
 
 
-def search(
-    stored: optuna.Study,
-    dimensions: Sequence[Dimension],
-    starts: Sequence[Point],
-    judge: Judge,
-    trials: int,
-    seed: int,
-    tell: Callable[[int], None] = lambda done: None,
-) -> list[FrozenTrial]:
-    """Finished trials, in order: first the `starts`, then the sampler's, until there are `trials` of them.
+class Search:
+    """One search. `known` are trials of it that were run before, by `key_of`; `keep` is told of every new one."""
 
-    Every batch is stored before the next one is asked for.
-    """
-    distributions = {one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in dimensions}
-    done = stored.get_trials(deepcopy=False)
-    tell(len(done))
-    while len(done) < trials:
-        first = len(done) // BATCH * BATCH
-        known = done[:first]
-        points = _asked(known, range(first, min(first + BATCH, trials)), distributions, starts, seed)
-        points = points[len(done) - first :]  # a kill may have left a part of a batch
-        best = min((one.value for one in known if is_candidate(one) and one.value is not None), default=np.inf)
-        for point, score in zip(points, judge(points, best), strict=True):
-            done.append(_finished(point, score, distributions))
-            stored.add_trial(done[-1])
-        tell(len(done))
-    return done
+    def __init__(
+        self, bench: Bench, seed: int, known: Mapping[str, Trial], keep: Keep, tell: Callable[[], None]
+    ) -> None:
+        self.bench, self.seed = bench, seed
+        self.dimensions = bench.task.dimensions
+        self.trials: list[Trial] = []
+        self._known, self._keep, self._tell = dict(known), keep, tell
+        self._by_key: dict[str, Trial] = {}
+
+    def run(self, starts: Sequence[Point]) -> list[Trial]:
+        """All trials, in order: at most as many as [tune] allows."""
+        table = self.bench.goal.table
+        whole = max(table.trials, 1)
+        fewest = 2 * len(self.dimensions) + 3  # of which COBYQA makes something
+        last = round(ON_MACHINES * whole) if table.draws else 0
+        first = max(round(EVERYWHERE * whole), min(len(starts), whole - last), 1)
+        if whole - last - first < fewest:
+            first = whole - last
+        self._everywhere(starts, first)
+        self._along(whole - last)
+        if table.draws:
+            self._on_machines(whole, fewest)
+        return self.trials
+
+    # --- the stages ---
+
+    def _everywhere(self, starts: Sequence[Point], count: int) -> None:
+        distributions = {one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in self.dimensions}
+        asked = 0
+        while asked < count:
+            numbers = range(asked, min(asked + BATCH, count))
+            for point in _asked(self.trials, numbers, self.dimensions, distributions, starts, self.seed):
+                self._tried(point, "screened")
+            asked = numbers.stop
+
+    def _along(self, until: int) -> None:
+        """Descents on the declared machine, from the best, then from starts apart, until so many trials are made."""
+        sources = sorted(self.trials, key=_rank)
+        used: list[np.ndarray] = []
+        while len(self.trials) < until:
+            place = next((i for i, one in enumerate(sources) if one.feasible and self._is_apart(one, used)), None)
+            if not used:
+                place = 0
+            before, made = self._best("declared"), len(self.trials)
+            start = sources.pop(place) if place is not None else self._least()
+            radius = FIRST_RADIUS if place is not None else NEXT_RADIUS
+            used.append(self._shares(start.point))
+            self._descend(start.point, "declared", radius, until - len(self.trials))
+            after = self._best("declared")
+            used.append(self._shares(self._least().point))
+            if place is None and (after > before * (1.0 - NO_GAIN) or len(self.trials) == made):
+                return
+
+    def _on_machines(self, until: int, fewest: int) -> None:
+        """On the machines that are drawn: a descent, or where that has too few trials the best of the declared one."""
+        if until - len(self.trials) < fewest:
+            for one in sorted(self.trials, key=_rank)[: until - len(self.trials)]:
+                self._tried(one.point, "draws")
+            return
+        self._descend(self._least().point, "draws", FIRST_RADIUS, until - len(self.trials))
+
+    def _descend(self, start: Point, level: Level, radius: float, count: int) -> None:
+        def tried(shares: np.ndarray) -> tuple[float, Mapping[str, float]]:
+            point = {one.name: one.at(float(share)) for one, share in zip(self.dimensions, shares, strict=True)}
+            trial = self._tried(point, level)
+            return trial.value, trial.violations
+
+        descend(tried, self._shares(start), radius, count)
+
+    # --- trials ---
+
+    def _tried(self, point: Point, level: Level) -> Trial:
+        """The trial of a point: known, or run now."""
+        draws = self.bench.goal.table.draws if level == "draws" else 0
+        key = key_of(point, draws, level)
+        alike = self._by_key.get(key) or self._by_key.get(key_of(point, draws, "screened"))
+        if alike is not None and (key in self._by_key or alike.feasible):
+            return alike
+        best = self._best(level)
+        trial = self._known.get(key) or self._run(point, level, draws, key)
+        if self._wants_rest(trial, best):
+            trial = self._rested(trial, key)
+        self._by_key[key] = trial
+        self.trials.append(trial)
+        self._tell()
+        return trial
+
+    def _run(self, point: Point, level: Level, draws: int, key: str) -> Trial:
+        judge = {"screened": self.bench.screened, "declared": self.bench.declared, "draws": self.bench.on_draws}
+        trial = _trial(point, judge[level](point), draws, self.seed)
+        self._keep(key, trial)
+        return trial
+
+    def _wants_rest(self, trial: Trial, best: float) -> bool:
+        """Whether a trial would be the best, and has not been seen to rest on the draws."""
+        table = self.bench.goal.table
+        unseen = ON_DRAWS not in trial.violations
+        return bool(trial.draws) and table.constraints.limit_cycle and unseen and trial.feasible and trial.value < best
+
+    def _rested(self, trial: Trial, key: str) -> Trial:
+        table = self.bench.goal.table
+        share = self.bench.hunting(trial.point, range(table.draws), SEARCHED)
+        beyond = {**trial.violations, ON_DRAWS: share - (1.0 - table.quantile) - 1e-9}
+        trial = Trial(**{**vars(trial), "violations": beyond})
+        self._keep(key, trial)
+        return trial
+
+    def _best(self, level: Level) -> float:
+        draws = self.bench.goal.table.draws if level == "draws" else 0
+        return min((one.value for one in self.trials if one.draws == draws and one.feasible), default=math.inf)
+
+    def _least(self) -> Trial:
+        """The best trial on the declared machine; where none keeps the constraints the one that is nearest to it."""
+        return min((one for one in self.trials if not one.draws), key=_rank)
+
+    def _shares(self, point: Point) -> np.ndarray:
+        return np.array([one.share(point[one.name]) for one in self.dimensions])
+
+    def _is_apart(self, trial: Trial, used: Sequence[np.ndarray]) -> bool:
+        own = self._shares(trial.point)
+        return all(float(np.max(np.abs(own - other))) >= APART for other in used)
 
 
-def is_candidate(trial: FrozenTrial) -> bool:
-    """Whether a trial may be the best: run to its end, constraints kept."""
-    return trial.state == TrialState.COMPLETE and all(value <= 0.0 for value in trial.constraints.values())
+def _rank(trial: Trial) -> tuple[float, float]:
+    """Trials in order: by how far they are beyond their constraints, then by value."""
+    return sum(max(beyond, 0.0) for beyond in trial.violations.values()), trial.value
+
+
+def _trial(point: Point, score: Score, draws: int, seed: int) -> Trial:
+    found = score.margins
+    own = (dict(score.violations), found.gain_dB, found.phase_deg, found.stable)
+    return Trial(dict(point), score.value, score.nominal, *own, draws, seed)
 
 
 def _asked(
-    done: Sequence[FrozenTrial],
+    done: Sequence[Trial],
     numbers: range,
+    dimensions: Sequence[Dimension],
     distributions: Mapping[str, FloatDistribution],
     starts: Sequence[Point],
     seed: int,
 ) -> list[dict[str, float]]:
     """The points of these numbers; the sampler knows the trials that are `done`, and what it has just asked for."""
     points = []
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
     with catch_warnings():
         simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         memory = optuna.create_study()
-        memory.add_trials(done)
+        memory.add_trials([as_optuna(one, distributions) for one in done])
         for number in numbers:
             own = int(np.random.default_rng([seed, number]).integers(2**31))
             memory.sampler = TPESampler(seed=own, n_startup_trials=STARTUP, multivariate=True)
             if number < len(starts):
                 memory.enqueue_trial(dict(starts[number]))
-            asked = memory.ask(dict(distributions))
-            points.append({name: _short(value, distributions[name]) for name, value in asked.params.items()})
+            asked = memory.ask(dict(distributions)).params
+            points.append({one.name: one.shortened(asked[one.name]) for one in dimensions})
     return points
 
 
-def _short(value: float, limits: FloatDistribution) -> float:
-    return min(max(float(f"{value:.{SHORT}g}"), limits.low), limits.high)
-
-
-def _finished(point: Point, score: Score, distributions: Mapping[str, Any]) -> FrozenTrial:
-    """A trial as it is stored. One that was given up tells the sampler how far it came."""
-    state = TrialState.PRUNED if score.pruned else TrialState.COMPLETE
-    steps = {len(score.on_draws): score.value} if score.pruned else {}
+def as_optuna(trial: Trial, distributions: Mapping[str, Any]) -> FrozenTrial:
+    """A trial as optuna knows them."""
     return create_trial(
-        state=state,
-        value=None if score.pruned else score.value,
-        params=dict(point),
+        state=TrialState.COMPLETE,
+        value=trial.value,
+        params=dict(trial.point),
         distributions=dict(distributions),
-        constraints=dict(score.violations),
-        intermediate_values=steps,
-        user_attrs={
-            SCORE: {
-                "nominal": score.nominal,
-                "gain_margin_dB": score.margins.gain_dB,
-                "phase_margin_deg": score.margins.phase_deg,
-                "stable": score.margins.stable,
-            }
-        },
+        constraints=dict(trial.violations),
     )

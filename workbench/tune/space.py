@@ -15,6 +15,9 @@ from workbench.units import QuantityError, si
 RPM, THRESHOLD = "rpm", "minimum_helical_speed"
 """Names of what is tuned of the rotation (rad/s, m/s); all others are settings of the controller."""
 
+SHORT = 5
+"""Significant digits with which a point is tried: what a gain file holds is what was tried."""
+
 Point = Mapping[str, float]
 """Values (SI) of all that is tuned, by name."""
 
@@ -29,6 +32,22 @@ class Dimension:
     high: float
     logarithmic: bool
     start: float
+
+    def share(self, value: float) -> float:
+        """Where a value lies between the limits, 0 to 1, on the scale on which it is looked for."""
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def at(self, share: float) -> float:
+        """The value at a share of the way between the limits, as it is tried."""
+        if self.logarithmic:
+            return self.shortened(self.low * (self.high / self.low) ** share)
+        return self.shortened(self.low + share * (self.high - self.low))
+
+    def shortened(self, value: float) -> float:
+        """A value with as many digits as are tried, within the limits."""
+        return min(max(float(f"{value:.{SHORT}g}"), self.low), self.high)
 
 
 def space_of(name: str, controller: Controller, settings: Any, table: TuneTable, command_unit: str) -> list[Dimension]:

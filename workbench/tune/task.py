@@ -3,7 +3,7 @@
 import copy
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any
 
@@ -27,7 +27,8 @@ MACHINES = 4096
 class Task:
     """One controller of a study, to be tuned: its cases on the declared machine, and what is tuned.
 
-    `settings` are those that the study gives it.
+    `settings` are those that the study gives it. `at` are the values of the axes that [tune] per names: each
+    combination of them has a task of its own.
     """
 
     study: Study
@@ -37,6 +38,17 @@ class Task:
     cases: Sequence[Case]
     dimensions: Sequence[Dimension]
     uncertainty: UncertaintyTable
+    at: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """The task in words: the controller, and where it is tuned."""
+        return ", ".join([self.name, *(f"{axis} {value}" for axis, value in self.at.items())])
+
+    @property
+    def rpm(self) -> float | None:
+        """The speed of rotation (rpm) for which it is tuned; None where it is tuned for all of them."""
+        return self.cases[0].rpm if RPM in self.at else None
 
     @property
     def rotates(self) -> bool:
@@ -93,34 +105,68 @@ def _moved(task: Task, case: Case, point: Point) -> Case:
     return replace(case, tables=tables)
 
 
-def cases_for(study: Study, table: TuneTable, name: str) -> list[Case]:
-    """The cases on which a controller is tuned: those that `where` chooses, each once, with this controller.
+def combinations(study: Study, cases: Sequence[Case]) -> list[dict[str, Any]]:
+    """The combinations of values on the axes that [tune] per names, in order; one that is empty where it names none.
+
+    Raises:
+        UserError: an axis that the study does not have.
+    """
+    table, found = tune_table(study), dict[str, dict[str, Any]]()
+    for case in cases:
+        columns = case.columns
+        for axis in table.per:
+            if axis not in columns:
+                raise study.error(("tune", "per"), f'the study has no axis "{axis}"; give it one under [axes]')
+        if matches({key: value for key, value in columns.items() if key != "controller"}, table.where):
+            chosen: dict[str, Any] = {axis: columns[axis] for axis in table.per}
+            found.setdefault(repr(chosen), chosen)
+    return list(found.values()) or [{}]
+
+
+def cases_for(study: Study, cases: Sequence[Case], name: str, at: Mapping[str, Any]) -> list[Case]:
+    """The cases on which a controller is tuned: those that `where` and `at` choose, each once, with this controller.
 
     Raises:
         UserError: there is none.
     """
     found: dict[str, Case] = {}
-    for case in unfold(study):
+    where = {**tune_table(study).where, **at}
+    for case in cases:
         columns = {key: value for key, value in case.columns.items() if key != "controller"}
-        if matches(columns, table.where) and name in case.tables["controllers"]:
+        if matches(columns, where) and name in case.tables["controllers"]:
             tables = {**case.tables, "controller": name}
             found.setdefault(repr(columns), replace(case, axes=columns, tables=tables))
     if not found:
         raise UserError(
-            f"{study.path}: [tune] where: no case of {name} has {in_words(table.where) or 'any'}; expected values of "
+            f"{study.path}: [tune] where: no case of {name} has {in_words(where) or 'any'}; expected values of "
             "the study's axes"
         )
     return list(found.values())
 
 
+def tasks_for(study: Study, names: Sequence[str]) -> list[Task]:
+    """The tasks of tuning these controllers, for each combination that [tune] per asks for.
+
+    Raises:
+        UserError: as `task_for`.
+    """
+    cases = unfold(study)
+    return [_task(study, cases, name, at) for name in names for at in combinations(study, cases)]
+
+
 def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
-    """The task of tuning the controller `name` of a study; not `tuned`: as it stands there.
+    """The first task of tuning the controller `name` of a study; not `tuned`: as it stands there.
 
     Raises:
         UserError: the study has no [tune], no such controller, or limits of it are wrong.
     """
+    cases = unfold(study)
+    return _task(study, cases, name, combinations(study, cases)[0], tuned=tuned)
+
+
+def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, Any], *, tuned: bool = True) -> Task:
     table = tune_table(study)
-    cases = cases_for(study, table, name)
+    cases = cases_for(study, all_cases, name, at)
     first = resolve(study, cases[0])
     settings = first.settings
     own = cases[0].tables["controllers"][name]
@@ -133,11 +179,11 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
             dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
             dimensions += rotation_of(table, cases[0].rpm, cases[0].tables["plant"].get(THRESHOLD))
         uncertainty = study.file.uncertainty or UncertaintyTable()
-        task = Task(study, name, controller, settings, cases, dimensions, uncertainty)
+        task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at)
         if table.draws and study.file.uncertainty is None:
             raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
-            check_scales(study)
+            check_scales(study, cases)
             resolve(study, drawn_case(cases[0], uncertainty, 0))
         if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in cases}) > 1:
             raise SchemaError(("tune", "rotation", "rpm"), "is tuned: expected one value on the axis rpm, its start")

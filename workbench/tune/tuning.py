@@ -1,24 +1,20 @@
-"""The tuning of one controller: search, polish, and what is left of it on machines that the search has not seen."""
+"""The tuning of one controller: searches from several seeds, and what is left on machines that they have not seen."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from optuna.trial import FrozenTrial
 
 from workbench.metrics.statistics import quantile, quantile_interval
 from workbench.tune.bench import FRESH, SEARCHED, Bench
 from workbench.tune.classic import StartingPoint, starting_points
-from workbench.tune.descent import descended
 from workbench.tune.goal import Score, margin_speed
-from workbench.tune.search import SCORE, is_candidate, search, trials_in
 from workbench.tune.space import Point
 from workbench.tune.task import Task, tune_table
+from workbench.tune.trials import Trial
 
-Tell = Callable[[str, int, int], None]
-"""Is told what is being done, and how many of how many trials are finished."""
+PID_GAINS = {"kp", "ki", "kd"}
 
 
 @dataclass(frozen=True)
@@ -37,20 +33,35 @@ class Quantile:
 class Tuned:
     """What became of one controller. `best` is None where no trial keeps the constraints.
 
-    `start` is the score of the study's own gains on the declared machine. `trials` are all of them, in order; `number`
-    is that of the best, `polished` says what a descent from it gained, or why there was none. `on_searched` and
-    `on_fresh` hold the quantiles of the "start" and of the "tuned" gains.
+    `start` is the score of the study's own gains on the declared machine. `trials` are those of all seeds, in order;
+    `number` is that of the best. `seeds` holds the best objective that each seed found, None where it found no gains.
+    `on_searched` and `on_fresh` hold the quantiles of the "start" and of the "tuned" gains.
     """
 
     task: Task
-    trials: Sequence[FrozenTrial]
+    trials: Sequence[Trial]
     start: Score
     best: Point | None
     score: Score | None
     number: int
-    polished: str
+    seeds: Mapping[int, float | None]
     on_searched: Mapping[str, Quantile]
     on_fresh: Mapping[str, Quantile]
+
+    @property
+    def seeds_differ(self) -> float | None:
+        """By which share the best objective of the worst seed is above that of the best; None of a single seed.
+
+        Infinite where a seed found no gains, or where the best is 0 and another is not.
+        """
+        values = list(self.seeds.values())
+        known = [value for value in values if value is not None]
+        if len(values) < 2 or not known:
+            return None
+        if len(known) < len(values):
+            return float("inf")
+        low, high = min(known), max(known)
+        return 0.0 if low == high else high / low - 1.0 if low else float("inf")
 
 
 def interval(values: Sequence[float], share: float) -> Quantile:
@@ -58,44 +69,44 @@ def interval(values: Sequence[float], share: float) -> Quantile:
     return Quantile(quantile(values, share), *quantile_interval(values, share), len(values))
 
 
-def tune(bench: Bench, database: Path, identity: str, tell: Tell = lambda said, done, of: None) -> Tuned:
-    """Tune one controller; its trials go to `database`, and are taken from there if they are of the same `identity`.
+def starts_of(task: Task, classic: Sequence[StartingPoint]) -> list[Mapping[str, float]]:
+    """The points with which every search begins: the gains of the study, then classic tunings of just its gains."""
+    return [task.start, *_classic(task, classic)]
 
-    Raises:
-        UserError: trials of another study in the database.
-    """
+
+def has_pid_gains(task: Task) -> bool:
+    """Whether a classic tuning of a PID says something of what is tuned."""
+    return bool(PID_GAINS & {one.name for one in task.dimensions})
+
+
+def candidate(trials: Sequence[Trial], draws: int) -> int | None:
+    """The number of the best trial that keeps all constraints on so many draws; None where there is none."""
+    numbers = [i for i, one in enumerate(trials) if one.draws == draws and one.feasible and one.value < np.inf]
+    return min(numbers, key=lambda i: trials[i].value, default=None)
+
+
+def concluded(bench: Bench, searches: Mapping[int, Sequence[Trial]]) -> Tuned:
+    """What the searches of all seeds found, measured again."""
     task, table = bench.task, bench.goal.table
-    starts = [task.start, *_classic(task)]
-    with trials_in(database, task.name, identity) as stored:
-        trials = search(
-            stored,
-            task.dimensions,
-            starts,
-            bench.judge,
-            table.trials,
-            table.seed,
-            lambda done: tell(task.name, done, table.trials),
-        )
-    start = bench.declared(task.start)
-    number, best = _best(bench, trials)
-    if best is None:
-        return Tuned(task, trials, start, None, None, number, "", {}, {})
-    tell(f"{task.name}: downhill", table.trials, table.trials)
-    best, score, polished = descended(bench, best)
-    tell(f"{task.name}: machines not seen", table.trials, table.trials)
-    streams = ((table.draws, SEARCHED), (table.fresh_draws, FRESH))
-    seen, fresh = (_quantiles(bench, best, count, stream) for count, stream in streams)
-    return Tuned(task, trials, start, best, score, number, polished, seen, fresh)
-
-
-def _quantiles(bench: Bench, best: Point, count: int, stream: int) -> dict[str, Quantile]:
-    """Of the study's gains and of the best, on `count` machines of a stream; nothing where none are drawn."""
-    table, points = bench.goal.table, {"start": bench.task.start, "tuned": best}
-    if not (table.draws and count):
-        return {}
-    return {
-        key: interval(bench.on_machines(point, range(count), stream), table.quantile) for key, point in points.items()
-    }
+    trials = [trial for found in searches.values() for trial in found]
+    seeds = dict[int, float | None]()
+    for seed, found in searches.items():
+        own = candidate(found, table.draws)
+        seeds[seed] = None if own is None else found[own].value
+    start, number = bench.declared(task.start), candidate(trials, table.draws)
+    if number is None:
+        return Tuned(task, trials, start, None, None, -1, seeds, {}, {})
+    best = dict(trials[number].point)
+    score = bench.on_draws(best)
+    seen, fresh = dict[str, Quantile](), dict[str, Quantile]()
+    if table.draws:
+        before = bench.on_machines(task.start, range(table.draws), SEARCHED)
+        seen = {"start": interval(before, table.quantile), "tuned": interval(score.on_draws, table.quantile)}
+    if table.draws and table.fresh_draws:
+        points = {"start": task.start, "tuned": best}
+        runs = {key: bench.on_machines(point, range(table.fresh_draws), FRESH) for key, point in points.items()}
+        fresh = {key: interval(values, table.quantile) for key, values in runs.items()}
+    return Tuned(task, trials, start, best, score, number, seeds, seen, fresh)
 
 
 def classic_points(task: Task, point: Point) -> list[StartingPoint]:
@@ -108,11 +119,11 @@ def classic_points(task: Task, point: Point) -> list[StartingPoint]:
     return starting_points(case.setup, case.belief, margin_speed(case, asked))
 
 
-def _classic(task: Task) -> list[dict[str, float]]:
+def _classic(task: Task, points: Sequence[StartingPoint]) -> list[dict[str, float]]:
     """Classic starting points of just the PID gains that are tuned, within their limits; the rest is the study's."""
-    pid = {one.name for one in task.dimensions} & {"kp", "ki", "kd"}
+    pid = PID_GAINS & {one.name for one in task.dimensions}
     found = []
-    for point in classic_points(task, task.start):
+    for point in points if pid else ():
         gains = {name: value for name, value in point.settings.items() if value}
         if set(gains) == pid:
             wanted = {**task.start, **gains}
@@ -120,34 +131,22 @@ def _classic(task: Task) -> list[dict[str, float]]:
     return [point for i, point in enumerate(found) if point not in (task.start, *found[:i])]
 
 
-def _best(bench: Bench, trials: Sequence[FrozenTrial]) -> tuple[int, Point | None]:
-    """The number and point of the best trial that keeps all constraints, on drawn machines at rest too."""
-    table = bench.goal.table
-    for trial in sorted(filter(is_candidate, trials), key=lambda one: (one.value, one.number)):
-        judged = table.draws if table.constraints.limit_cycle else 0
-        if bench.hunting(trial.params, range(judged), SEARCHED) <= 1.0 - table.quantile:
-            return trials.index(trial), dict(trial.params)
-    return -1, None
-
-
 def infeasible(found: Tuned) -> str:
     """Which constraint most trials fail, and how near the nearest of them comes."""
-    counts = Counter(name for trial in found.trials for name, beyond in trial.constraints.items() if beyond > 0.0)
-    if not counts:
-        return "every trial that keeps the constraints hunts on too many of the drawn machines"
-    name = max(found.start.violations, key=lambda one: counts[one])  # in that order: a trial from a file has another
-    count = counts[name]
-    closest = min(found.trials, key=lambda trial: trial.constraints[name])
-    asked, shown = tune_table(found.task.study).constraints, closest.user_attrs[SCORE]
+    broken = Counter(name for trial in found.trials for name, beyond in trial.violations.items() if beyond > 0.0)
+    if not broken:
+        return "every trial that keeps the constraints fails on too many of the drawn machines"
+    name = max(broken, key=lambda one: broken[one])
+    closest = min((one for one in found.trials if name in one.violations), key=lambda trial: trial.violations[name])
+    asked = tune_table(found.task.study).constraints
     reached = {
-        "gain margin": f"{shown['gain_margin_dB']:.1f} dB, {asked.gain_margin_dB:g} dB are asked for",
-        "phase margin": f"{shown['phase_margin_deg']:.1f} deg, {asked.phase_margin_deg:g} deg are asked for",
-        "saturation": f"{closest.constraints[name] + asked.saturated:.0%} of the time at the limit, "
+        "gain margin": f"{closest.gain_margin_dB:.1f} dB, {asked.gain_margin_dB:g} dB are asked for",
+        "phase margin": f"{closest.phase_margin_deg:.1f} deg, {asked.phase_margin_deg:g} deg are asked for",
+        "saturation": f"{closest.violations[name] + asked.saturated:.0%} of the time at the limit, "
         f"{asked.saturated:.0%} are allowed",
     }
-    if "margin" in name and not shown["stable"]:
+    if "margin" in name and not closest.stable:
         reached[name] = "a loop that is not stable"
     nearest = f"; the nearest has {reached[name]}" if name in reached else ""
-    return (
-        f"no trial keeps all constraints; most often broken: {name}, in {count} of {len(found.trials)} trials{nearest}"
-    )
+    many = len(found.trials)
+    return f"no trial keeps all constraints; most often broken: {name}, in {broken[name]} of {many} trials{nearest}"

@@ -1,0 +1,199 @@
+"""Gains tuned where they are used: for each speed of rotation and machine, along the bounds of constraints."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import workbench, write
+from scipy.optimize import brentq
+from tuned_study import STUDY, ready, tuned
+
+from workbench.errors import UserError
+from workbench.report.diagnosis_reasons import of_term
+from workbench.report.tuning_places import place_lines, seeds_line
+from workbench.report.tuning_tables import number
+from workbench.study.document import read_study, unfold
+from workbench.study.gain_file import entry_at, read_gain_file
+from workbench.study.resolve import resolve
+from workbench.tune.descent import descend
+from workbench.tune.gains import gain_files
+from workbench.tune.goal import margins_of
+from workbench.tune.task import task_for, tasks_for, tune_table
+from workbench.tune.trials import key_of
+
+PLACES = (
+    STUDY.replace('model = "non_rotating"', 'model = "by_rpm"\nbristle = "isotropic"')
+    .replace("[axes]\n", '[axes]\nmachine = ["light", "heavy"]\nrpm = [0, "60 rpm"]\n')
+    .replace("seeds = 1", 'seeds = 1\nper = ["machine", "rpm"]')
+) + '[machines.light.plant.set]\nmass = "20 kg"\n[machines.heavy.plant.set]\nmass = "60 kg"\n'
+
+
+# --- along the bound of a constraint ---
+
+
+def test_a_descent_ends_on_the_bound_of_a_constraint() -> None:
+    """(x - 0.8)^2 + (y - 0.9)^2 under x + y <= 1 is least at (0.45, 0.55): the foot of the perpendicular."""
+    met: list[tuple[float, float, np.ndarray]] = []
+
+    def tried(at: np.ndarray) -> tuple[float, Mapping[str, float]]:
+        beyond = float(at[0] + at[1] - 1.0)
+        value = math.exp((at[0] - 0.8) ** 2 + (at[1] - 0.9) ** 2)
+        met.append((value, beyond, at))
+        return value, {"phase margin": beyond, "gain margin": -1.0, "saturation": -1.0, "limit cycle": -1.0}
+
+    descend(tried, np.array([0.1, 0.2]), 0.1, 40)
+    assert len(met) <= 40
+    value, _, at = min((one for one in met if one[1] <= 0.0), key=lambda one: one[0])
+    assert at == pytest.approx([0.45, 0.55], abs=0.01)
+    assert value == pytest.approx(math.exp(0.245), rel=2e-3)
+
+
+def test_a_descent_does_without_what_lies_behind_a_wall() -> None:
+    """(x - 0.8)^2 with all above 0.6 hunting is least at 0.6."""
+    best = []
+
+    def tried(at: np.ndarray) -> tuple[float, Mapping[str, float]]:
+        hunts = 1.0 if at[0] > 0.6 else -1.0
+        if hunts < 0.0:
+            best.append(float(at[0]))
+        beyond = {"phase margin": -1.0, "gain margin": -1.0, "saturation": -1.0, "limit cycle": hunts}
+        return math.exp((at[0] - 0.8) ** 2), beyond
+
+    descend(tried, np.array([0.2]), 0.1, 40)
+    assert max(best) == pytest.approx(0.6, abs=0.02)
+
+
+def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_path: Path) -> None:
+    """Its error falls with K_p all the way: the root of phase margin - 45 is the optimum, found here by brentq."""
+    study, _ = ready(tmp_path, STUDY, "p")
+    task = task_for(study, "p")
+
+    def lacking(kp: float) -> float:
+        return margins_of(task.declared({"kp": kp}), tune_table(study).constraints).phase_deg - 45.0
+
+    found = tuned(tmp_path, STUDY.replace("seeds = 1", "seeds = 3"), "p", trials=40).found[0]
+    assert found.best is not None
+    assert found.best["kp"] == pytest.approx(brentq(lacking, 500.0, 4000.0), rel=5e-3)
+    assert found.seeds_differ is not None
+    assert found.seeds_differ < 0.02
+
+
+# --- where they are used ---
+
+
+def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
+    """The same controller on the same belief has other gains on another machine; a file has an entry a speed."""
+    tuning = tuned(tmp_path, PLACES, "p", trials=16)
+    assert [one.task.label for one in tuning.found] == [
+        f"p, machine {machine}, rpm {rpm}" for machine in ("light", "heavy") for rpm in ("0", "60 rpm")
+    ]
+    assert len({repr(one.best) for one in tuning.found}) > 1
+    texts = gain_files(tuning.found)
+    assert list(texts) == ["light/p.toml", "heavy/p.toml"]
+    assert max(map(len, texts.values())) < 4000
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir()
+        kept = read_gain_file(write(tmp_path, text, name))
+        assert [entry.rpm for entry in kept.at] == [0.0, 60.0]
+    using = PLACES.replace('p = { type = "pid", kp = "500 V/m" }', 'p = { gains = "{machine}/p.toml" }')
+    study = read_study(write(tmp_path, using, "using.toml"))
+    cases = [case for case in unfold(study) if case.axes["controller"] == "p"]
+    for case, one in zip(cases, tuning.found, strict=True):
+        assert one.best is not None
+        assert resolve(study, case).settings.kp == pytest.approx(one.best["kp"], rel=1e-9)
+
+
+def test_gains_for_another_speed_are_refused_in_words(tmp_path: Path) -> None:
+    tuning = tuned(tmp_path, PLACES.replace('"light", "heavy"', '"light"'), "p", trials=6)
+    (tmp_path / "light").mkdir()
+    path = write(tmp_path, gain_files(tuning.found)["light/p.toml"], "light/p.toml")
+    using = PLACES.replace('p = { type = "pid", kp = "500 V/m" }', 'p = { gains = "light/p.toml" }')
+    using = using.replace('rpm = [0, "60 rpm"]', "rpm = [0, 25]").replace('"light", "heavy"', '"light"')
+    answer = workbench("check", write(tmp_path, using, "using.toml"))
+    assert answer.code == 2
+    assert "was not tuned at 25 rpm, only at 0, 60 rpm; tune it there too, or take one of these speeds" in answer.err
+    found = read_gain_file(path)
+    assert entry_at(replace_rpm(found, None), 25.0).rpm is None
+    lost = using.replace("light/p.toml", "{machine}/p.toml").replace('machine = ["light"]\n', "")
+    answer = workbench("check", write(tmp_path, lost, "lost.toml"))
+    assert "goes by machine, and this case has none; give the study an axis machine" in answer.err
+
+
+def replace_rpm(found, rpm):
+    """A gain file with its first entry alone, for this speed."""
+    return found.model_copy(update={"at": [found.at[0].model_copy(update={"rpm": rpm})]})
+
+
+def test_entries_for_the_same_speed_are_refused(tmp_path: Path) -> None:
+    text = gain_files(tuned(tmp_path, PLACES, "p", trials=4).found)["light/p.toml"]
+    with pytest.raises(UserError, match="entries: expected each to have an rpm of its own"):
+        read_gain_file(write(tmp_path, text.replace("rpm = 60.0", "rpm = 0.0"), "twice.toml"))
+
+
+def test_every_controller_that_is_named_is_tuned(tmp_path: Path) -> None:
+    options = ("--controller", "p", "--controller", "lugre", "--trials", "4")
+    answer = workbench(
+        "tune", write(tmp_path, PLACES.replace('rpm = [0, "60 rpm"]', "rpm = [0]")), *options, "--out", tmp_path / "out"
+    )
+    assert (answer.code, answer.err) == (0, "")
+    names = {str(path.relative_to(tmp_path / "out/tuned")) for path in (tmp_path / "out/tuned").rglob("*.toml")}
+    assert names == {f"{machine}/{name}.toml" for machine in ("light", "heavy") for name in ("p", "lugre")}
+
+
+def test_an_axis_that_there_is_not_is_told(tmp_path: Path) -> None:
+    answer = workbench("check", write(tmp_path, STUDY.replace("seeds = 1", 'per = ["rpm"]')))
+    assert 'tune.per: the study has no axis "rpm"; give it one under [axes]' in answer.err
+
+
+def test_each_place_is_told_for_itself(tmp_path: Path) -> None:
+    tuning = tuned(tmp_path, PLACES.replace("seeds = 1", "seeds = 2"), ("p", "pd"), trials=6)
+    lines = place_lines(tuning, "declared")
+    assert len(lines) == 4
+    for line, one in zip(lines, tuning.found, strict=False):
+        assert one.score is not None
+        assert line.startswith(one.task.label.removeprefix("p, ") + ": objective of ")
+        assert f"p {number(one.score.nominal)}" in line
+    assert seeds_line(tuning)[0].startswith(("Searches from other seeds differ by ", "A seed found no gains"))
+
+
+@pytest.mark.parametrize("rpm", [10, 25])
+def test_a_servo_is_taken_to_hold_its_speed(tmp_path: Path, rpm: int) -> None:
+    """Margins on the falling slope, where a voltage that is held would run away, are those with an imposed speed."""
+    found = []
+    for rotation in ("servo", "ideal"):
+        text = PLACES.replace('"isotropic"', f'"isotropic"\nrotation = "{rotation}"').replace(
+            '[0, "60 rpm"]', f"[{rpm}]"
+        )
+        study, _ = ready(tmp_path, text, "p")
+        task = task_for(study, "p")
+        found.append(margins_of(task.declared(task.start), tune_table(study).constraints))
+    servo, ideal = found
+    assert servo.stable
+    assert (servo.gain_dB, servo.phase_deg) == pytest.approx((ideal.gain_dB, ideal.phase_deg), rel=0.005)
+
+
+# --- the same way again ---
+
+
+def test_a_point_is_known_by_how_thoroughly_it_was_run() -> None:
+    keys = {key_of({"kp": 1.0}, draws, level) for draws, level in ((0, "screened"), (0, "declared"), (8, "draws"))}
+    assert len(keys) == 3
+
+
+def test_tasks_of_a_place_believe_its_machine(tmp_path: Path) -> None:
+    study, names = ready(tmp_path, PLACES, "lugre")
+    masses = {task.at["machine"]: task.declared(task.start)[0].belief.body.mass for task in tasks_for(study, names)}
+    assert masses == {"light": 20.0, "heavy": 60.0}
+
+
+def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:
+    term = {"signal": "velocity", "unit": "N", "fit": {"before": 1.0, "after": 0.5}}
+    worse = {**term, "held_out": {"before": 71.3, "after": 73.5}}
+    assert "would not lower it on the held-out records: 71.3 N without it, 73.5 N with it" in of_term(
+        {"data_driven_term": worse}
+    )
+    assert "would lower it on the fit records: 1.00 N without it, 0.500 N with it" in of_term(
+        {"data_driven_term": term}
+    )
