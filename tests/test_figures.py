@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from command import STUDY, ran, workbench, write
+from command import STUDY, changed, fails, ran, workbench, write
 
 from workbench.errors import UserError
-from workbench.report.figures import draw, quick_plot, write_figure
+from workbench.report.figures import draw, write_figure
+from workbench.report.quick_plot import quick_plot
+from workbench.study.document import read_study
 from workbench.study.report_schema import FigureSpec
-from workbench.study.store import trajectory_path
+from workbench.study.store import read_results, trajectory_path
 
 FRAME = pd.DataFrame(
     {
@@ -225,6 +227,21 @@ def test_a_plot_that_cannot_be(tmp_path: Path, options: tuple[str, ...], said: s
     assert workbench("plot", out, *options) == (2, "", f"error: {said}\n")
 
 
+def test_a_signal_that_some_cases_lack_is_drawn_of_the_others(tmp_path: Path) -> None:
+    """The plant of rpm 0 does not turn."""
+    out = ran(tmp_path, STUDY, "--keep-trajectories")
+    picture = out / "figures" / "rotation_speed_over_time.png"
+    said = f"left out: rpm 0 (no rotation_speed)\nwrote {picture}\n"
+    assert workbench("plot", out, "--y", "rotation_speed") == (0, said, "")
+    assert workbench("plot", out, "--y", "position", "--x", "rotation_speed").out.startswith("left out: rpm 0 (no rot")
+    alone = workbench("plot", out, "--y", "motor_voltage", "--where", "rpm=0")
+    fails(alone, 'nothing called "motor_voltage" is stored of rpm 0; ')
+    unlike = workbench("plot", out, "--y", "qqq", "--where", "rpm=0")
+    listed = unlike.err.partition('"qqq" is stored of rpm 0; expected one of ')[2].strip().split(", ")
+    signals = pd.read_parquet(trajectory_path(out, 0))
+    assert sorted(listed) == sorted(signals.columns[signals.notna().any()])
+
+
 def test_no_figures(tmp_path: Path) -> None:
     out = ran(tmp_path, STUDY)
     assert workbench("plot", out) == (
@@ -250,7 +267,7 @@ def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch:
         drawn.append(spec)
         return draw(spec, *rest)
 
-    monkeypatch.setattr("workbench.report.figures.draw", watched)
+    monkeypatch.setattr("workbench.report.quick_plot.draw", watched)
     quick_plot(tmp_path, frame, "rpm", ["rms_error_m"], {}, tmp_path / "a.png")
     panel = drawn[-1].panels[0]
     assert (panel.y_label, panel.y_unit, panel.legend) == ("rms error", "mm", "outside")
@@ -260,13 +277,73 @@ def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch:
     np.testing.assert_allclose(values, [[4.0, 2.0], [3.0, 1.0]])
 
 
-def test_text_on_an_axis(tmp_path: Path) -> None:
-    """Quantities with units are names on their axis, published values stand at the same names."""
+def over_axis(values: list[Any], axis: str = "references.sine.amplitude", **settings: Any) -> Any:
+    """The axes of a figure of the rms error (mm) over an axis with these values."""
+    frame = pd.DataFrame(
+        {axis: values, "outcome": ["completed"] * len(values), "rms_error_m": 1e-3 * np.arange(1, len(values) + 1)}
+    )
+    return draw(figure(panel({"y": "rms_error_m"}, x=axis, **settings)), frame, Path()).axes[0]
+
+
+AXIS_VALUES = {
+    "bare numbers are SI": ([0.005, 0.01, 0.04], {"x_unit": "mm"}, [5.0, 10.0, 40.0], "x (mm)"),
+    "bare without a unit": ([0.005, 0.01, 0.04], {}, [0.005, 0.01, 0.04], "x"),
+    "quantities": (["5 mm", "1 cm", "0.04 m"], {"x_unit": "mm"}, [5.0, 10.0, 40.0], "x (mm)"),
+    "the unit of the study": (["5 mm", "1 cm", "0.04 m"], {}, [5.0, 10.0, 40.0], "x (mm)"),
+    "SI on request": (["5 mm", "1 cm", "0.04 m"], {"x_unit": "1"}, [0.005, 0.01, 0.04], "x"),
+    "zero and a quantity": (["0", "10 mm", "40 mm"], {}, [0.0, 10.0, 40.0], "x (mm)"),
+}
+
+
+@pytest.mark.parametrize("case", AXIS_VALUES)
+def test_quantities_stand_where_their_numbers_are(case: str) -> None:
+    values, settings, expected, label = AXIS_VALUES[case]
+    axes = over_axis(values, **settings)
+    np.testing.assert_allclose(np.asarray(axes.lines[0].get_xdata(), dtype=float), expected, rtol=1e-12)
+    assert axes.get_xlabel() == label
+
+
+def test_speeds_of_rotation_stand_where_their_numbers_are() -> None:
+    """A bare number is in rpm: 60 rpm are 2 pi rad/s."""
+    values = ["0", "60 rpm", "460 rpm"]
+    axes = over_axis(values, axis="rpm")
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), [0.0, 60.0, 460.0], rtol=1e-12)
+    assert axes.get_xlabel() == "x (rpm)"
+    turned = over_axis([0, 60, 460], axis="rpm", x_unit="rad/s").lines[0].get_xdata()
+    np.testing.assert_allclose(turned, [0.0, 2.0 * np.pi, 46.0 / 6.0 * 2.0 * np.pi], rtol=1e-12)
+
+
+def test_names_stay_names_on_an_axis() -> None:
+    assert list(over_axis(["p", "pd"], axis="controller").lines[0].get_xdata()) == ["p", "pd"]
+
+
+def test_published_values_stand_beside_quantities(tmp_path: Path) -> None:
+    """Whichever way they are written."""
     text = (
         STUDY.replace("[0, 460]", '["120 rpm", "460 rpm"]')
         + HEAD
-        + ('x = "rpm"\ny_unit = "deg"\ncurves = [{ y = "phase_lag_deg", published = { "460 rpm" = 3.0 } }]\n')
+        + 'x = "rpm"\ny_unit = "deg"\ncurves = [{ y = "phase_lag_deg", published = { "460 rpm" = 3.0, 120 = 4.0 } }]\n'
     )
-    answer = workbench("run", write(tmp_path, text), "--out", tmp_path / "out")
-    assert (answer.code, answer.err) == (0, "")
-    assert (tmp_path / "out" / "figures" / "lag.png").exists()
+    out = ran(tmp_path, text)
+    study = read_study(out / "study.toml")
+    axes = draw(study.file.figures[0], read_results(out), out).axes[0]
+    assert [list(line.get_xdata()) for line in axes.lines] == [
+        pytest.approx([120.0, 460.0]),
+        pytest.approx([460.0, 120.0]),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("panel_text", "said"),
+    [
+        ('x = "rpm"\nx_unit = "mm"', 'panels.0.x_unit: "mm" is not a unit of what is in rpm'),
+        ('x = "references.sine.amplitude"\nx_unit = "s"', 'panels.0.x_unit: got "5 mm", expected a quantity in s'),
+        ('x = "controller"\nx_unit = "mm"', 'got a unit for "controller", whose value "p" is a name; leave it out'),
+        ('x = "max_error_m"\nx_unit = "s"', 'panels.0.x_unit: "s" is not a unit of what is in m'),
+    ],
+)
+def test_check_says_what_cannot_stand_on_an_axis(tmp_path: Path, panel_text: str, said: str) -> None:
+    axes = 'rpm = [0, 460]\ncontroller = ["p"]\n"references.sine.amplitude" = ["5 mm", "8 mm"]'
+    head = HEAD.replace("x_label", f"{panel_text}\nx_label")
+    text = changed("rpm = [0, 460]", axes) + head + 'y_unit = "mm"\ncurves = [{ y = "rms_error_m" }]\n'
+    fails(workbench("check", write(tmp_path, text)), said)

@@ -8,15 +8,18 @@ from pathlib import Path
 
 from plants.equation import source_hash
 from workbench.decide.decision import Decision
-from workbench.decide.judgement import results
+from workbench.decide.results import results
 from workbench.folders import ResultFolder
+from workbench.report.decision_answer import paragraph
 from workbench.report.decision_figures import write_figures
+from workbench.report.decision_map import map_table
+from workbench.report.decision_names import MM, confidence, percent, where
 from workbench.report.decision_page import page
-from workbench.report.decision_tables import candidate_table, map_table, short_table
-from workbench.report.decision_words import MM, deviations, paragraph, percent, question, speed_of
+from workbench.report.decision_tables import candidate_table, short_table
+from workbench.report.decision_words import price, question
 from workbench.report.tables import write_frame
+from workbench.study.layers import LAYERS
 from workbench.study.runner import PACKAGES, PROGRAM_FOLDERS
-from workbench.study.scenarios import FOLDER as SCENARIOS
 from workbench.study.store import STUDY_COPY, export, write_json, write_study
 
 PAGE = "decision.html"
@@ -24,7 +27,10 @@ DRAWS = "draws.parquet"
 
 FOLDER = ResultFolder(
     "decision",
-    (PAGE, "results.csv", "results.parquet", DRAWS, "run.json", "tables", "figures", STUDY_COPY, SCENARIOS),
+    (
+        *(PAGE, "results.csv", "results.parquet", DRAWS, "run.json", "tables", "figures", STUDY_COPY),
+        *(layer.section for layer in LAYERS.values()),
+    ),
 )
 check_folder = FOLDER.check
 
@@ -35,25 +41,25 @@ def write_decision(found: Decision, folder: Path, began: float, jobs: int | None
 
 
 def _write(found: Decision, folder: Path, began: float, jobs: int | None) -> None:
-    export(results(found.rows), folder)
+    export(results(found.cells), folder)
     found.draws.to_parquet(folder / DRAWS, index=False)
     write_study(found.plan.study, folder)
     table = found.table
-    where = f"at {speed_of(table.speed)}, friction spread by {deviations(table.spread)}"
-    tables = [
-        ("candidates", f"Candidates {where}, the best first", candidate_table(found)),
-        ("map", "What suffices, with the winning choice and its probability", map_table(found)),
-    ]
+    candidates = ("candidates", f"Candidates {where(found)}, the best first", candidate_table(found))
+    matrix = (
+        "map",
+        "What suffices, with the choice, its probability, and what fails of what is simpler",
+        map_table(found),
+    )
     notes = [
-        f"Met: runs that complete with an error of at most {table.accuracy * MM:g} mm and at most {table.power:g} W. "
-        f"Intervals: 95 %, of probabilities by Wilson's score, of the {percent(table)} quantile by order statistics. "
-        'Unsettled, or "?": the interval holds the probability that is asked for.'
+        f"Met: runs that complete with an error of at most {table.accuracy * MM:g} mm and at most {table.power:g} W, "
+        "on machines on which the loop does not hunt. Probabilities are those of fresh draws; their exact intervals "
+        f"hold with {confidence()}, all together; that of the {percent(table)} quantile is by order statistics."
     ]
-    for name, title, cells in tables:
+    for name, title, cells in (candidates, matrix):
         write_frame(name, title, cells, notes, folder / "tables")
     pictures = write_figures(found, folder / "figures")
-    shown = [(title, cells) for _, title, cells in tables]
-    (folder / PAGE).write_text(page(found, pictures, shown), encoding="utf-8")
+    (folder / PAGE).write_text(page(found, pictures, [candidates[1:]]), encoding="utf-8")
     write_json(folder / "run.json", _record(found, began, jobs))
 
 
@@ -62,7 +68,7 @@ def summary(found: Decision) -> str:
     cells = short_table(found)
     align = ["left" if name == "candidate" else "right" for name in cells.columns]
     shown = cells.to_markdown(index=False, disable_numparse=True, colalign=align)
-    return "\n\n".join([question(found), paragraph(found), shown])
+    return "\n\n".join(part for part in (question(found), paragraph(found), price(found), shown) if part)
 
 
 def _record(found: Decision, began: float, jobs: int | None) -> dict[str, object]:
@@ -73,8 +79,7 @@ def _record(found: Decision, began: float, jobs: int | None) -> dict[str, object
         "decide": None if file.decide is None else file.decide.model_dump(mode="json"),
         "uncertainty": None if file.uncertainty is None else file.uncertainty.model_dump(mode="json"),
         "version of the program": source_hash((*PROGRAM_FOLDERS, "workbench/decide")),
-        "runs": plan.runs,
-        "simulated_seconds": plan.simulated_seconds,
+        "runs": len(found.draws),
         "wall_seconds": round(time.time() - began, 3),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
         "jobs": jobs or os.cpu_count(),

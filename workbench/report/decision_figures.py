@@ -11,12 +11,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from workbench.decide.decision import Decision
-from workbench.decide.judgement import KINDS, Answer, Judged, Kind, non_dominated, of_kind
-from workbench.report.comparison import plain_name
-from workbench.report.comparison_figures import Picture
-from workbench.report.decision_words import ERRORS, MM, POWERS, choice, percent, speed_of
+from workbench.decide.judged import KINDS, Judged
+from workbench.decide.order import non_dominated
+from workbench.report.decision_answer import nearest
+from workbench.report.decision_map import COLOURS as WORDS
+from workbench.report.decision_map import MEANING, Field, failing, fields
+from workbench.report.decision_names import ERRORS, MM, POWERS, choice, percent, speed_of
 from workbench.report.figures import save
+from workbench.report.pictures import Picture
 from workbench.report.style import COLOURS, PANEL_HEIGHT, WIDTH, figure_style, line_style, marker, plain_numbers
+from workbench.report.words import plain_name
 from workbench.study.decide_schema import DecideTable
 
 SMALLEST, GROWTH = 4.0, 2.2
@@ -28,16 +32,8 @@ RING = 15.0
 LEGEND_ROWS = 4
 """Controllers, sizes and lines have columns of their own in the legend, of this height."""
 
-CELL = 1.25, 0.78
+CELL = 1.45, 1.0
 """Inches of a cell of the map."""
-
-FILLS: dict[Kind | None, tuple[str, str, str]] = {
-    "plain": ("#ffffff", "", "plain control suffices"),
-    "compensation": ("#c6dbef", "///", "compensation suffices (rod at rest)"),
-    "rotation": ("#f0a860", "...", "only rotation suffices"),
-    None: ("#8c8c8c", "xx", "nothing suffices (named: the nearest)"),
-}
-"""Colour, hatch and meaning of each answer: lighter to darker from the simplest on, so that grey print keeps them."""
 
 HATCH = "#00000038"
 
@@ -45,7 +41,7 @@ HATCH = "#00000038"
 def write_figures(found: Decision, folder: Path) -> list[Picture]:
     """Write the figures that the decision has: none of points without an error, of one cell, of a single speed."""
     plan, drawn = found.plan, list[tuple[str, Figure, str]]()
-    known = any(_is_known(row) for row in found.asked)
+    known = any(_is_known(row) for row in found.asked.ordered)
     with figure_style():
         if known:
             drawn.append(("error_against_power", *_trade(found)))
@@ -69,7 +65,7 @@ def _figure(width: float, height: float, title: str) -> tuple[Figure, Axes]:
 
 
 def _error_label(found: Decision) -> str:
-    quantile = f", {percent(found.table)} quantile" if found.plan.draws > 1 else ""
+    quantile = f", {percent(found.table)} quantile" if found.plan.several else ""
     return f"{ERRORS[found.table.figure]}{quantile} (mm)"
 
 
@@ -81,9 +77,9 @@ def _trade(found: Decision) -> tuple[Figure, str]:
     """Every candidate that was asked about: error against power, limits, and the non-dominated set."""
     figure, axes = _figure(WIDTH * 1.15, PANEL_HEIGHT * 1.6, f"Error against power: {_where(found)}")
     table = found.table
-    known = [row for row in found.asked if _is_known(row)]
-    names = list(dict.fromkeys(row.controller for row in found.rows))
-    speeds = sorted({row.rpm for row in found.rows})
+    known = [row for row in found.asked.ordered if _is_known(row)]
+    names = list(dict.fromkeys(row.controller for row in found.asked.rows))
+    speeds = sorted({row.rpm for row in found.asked.rows})
     for row in known:
         i = names.index(row.controller)
         size = SMALLEST + GROWTH * speeds.index(row.rpm)
@@ -98,7 +94,7 @@ def _trade(found: Decision) -> tuple[Figure, str]:
     _limits(axes, table)
     plain_numbers(axes.xaxis)
     plain_numbers(axes.yaxis)
-    axes.set_xlabel(f"mean power, {POWERS[table.power_figure]} (W)")
+    axes.set_xlabel(f"mean power (W): {POWERS[table.power_figure]}")
     axes.set_ylabel(_error_label(found))
     handles = _trade_legend(found, names, speeds)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) // LEGEND_ROWS)
@@ -106,7 +102,7 @@ def _trade(found: Decision) -> tuple[Figure, str]:
         f"Every candidate at {_where(found)}: marker by controller, size by rotation; shaded: what keeps to both "
         f"limits. The line joins the non-dominated set: {'; '.join(choice(row) for row in front) or 'empty'}."
     )
-    left_out = len(found.asked) - len(known)
+    left_out = len(found.asked.search) - len(known)
     return figure, caption + (f" {left_out} not drawn: too few of their runs complete." if left_out else "")
 
 
@@ -149,12 +145,11 @@ def _map(found: Decision) -> tuple[Figure, str]:
     figure, axes = _figure(
         width, CELL[1] * max(2, len(plan.spreads)) + 1.5, "What suffices, over speed and spread of friction"
     )
-    used: dict[Kind | None, None] = {}
+    rows = list(fields(found).values())
     for i, spread in enumerate(plan.spreads):
         for j, speed in enumerate(plan.speeds):
-            given = found.answer(speed, spread)
-            used[given.kind] = None
-            _cell(axes, j, i, given, plan.draws > 1)
+            fails = [f"{row.kind}: {row.main_failure}" for row in failing(found, found.at(speed, spread))]
+            _cell(axes, j, i, rows[i][j], fails)
     place = (plan.speeds.index(table.speed), plan.spreads.index(table.spread))
     axes.add_patch(Rectangle(place, 1, 1, fill=False, edgecolor="black", linewidth=3.0, zorder=3, clip_on=False))
     axes.set_xlim(0, len(plan.speeds))
@@ -165,30 +160,32 @@ def _map(found: Decision) -> tuple[Figure, str]:
     axes.grid(visible=False)
     axes.set_xlabel("peak speed (mm/s)")
     axes.set_ylabel("spread of friction (std)")
+    used = {field.word for row in rows for field in row}
     handles = [
-        Patch(facecolor=colour, hatch=hatch, edgecolor=HATCH, label=label)
-        for kind, (colour, hatch, label) in FILLS.items()
-        if kind in used
+        Patch(facecolor=colour, hatch=hatch, edgecolor=HATCH, label=MEANING[word])
+        for word, (colour, hatch) in WORDS.items()
+        if word in used
     ]
     asked = Patch(facecolor="none", edgecolor="black", linewidth=2.5, label="what was asked")
     figure.legend(handles=[*handles, asked], loc="outside lower center", ncols=2 if len(handles) > 2 else 3)
-    caption = (
+    return figure, (
         f"What suffices for an error of {table.accuracy * MM:g} mm within {table.power:g} W with a probability of "
-        f"{table.probability:g}: in each cell the winning choice, its rotation and its probability."
+        f"{table.probability:g}: in each field the choice (or the nearest), its probability"
+        f"{' on fresh draws' * plan.several}, its power, and by what the simpler kinds fail."
     )
-    return figure, caption + (" ?: the draws do not settle it." if plan.draws > 1 else "")
 
 
-def _cell(axes: Axes, j: int, i: int, given: Answer, several: bool) -> None:
-    """One cell of the map with its winner."""
-    colour, hatch, _ = FILLS[given.kind]
+def _cell(axes: Axes, j: int, i: int, field: Field, fails: Sequence[str]) -> None:
+    """One field of the map with its choice, and what fails."""
+    colour, hatch = WORDS[field.word]
     axes.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, hatch=hatch, edgecolor=HATCH, linewidth=0.0))
     axes.add_patch(Rectangle((j, i), 1, 1, fill=False, edgecolor="#444444", linewidth=0.6))
-    best = given.best
-    chance = f"\n{best.probability:.2f}{'' if given.settled else ' ?'}" if several else ""
-    label = f"{plain_name(best.controller)}\n{best.rpm:g} rpm{chance}"
+    label = "\n".join(line for line in (field.choice, field.chance, field.price) if line)
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}
-    axes.text(j + 0.5, i + 0.5, label, ha="center", va="center", fontsize=7.5, bbox=box, zorder=4)
+    axes.text(j + 0.5, i + 0.93, label, ha="center", va="top", fontsize=6.5, bbox=box, zorder=4)
+    if fails:
+        told = "\n".join(("fails by", *fails))
+        axes.text(j + 0.5, i + 0.05, told, ha="center", va="bottom", fontsize=5.5, bbox=box, zorder=4)
 
 
 def _curves(found: Decision) -> tuple[Figure, str]:
@@ -196,7 +193,7 @@ def _curves(found: Decision) -> tuple[Figure, str]:
     figure, axes = _figure(
         WIDTH, PANEL_HEIGHT * 1.25, f"Error against speed: friction spread by {found.table.spread:g} std"
     )
-    best = [of_kind(found.asked, kind, found.table) for kind in KINDS]
+    best = [nearest(found, found.table.speed, found.table.spread, kind) for kind in KINDS]
     top = 0.0
     for i, row in enumerate(best):
         if row is not None:
@@ -213,7 +210,7 @@ def _curves(found: Decision) -> tuple[Figure, str]:
     axes.set_xlabel("peak speed (mm/s)")
     axes.set_ylabel(_error_label(found))
     figure.legend(loc="outside lower center", ncols=2)
-    band = "; the band is the 95 % interval of the quantile" if found.plan.draws > 1 else ""
+    band = "; bars: 95 % interval of the quantile, where the draws bound it" if found.plan.several else ""
     return figure, f"The choice of each kind that does best where it was asked, at every speed{band}."
 
 
@@ -222,9 +219,9 @@ def _curve(axes: Axes, found: Decision, row: Judged, number: int) -> float:
     same = sorted(
         (
             one
-            for one in found.rows
-            if (one.controller, one.rpm, one.spread) == (row.controller, row.rpm, row.spread)
-            and math.isfinite(one.error)
+            for cell in found.cells
+            for one in cell.rows
+            if (one.candidate, one.spread) == (row.candidate, row.spread) and math.isfinite(one.error)
         ),
         key=lambda one: one.speed,
     )
@@ -234,9 +231,9 @@ def _curve(axes: Axes, found: Decision, row: Judged, number: int) -> float:
     label = f"{row.kind}: {choice(row)}"
     style = line_style(number)
     axes.plot(speeds, errors, **style, marker=marker(number), label=label)
-    if found.plan.draws > 1:
-        beyond = 1e3 * max(errors)  # no upper end: beyond what is shown
-        low = [max(one.error_low * MM, 1e-3 * one.error * MM) for one in same]
-        high = [one.error_high * MM if math.isfinite(one.error_high) else beyond for one in same]
-        axes.fill_between(speeds, low, high, color=style["color"], alpha=0.2, linewidth=0.0)
+    if found.plan.several:
+        bound = [one for one in same if math.isfinite(one.error_high)]
+        low = [max(one.error_low, 1e-3 * one.error) * MM for one in bound]
+        at = [one.speed * MM for one in bound]
+        axes.vlines(at, low, [one.error_high * MM for one in bound], color=style["color"], alpha=0.35, linewidth=5.0)
     return max(errors)

@@ -1,14 +1,16 @@
-"""The page of a decision: what was asked, the answer in words, figures, tables, what was assumed."""
+"""The page of a decision: what was asked, the answer, the matrix, what rotating costs, figures, tables, assumptions."""
 
 from collections.abc import Sequence
 
 import pandas as pd
 
 from workbench.decide.decision import Decision
-from workbench.report.comparison import plain_name
-from workbench.report.comparison_figures import Picture
-from workbench.report.decision_words import assumptions, paragraph, question
+from workbench.report.decision_answer import paragraph
+from workbench.report.decision_map import fields, heads, key
+from workbench.report.decision_words import assumptions, price, question
 from workbench.report.html import html_environment
+from workbench.report.pictures import Picture
+from workbench.report.words import plain_name
 
 _HTML = """\
 {% extends "frame" %}
@@ -16,16 +18,28 @@ _HTML = """\
 th:first-child, td:first-child { text-align: left; }
 .answer { border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
 .wide { overflow-x: auto; }
+.matrix td { text-align: left; vertical-align: top; border: 1px solid #fff; padding: 0.4em 0.6em; min-width: 10em; }
+.matrix td.asked { outline: 3px solid #000; outline-offset: -3px; }
+.matrix th { text-align: left; }
+.key span { padding: 0.1em 0.5em; border: 1px solid #ccc; }
 {% endblock %}
 {% block body -%}
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>
 {% endif %}<p>{{ asked }}</p>
 <p class="answer">{{ answer }}</p>
-<h2>Assumed</h2>
-<ul>{% for line in assumptions %}<li>{{ line }}</li>
-{% endfor %}</ul>
-<h2>Figures</h2>
+<div class="wide"><table class="matrix">
+<caption>What suffices, over speed and spread of friction{% if boxed %} (framed: what was asked){% endif %}</caption>
+<tr><th>spread</th>{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr>
+{% for name, row in matrix.items() %}<tr><th>{{ name }}</th>
+{%- for field in row %}<td style="background: {{ field.colour }}"{% if field.asked %} class="asked"{% endif %}>
+<b>{{ field.word }}</b>{% for line in field.lines %}<br>{{ line }}{% endfor %}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+<p class="key">{% for word, colour, meaning in key %}<span style="background: {{ colour }}">{{ word }}</span>
+{{ meaning }}{% if not loop.last %}; {% endif %}{% endfor %}.</p>
+{% if price %}<h2>What rotating costs</h2>
+<p>{{ price }}</p>
+{% endif %}<h2>Figures</h2>
 {% for picture in pictures %}
 <figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
 <figcaption>{{ picture.caption }} (<a href="figures/{{ picture.path.stem }}.pdf">PDF</a>)</figcaption></figure>
@@ -38,6 +52,9 @@ th:first-child, td:first-child { text-align: left; }
 {% for row in cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</table></div>
 {% endfor %}
+<h2>Assumed</h2>
+<ul>{% for line in assumptions %}<li>{{ line }}</li>
+{% endfor %}</ul>
 <p>Files: results.csv (each candidate at each speed and spread, SI), draws.parquet (every run), tables/, figures/,
 <a href="study.toml">study.toml</a>.</p>
 {% endblock %}
@@ -53,6 +70,11 @@ def page(found: Decision, pictures: Sequence[Picture], tables: Sequence[tuple[st
         question=found.plan.study.file.question,
         asked=question(found),
         answer=paragraph(found),
+        matrix=fields(found),
+        heads=heads(found),
+        boxed=len(found.cells) > 1,
+        key=key(found),
+        price=price(found),
         assumptions=assumptions(found),
         pictures=pictures,
         tables=tables,

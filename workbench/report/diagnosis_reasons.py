@@ -79,10 +79,12 @@ def of_term(unexplained: Mapping[str, Any]) -> str:
     use = "held_out" if "held_out" in term else "fit"
     shown = {"m^3/s": "cm^3/s"}.get(term["unit"], term["unit"])
     before, after = (shown_number(factor(term["unit"], shown) * term[use][side], 3) for side in ("before", "after"))
+    lowers = term[use]["after"] < term[use]["before"]
     return (
-        f"A data-driven term, the mean of that residual over {plain(term['signal'])}, would lower it on the "
-        f"{use.replace('_', '-')} records from {before} to {after} {shown} where something moves (report.json has its "
-        "nodes). It describes the records and names no cause."
+        f"A data-driven term, the mean of that residual over {plain(term['signal'])}, "
+        f"{'would lower' if lowers else 'would not lower'} it on the {use.replace('_', '-')} records: "
+        f"{before} {shown} without it, {after} {shown} with it, where something moves (report.json has its nodes). It "
+        "describes the records and names no cause."
     )
 
 

@@ -13,12 +13,13 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError
 from workbench.identify import measured_curves
 from workbench.report.select import rows, trajectory
 from workbench.report.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
 from workbench.report.tables import shown_number, with_unit
-from workbench.study.names import BASE_UNITS, in_words, shown_factor, signal_units, unit_of_column
+from workbench.study.axis_values import are_names, numbers, shown_unit
+from workbench.study.names import shown_factor, signal_units, unit_of_column
 from workbench.study.report_schema import Curve, FigureSpec, Panel
 
 FORMATS = ("pdf", "svg", "png")
@@ -63,10 +64,10 @@ def write_figure(
 def _draw_panel(
     axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[measured_curves.Curve]
 ) -> None:
-    number = -1
+    number, x_unit = -1, _x_unit(panel, frame)
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
     if panel.measured_rpm is not None:
-        _draw_measured(axes, panel, measured)
+        _draw_measured(axes, panel, x_unit, measured)
     for name_of_level, level in panel.levels.items():
         axes.axhline(level, **REFERENCE, label=name_of_level)
     for i, curve in enumerate(panel.curves):
@@ -77,12 +78,13 @@ def _draw_panel(
         if curve.style == "points":
             style |= {"linestyle": "none", "marker": marker(number)}
         if panel.x in frame.columns:
-            _draw_column(axes, panel, curve, frame, number, style)
+            _draw_column(axes, panel, x_unit, curve, frame, number, style)
         else:
-            _draw_signal(axes, panel, curve, trajectory(folder, frame, curve.where, f"figure {name}"), style)
+            table = trajectory(folder, frame, curve.where, f"figure {name}")
+            _draw_signal(axes, panel, x_unit, curve, table, style)
     if panel.title:
         axes.set_title(panel.title)
-    axes.set_xlabel(with_unit(panel.x_label, panel.x_unit))
+    axes.set_xlabel(with_unit(panel.x_label, x_unit))
     axes.set_ylabel(with_unit(panel.y_label, panel.y_unit))
     if panel.x_range:
         axes.set_xlim(*panel.x_range)
@@ -97,22 +99,31 @@ def _draw_panel(
         axes.legend(**placed)
 
 
-def _draw_measured(axes: Axes, panel: Panel, measured: Sequence[measured_curves.Curve]) -> None:
-    x_scale, y_scale = shown_factor("m/s", panel.x_unit), shown_factor("N", panel.y_unit)
+def _x_unit(panel: Panel, frame: pd.DataFrame) -> str:
+    """The unit in which a panel's x is shown."""
+    if panel.x in frame.columns:
+        return shown_unit(panel.x, frame[panel.x].dropna().tolist(), panel.x_unit)
+    return signal_units().get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+
+
+def _draw_measured(axes: Axes, panel: Panel, x_unit: str, measured: Sequence[measured_curves.Curve]) -> None:
+    x_scale, y_scale = shown_factor("m/s", x_unit), shown_factor("N", panel.y_unit)
     for number, curve in enumerate(curve for curve in measured if curve.rpm == panel.measured_rpm):
         sign = measured_curves.DIRECTIONS[curve.direction]
         label = None if number else "measured"
         axes.plot(sign * curve.speed * x_scale, sign * curve.friction * y_scale, label=label, **REFERENCE)
 
 
-def _draw_signal(axes: Axes, panel: Panel, curve: Curve, table: pd.DataFrame, style: dict[str, Any]) -> None:
+def _draw_signal(
+    axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.DataFrame, style: dict[str, Any]
+) -> None:
     x_name, units = curve.x or panel.x, signal_units()
     for name in (x_name, curve.y):
         if name not in table:
             raise UserError(f'the plant of that case has no signal "{name}"')
     time = table["time"].to_numpy()
     window = (time >= panel.start) & (time <= (panel.end if panel.end is not None else np.inf))
-    x = table[x_name].to_numpy()[window] * shown_factor(units.get(x_name, "1"), panel.x_unit)
+    x = table[x_name].to_numpy()[window] * shown_factor(units.get(x_name, "1"), x_unit)
     y = table[curve.y].to_numpy()[window] * shown_factor(units.get(curve.y, "1"), panel.y_unit)
     label = curve.label
     if curve.fit and np.unique(x).size > FITS[curve.fit]:  # else too little is left of a run that ended early
@@ -146,15 +157,20 @@ def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> st
 
 
 def _draw_column(
-    axes: Axes, panel: Panel, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
+    axes: Axes, panel: Panel, x_unit: str, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
 ) -> None:
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
     scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
-    numeric = pd.api.types.is_numeric_dtype(found[panel.x])
-    axes.plot(found[panel.x], found[curve.y] * scale, label=curve.label or None, **{"marker": marker(number), **style})
+    names = are_names(frame[panel.x].dropna().tolist())
+
+    def placed(values: Sequence[Any]) -> Sequence[Any]:
+        return values if names else numbers(panel.x, values, x_unit)
+
+    x = placed(found[panel.x].tolist())
+    axes.plot(x, found[curve.y] * scale, label=curve.label or None, **{"marker": marker(number), **style})
     if curve.published:
         axes.plot(
-            [float(key) if numeric else key for key in curve.published],
+            placed(list(curve.published)),
             list(curve.published.values()),
             linestyle="none",
             marker="x",
@@ -162,74 +178,3 @@ def _draw_column(
             color=COLOURS[-1],
             label="published",
         )
-
-
-def quick_plot(
-    folder: Path, frame: pd.DataFrame, x: str, names: list[str], where: dict[str, str], out: Path | None
-) -> Path:
-    """Draw stored signals of the cases that `where` picks, or columns of the results over an axis; SI units.
-
-    Raises:
-        UserError: unknown names, no stored trajectory, or a picture format that is not ours.
-    """
-    path = out or folder / "figures" / f"{'_'.join(names)}_over_{x}.png"
-    if path.suffix[1:] not in FORMATS:
-        raise UserError(f'"{path.name}": expected a picture ending in .{", .".join(FORMATS)}')
-    over_axis = x in frame.columns
-    units = {name: unit_of_column(name) for name in map(str, frame.columns)} if over_axis else signal_units()
-    for name in (x, *names):
-        if name not in units and name in frame.columns:
-            raise UserError(
-                f'"{name}" is a column of the results: draw it against an axis of the study, such as --x rpm'
-            )
-        if name not in units:
-            raise UserError(f'nothing called "{name}" is stored; {nearest(name, units)}')
-    found = rows(frame, where)
-    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
-    differing = [name for name in axes if found[name].nunique() > 1]
-    curves = []
-    if found.empty:
-        raise UserError(f"no case has {in_words(where)}")
-    told_apart = [axis for axis in differing if axis != x] if over_axis else axes
-    for name in names:
-        for case in found[told_apart].drop_duplicates().to_dict("records"):
-            told = {str(axis): value for axis, value in case.items() if pd.notna(value)}
-            apart = [_axis_value(axis, value) for axis, value in told.items() if axis in differing]
-            label = ", ".join([_in_plain_words(name)] * (len(names) > 1) + apart)
-            curves.append(Curve(y=name, where={**where, **told}, label=label))
-    shared = {units[name] for name in names}
-    alike = len(shared) == 1
-    panel = Panel(
-        x=x,
-        x_label="rotation" if x == "rpm" else _in_plain_words(x),
-        x_unit=units[x],
-        y_label=", ".join(with_unit(_in_plain_words(name), "1" if alike else units[name]) for name in names),
-        y_unit=shared.pop() if alike else "1",
-        legend="outside",
-        curves=curves,
-    )
-    title = ", ".join(_axis_value(axis, value) for axis, value in where.items()) or "all cases"
-    figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
-    if panel.y_unit == "m" and _largest(figure) < 1.0:
-        in_mm = panel.model_copy(update={"y_unit": "mm"})
-        figure = draw(FigureSpec(name="plot", title=title, panels=[in_mm]), frame, folder)
-    return save(figure, path.stem, path.parent, (path.suffix[1:],))[0]
-
-
-def _in_plain_words(name: str) -> str:
-    """The name of a signal or a column as a reader sees it: without the unit that it ends in."""
-    unit = unit_of_column(name)
-    ending = next((f"_{text}" for text, means in BASE_UNITS.items() if means == unit), "")
-    return name.removesuffix(ending).replace("_", " ")
-
-
-def _axis_value(axis: str, value: Any) -> str:
-    """The value of an axis in a legend or a title: "460 rpm", "tafazoli", "coulomb 1.3"."""
-    if axis == "rpm":
-        return value if "rpm" in str(value) else f"{value} rpm"
-    return str(value).replace("_", " ") if isinstance(value, str) else f"{axis.split('.')[-1]} {value}"
-
-
-def _largest(figure: Figure) -> float:
-    """The largest magnitude drawn."""
-    return max((float(np.nanmax(np.abs(line.get_ydata()), initial=0.0)) for line in figure.axes[0].lines), default=0.0)

@@ -16,9 +16,10 @@ from workbench.study.runner import Plan
 NAME = "limit_cycles"
 TITLE = "Limit cycles: simulated against describing function"
 NOTE = (
-    "Peak to peak and period of each simulated cycle, sustained or decaying, and of the describing function for a PID "
-    "with friction as a static function of velocity; error: predicted less simulated, for sustained cycles. It knows "
-    "neither sticking nor presliding: the simulation decides. It does not apply to other controllers than a PID."
+    "Peak to peak and period of each simulated cycle, sustained, decaying or too short to tell, and of the describing "
+    "function for a PID with friction as a static function of velocity; error: predicted less simulated, for sustained "
+    "cycles. It knows neither sticking nor presliding: the simulation decides. It does not apply to other controllers "
+    "than a PID."
 )
 FOUND, NOT_FOUND, NOT_ASKED = "predicted", "none predicted", "does not apply"
 DIGITS = 4
@@ -30,7 +31,9 @@ def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
 
     `frame` holds the results of `planned`, its index that of the cases.
     """
-    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying"])]
+    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(
+        subset="limit_cycle_amplitude_m"
+    )
     lines = []
     for index, row in cycling.iterrows():
         number = int(str(index))

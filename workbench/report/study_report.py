@@ -1,11 +1,10 @@
-"""Everything that a study asks to be made of its results: tables, figures, pages."""
+"""What a study asks to be made of its results: tables and figures; the page of a comparison is made above."""
 
 from pathlib import Path
 
 import pandas as pd
 
 from workbench.report.break_even import write_break_even
-from workbench.report.comparison_page import write_comparison
 from workbench.report.figures import write_figure
 from workbench.report.friction_curves import write_friction_curves
 from workbench.report.limit_cycles import write_limit_cycles
@@ -28,13 +27,8 @@ def write_figures(study: Study, frame: pd.DataFrame, folder: Path) -> list[list[
     return [write_figure(spec, frame, folder, measured) for spec in study.file.figures]
 
 
-def write_pages(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
-    """Write the page of a comparison, with its tables and figures; returns its paths."""
-    return write_comparison(study, frame, folder)
-
-
 def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write each limit cycle beside its describing-function prediction; none where nothing cycles."""
-    if not frame["limit_cycle"].isin(["sustained", "decaying"]).any():
+    if not frame["limit_cycle"].isin(["sustained", "decaying", "too_short"]).any():
         return []
     return [write_limit_cycles(planned, frame, folder)]

@@ -1,16 +1,21 @@
 """Thesis-style tables: ours beside the published value and the difference, as CSV, Markdown and LaTeX (booktabs)."""
 
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from workbench.errors import UserError
 from workbench.report.select import one_row, rows
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report_schema import Column, Row, TableSpec
+from workbench.study.table_layout import Heading, LayoutError, lay_out
 
 OURS, DIFFERENCE, PERCENT, REMARK = "this program", "difference", "difference (%)", "remark"
+
+SOLVER_ERROR = "solver_error_m"
 
 WORDS = (
     "quantity",
@@ -32,21 +37,29 @@ def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     """The table of a spec, as text ready to be shown. A figure that does not apply is empty.
 
     Raises:
-        UserError: a row asks for a case that does not exist.
+        UserError: a row asks for a case that does not exist, or a place of the table for two cases.
     """
-    if spec.rows:
-        return _of_rows(spec, frame)
-    return _over_axis(spec, frame) if spec.across is None else _side_by_side(spec, frame)
+    return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
 
 
-def _shown(value: Any, column: str, unit: str, digits: int) -> tuple[str, float | None]:
-    """A result as text in `unit` with `digits` significant digits, and as a number if it is one."""
+def _shown(row: Mapping[str, Any], figure: Column | Row) -> tuple[str, float | None]:
+    """A figure of a case as text in the unit shown, and as a number in it if it is one."""
+    value = row[figure.result]
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return "", None
     if isinstance(value, str):
         return value, None
-    number = float(value) * shown_factor(unit_of_column(column), unit)
-    return shown_number(number, digits), number
+    number = float(value) * shown_factor(unit_of_column(figure.result), figure.unit)
+    floor = _floor(row, figure)
+    return (f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)), number
+
+
+def _floor(row: Mapping[str, Any], figure: Column | Row) -> float:
+    """The magnitude, in the unit shown, below which a figure of a case says nothing."""
+    solver_error = row.get(SOLVER_ERROR) if figure.result.endswith("_error_m") else None
+    if figure.result == SOLVER_ERROR or solver_error is None or math.isnan(solver_error):
+        return figure.least
+    return max(figure.least, float(solver_error) * shown_factor("m", figure.unit))
 
 
 def shown_number(number: float, digits: int) -> str:
@@ -78,40 +91,69 @@ def with_unit(label: str, unit: str) -> str:
 
 
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
-    found = rows(frame, spec.where)
-    index = str(spec.index)
+    for column in spec.columns:
+        rows(frame.head(0), {**spec.where, **column.where})  # names that the results lack are told
+    records = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    try:
+        layout = lay_out(spec, records, axes)
+    except LayoutError as error:
+        raise UserError(f"table {spec.name}: {error}") from None
     several = sum(bool(column.published) for column in spec.columns) > 1
-    axes = [str(name) for name in found.columns[: list(found.columns).index("outcome")]]
-    others = [name for name in axes if name != index and found[name].nunique(dropna=False) > 1]
-    lines = []
-    for _, row in found.iterrows():
-        line = {spec.index_label or index: _label(row[index]), **{name: _label(row[name]) for name in others}}
-        for column in spec.columns:
-            text, number = _shown(row[column.result], column.result, column.unit, column.digits)
-            heading = with_unit(column.label, column.unit)
-            if not column.published:
-                line[heading] = text
-                continue
-            line[f"{heading}, {OURS}"] = text
-            beside = _compared(number, _published(column, row[index]), column.digits, spec.compared_with)
-            for name, cell in beside.items():
-                line[f"{column.label}, {name}" if several else name] = cell
-        lines.append(line)
-    return pd.DataFrame(lines)
-
-
-def _side_by_side(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
-    """One result over two axes, each value with its place in its column."""
-    found, (column,), index = rows(frame, spec.where), spec.columns, str(spec.index)
-    table = pd.DataFrame({spec.index_label or index: [_label(value) for value in found[index].unique()]})
-    for value, part in found.groupby(str(spec.across), sort=False):
-        places = part[column.result].rank(method="min")
-        cells = {}
-        for row, place in zip(part.to_dict("records"), places, strict=True):
-            text, number = _shown(row[column.result], column.result, column.unit, column.digits)
-            cells[_label(row[index])] = text if number is None else f"{text} ({place:.0f})"
-        table[with_unit(f"{column.label}, {_label(value)}", column.unit)] = table.iloc[:, 0].map(cells).fillna("")
+    headed = {spec.index: spec.index_label or str(spec.index)}
+    table = pd.DataFrame(
+        [{headed.get(name, name): _label(value) for name, value in line.values.items()} for line in layout.lines]
+    )
+    for number, heading in enumerate(layout.headings):
+        places = [line.cases[number] for line in layout.lines]
+        cases = [None if place is None else records[place] for place in places]
+        found = _cells(spec, heading, cases, [line.values[str(spec.index)] for line in layout.lines], several)
+        table = pd.concat([table, pd.DataFrame(found)], axis=1)
     return table
+
+
+def _cells(
+    spec: TableSpec,
+    heading: Heading,
+    cases: Sequence[Mapping[str, Any] | None],
+    values: Sequence[Any],
+    several: bool,
+) -> list[dict[str, str]]:
+    """What stands under a heading, line by line: a figure with its place, or beside its published value."""
+    column = heading.column
+    shown = [("", None) if case is None else _shown(case, column) for case in cases]
+    label = column.label if heading.across is None else f"{column.label}, {_label(heading.across)}"
+    title = with_unit(label, column.unit)
+    if heading.across is not None and spec.places is not False:
+        return [{title: text} for text in _placed(column, shown, cases)]
+    if not column.published:
+        return [{title: text} for text, _ in shown]
+    found = []
+    for (text, number), value in zip(shown, values, strict=True):
+        beside = _compared(number, _published(column, value), column.digits, spec.compared_with)
+        cells = {f"{column.label}, {name}" if several else name: cell for name, cell in beside.items()}
+        found.append({f"{title}, {OURS}": text} | cells)
+    return found
+
+
+def _placed(
+    column: Column, shown: Sequence[tuple[str, float | None]], cases: Sequence[Mapping[str, Any] | None]
+) -> list[str]:
+    """Figures with their places: the smallest in magnitude first, a power by its value; what says nothing is 0."""
+    sizes = [
+        None if number is None or case is None else _size(column, number, _floor(case, column))
+        for (_, number), case in zip(shown, cases, strict=True)
+    ]
+    places = pd.Series(sizes, dtype=float).rank(method="min")
+    texts = [text for text, _ in shown]
+    return [text if math.isnan(place) else f"{text} ({place:.0f})" for text, place in zip(texts, places, strict=True)]
+
+
+def _size(column: Column, number: float, floor: float) -> float:
+    """By what a figure is ordered."""
+    if abs(number) < floor:
+        return 0.0
+    return number if unit_of_column(column.result) == "W" else abs(number)
 
 
 def _published(column: Column, value: Any) -> float | None:
@@ -131,7 +173,7 @@ def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
 
 def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
     found = one_row(frame, {**spec.where, **row.where}, f'table {spec.name}, row "{row.label}"')
-    text, number = _shown(found[row.result], row.result, row.unit, row.digits)
+    text, number = _shown({str(name): value for name, value in found.items()}, row)
     return {
         "quantity": row.label,
         "unit": row.unit if row.unit != "1" else "",

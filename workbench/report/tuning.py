@@ -3,7 +3,7 @@
 tuned/NAME.toml            gains of each controller, as a study names them
 results.csv, trials.csv    a row a controller; a row a trial (SI)
 tuning.html, tables/, figures/
-results.sqlite             the trials, while they are found: optuna's tables
+results.sqlite             the trials, while they are found: a row a trial
 study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
@@ -33,11 +33,14 @@ from workbench.report.tuning_traces import error_picture, step_picture, traces_o
 from workbench.report.tuning_words import first_lines, infeasible_lines
 from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
-from workbench.tune.gains import gain_file, history
+from workbench.tune.gains import gain_files, history
 from workbench.tune.study import Tuning, identity_of
 from workbench.tune.task import tune_table
 
 GAINS, RESULTS, TRIALS, PAGE, RECORD = "tuned", "results.csv", "trials.csv", "tuning.html", "run.json"
+MOST_DRAWN = 24
+"""Tunings of which figures are drawn."""
+
 LAST = (PAGE, RECORD)
 """What is there only where all is."""
 
@@ -119,14 +122,12 @@ def write_tuning(
 
 
 def _write_gains(tuning: Tuning, folder: Path) -> None:
-    """A gain file of each controller that has feasible gains, and none of the others."""
-    folder.mkdir(exist_ok=True)
-    for one in tuning.found:
-        path = folder / f"{one.task.name}.toml"
-        if one.best is None:
-            path.unlink(missing_ok=True)
-        else:
-            write_whole(path, partial(Path.write_text, data=gain_file(one), encoding="utf-8"))
+    """A gain file of each controller, by machine where it is tuned for several, with the entries that there are."""
+    remove(folder)
+    folder.mkdir()
+    for name, text in gain_files(tuning.found).items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        write_whole(folder / name, partial(Path.write_text, data=text, encoding="utf-8"))
 
 
 def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
@@ -136,6 +137,12 @@ def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
 
 
 def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
+    if len(tuning.found) > MOST_DRAWN:
+        return Pictures(
+            {}, {}, [f"No figures: {len(tuning.found)} tunings are more than the {MOST_DRAWN} that are drawn."]
+        )
+    if tune_table(tuning.study).per:
+        return Pictures({"history": history_picture(tuning)}, {}, [])
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
         traced = traces_of(tuning, executor)
     shared = {
@@ -155,13 +162,14 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
 def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
     """What ran: as run.json of a study says it."""
     table = tune_table(tuning.study)
-    seeds = {"search": table.seed}
+    seeds: dict[str, Any] = {"search": list(range(table.seed, table.seed + table.seeds))}
+    controllers = list(dict.fromkeys(one.task.name for one in tuning.found))
     if tuning.study.file.uncertainty is not None:
         seeds["draws"] = tuning.study.file.uncertainty.seed
     return {
         "title": tuning.study.file.title,
-        **json.loads(identity_of(tuning.study, table, [one.task.name for one in tuning.found])),
-        "controllers": [one.task.name for one in tuning.found],
+        **json.loads(identity_of(tuning.study, table, controllers)),
+        "controllers": controllers,
         "trials": table.trials,
         "seeds": seeds,
         **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna")),

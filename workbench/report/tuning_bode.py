@@ -83,9 +83,9 @@ def bode_picture(one: Tuned) -> Picture | str:
     lowest = lowest_frequency(found.values(), setups["before"].sample_time)
     curves = {when: curve_of(setup, found[when], lowest) for when, setup in setups.items()}
     if not any(curve.frequency.size for curve in curves.values()):
-        return f"No loop of {one.task.name}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
+        return f"No loop of {one.task.label}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
     with figure_style():
-        figure, panels = grid(2, 1, f"{one.task.name}: loop before and after", 2.3, sharex=True)
+        figure, panels = grid(2, 1, f"{one.task.label}: loop before and after", 2.3, sharex=True)
         amplitude, phase = panels[:, 0]
         for when, curve in curves.items():
             _draw(amplitude, phase, curve, dict(SIDES[when]))
@@ -96,7 +96,7 @@ def bode_picture(one: Tuned) -> Picture | str:
         phase.set_xlabel("frequency (rad/s), up to the Nyquist frequency")
         amplitude.set_xscale("log")
         legend(figure, [amplitude], 1)
-    return Picture(figure, _caption(one.task.name, speed, curves))
+    return Picture(figure, _caption(one.task.label, speed, curves))
 
 
 def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: dict[str, Any]) -> None:

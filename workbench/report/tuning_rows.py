@@ -1,12 +1,12 @@
 """What became of each controller of a tuning, as numbers: the rows of results.csv, and what tables and words take."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from workbench.study.document import Case
 from workbench.tune.goal import Ran, Score
-from workbench.tune.search import SCORE
 from workbench.tune.space import Dimension
 from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
@@ -80,8 +80,8 @@ def active(one: Tuned) -> dict[str, int | None]:
 
 
 def _better_but_broken(one: Tuned, best: float) -> Mapping[str, int]:
-    better = [trial for trial in one.trials if trial.user_attrs[SCORE]["nominal"] < best]
-    counts = {name: sum(trial.constraints[name] > 0.0 for trial in better) for name in one.start.violations}
+    better = [trial for trial in one.trials if trial.nominal < best]
+    counts = Counter(name for trial in better for name, beyond in trial.violations.items() if beyond > 0.0)
     return {name: count for name, count in counts.items() if count}
 
 
@@ -96,13 +96,14 @@ def row_of(one: Tuned) -> dict[str, Any]:
     before, after = objective_of(one, "before", basis), objective_of(one, "after", basis)
     row: dict[str, Any] = {
         "controller": one.task.name,
+        **one.task.at,
         "outcome": infeasible(one) if one.score is None else TUNED,
         "objective_before": None if before is None else before.value,
         "objective": None if after is None else after.value,
         "breaks_before": ", ".join(broken(one.start)),
         "trials": len(one.trials),
         "best_trial": None if one.best is None else one.number,
-        "polish": one.polished,
+        "seeds_differ": one.seeds_differ,
     }
     if draws:
         row |= {"declared_before": one.start.nominal, "declared": None if one.score is None else one.score.nominal}

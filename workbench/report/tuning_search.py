@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
@@ -9,23 +10,25 @@ import numpy as np
 import optuna
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from optuna.distributions import FloatDistribution
 from optuna.importance import PedAnovaImportanceEvaluator, get_param_importances
-from optuna.trial import FrozenTrial
 
 from workbench.report.style import COLOURS, figure_style
 from workbench.report.tuning_panels import Picture, legend, note, small_multiples
 from workbench.tune.gains import history
-from workbench.tune.search import is_candidate
+from workbench.tune.search import as_optuna
+from workbench.tune.space import Dimension
 from workbench.tune.study import Tuning
 from workbench.tune.task import tune_table
+from workbench.tune.trials import Trial
 from workbench.tune.tuning import Tuned
 
 KINDS: Mapping[str, dict[str, Any]] = {
     "feasible": {"marker": "o", "color": COLOURS[0], "markersize": 4.0},
     "infeasible (breaks a constraint)": {"marker": "x", "color": COLOURS[1], "markersize": 4.0},
-    "given up before its last draw": {"marker": "v", "color": COLOURS[3], "markersize": 4.0},
+    "on the declared machine alone": {"marker": "v", "color": COLOURS[3], "markersize": 4.0},
 }
-FEASIBLE, INFEASIBLE, PRUNED = KINDS
+FEASIBLE, INFEASIBLE, DECLARED = KINDS
 BEST: dict[str, Any] = {"color": "black", "linewidth": 1.2, "drawstyle": "steps-post", "label": "best so far"}
 
 HIGHEST = 10.0
@@ -49,15 +52,15 @@ BEST_SHARE = 0.25
 
 def history_picture(tuning: Tuning) -> Picture:
     """Objective of each trial over its number, a panel a controller."""
-    rows = {one.task.name: history(one) for one in tuning.found}
+    rows = {one.task.label: history(one) for one in tuning.found}
     values = [row["value"] for own in rows.values() for row in own]
     low, top = _edges(tuning, values)
     with figure_style():
         options: dict[str, Any] = {"sharex": True, "sharey": True}
         figure, panels = small_multiples(len(rows), "Objective of every trial", **options)
         for axes, one in zip(panels, tuning.found, strict=True):
-            _history(axes, rows[one.task.name], top)
-            axes.set_title(one.task.name, fontsize="small")
+            _history(axes, rows[one.task.label], top)
+            axes.set_title(one.task.label, fontsize="small")
             axes.set_ylabel("objective")
             axes.set_ylim(low / ROOM, top * ROOM)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -70,17 +73,18 @@ def history_picture(tuning: Tuning) -> Picture:
         legend(figure, panels)
     table = tune_table(tuning.study)
     caption = (
-        "Objective of each trial over its number; lower is better. Trial 0 has the "
-        "gains of the study. The line is the best trial so far that keeps all constraints."
+        "Objective of each trial over its number, one search after the other; lower is better. The first of each "
+        "has the gains of the study. The line is the best trial so far that keeps all constraints."
     )
     if max(values) > top:
         caption += (
-            " Triangles at the upper edge: a run failed, so that the objective is infinite, or it is beyond the axis."
+            " Triangles at the upper edge: no run was made since margins are too small, or one failed, so that the "
+            "objective is infinite, or it is beyond the axis."
         )
     if table.draws:
         caption += (
-            f" Feasible trials stand at the {table.quantile:g} quantile over the draws, infeasible ones at the "
-            "objective on the declared machine; one that was given up at the quantile of the draws until then."
+            f" Trials on draws stand at the {table.quantile:g} quantile over them, those before at the objective on "
+            "the declared machine."
         )
     return Picture(figure, caption)
 
@@ -96,7 +100,7 @@ def _edges(tuning: Tuning, values: Sequence[float]) -> tuple[float, float]:
 
 def kind_of(row: Mapping[str, Any]) -> str:
     """How a trial is drawn."""
-    return INFEASIBLE if not row["feasible"] else PRUNED if row["ended"] == "pruned" else FEASIBLE
+    return INFEASIBLE if not row["feasible"] else FEASIBLE if row["candidate"] else DECLARED
 
 
 def _history(axes: Axes, rows: Sequence[Mapping[str, Any]], top: float) -> None:
@@ -120,12 +124,12 @@ def importance_picture(tuning: Tuning) -> Picture | str:
     """Importance of each gain, a panel a controller; or why it is told of none."""
     found = [importance(one) for one in tuning.found]
     if all(isinstance(each, str) for each in found):
-        why = "; ".join(f"{one.task.name}: {each}" for one, each in zip(tuning.found, found, strict=True))
+        why = "; ".join(f"{one.task.label}: {each}" for one, each in zip(tuning.found, found, strict=True))
         return f"The importance of gains is not told. {why}."
     with figure_style():
         figure, panels = small_multiples(len(found), "Which gains mattered", 1.5, sharex=True)
         for axes, one, each in zip(panels, tuning.found, found, strict=True):
-            axes.set_title(one.task.name, fontsize="small")
+            axes.set_title(one.task.label, fontsize="small")
             axes.set_xlim(0.0, 100.0)
             axes.grid(axis="y", visible=False)
             if isinstance(each, str):
@@ -147,24 +151,20 @@ def importance_picture(tuning: Tuning) -> Picture | str:
 
 def importance(one: Tuned) -> dict[str, float] | str:
     """Share of each gain in the importance, or why that is not told."""
-    trials = [trial for trial in one.trials if is_candidate(trial) and math.isfinite(trial.value or math.nan)]
+    trials = [trial for trial in one.trials if not trial.draws and trial.feasible and math.isfinite(trial.nominal)]
     if len(one.task.dimensions) < 2:
         return f"{one.task.dimensions[0].name} is the only gain"
     if len(trials) < FEWEST:
         return f"{len(trials)} feasible trials, {FEWEST} are needed"
-    if len({trial.value for trial in trials}) < 2:
+    if len({trial.nominal for trial in trials}) < 2:
         return "all feasible trials are alike"
-    return _importance(trials)
+    return _importance(trials, one.task.dimensions)
 
 
-def _importance(trials: Sequence[FrozenTrial]) -> dict[str, float]:
+def _importance(trials: Sequence[Trial], dimensions: Sequence[Dimension]) -> dict[str, float]:
+    distributions = {one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in dimensions}
     with catch_warnings():
         simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         memory = optuna.create_study()
-        memory.add_trials(
-            [
-                optuna.trial.create_trial(value=trial.value, params=trial.params, distributions=trial.distributions)
-                for trial in trials
-            ]
-        )
+        memory.add_trials([as_optuna(replace(trial, violations={}), distributions) for trial in trials])
         return get_param_importances(memory, evaluator=PedAnovaImportanceEvaluator(target_quantile=BEST_SHARE))

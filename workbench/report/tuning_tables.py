@@ -1,7 +1,7 @@
 """Tables of a tuning as text: what was reached, the gains, and classic tunings of a PID beside them."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -59,7 +59,7 @@ def brief(table: Table) -> pd.DataFrame:
     """The columns of the result that fit a terminal: without the figures of each case where there are many."""
     if len(table.cells.columns) <= WIDEST:
         return table.cells
-    kept = ("controller", "objective", "gain margin", "phase margin", "outcome")
+    kept = ("controller", "machine", "rpm", "objective", "gain margin", "phase margin", "seeds", "outcome")
     chosen = [name for name in table.cells.columns if name.startswith(kept) or " quantile, " in name]
     return table.cells[chosen]
 
@@ -89,7 +89,7 @@ def with_interval(one: Quantile, share: float) -> str:
 
 
 def result_table(tuning: Tuning) -> Table:
-    """controller | objective, quantiles, figures of each case and margins, before and after | polish | outcome."""
+    """controller | objective, quantiles, figures of each case, margins, before and after | seeds | outcome."""
     table = tune_table(tuning.study)
     cells = pd.DataFrame([_result(one, bool(table.draws), table.quantile) for one in tuning.found]).fillna("")
     notes = [
@@ -101,13 +101,14 @@ def result_table(tuning: Tuning) -> Table:
             f"The {table.quantile:g} quantile of the objective over drawn machines, with its 95 % interval: on the "
             f"{table.draws} that the search saw, and on {table.fresh_draws} that it has not seen."
         )
-    notes += [f"{name}: {what}." for name, what in _polish(tuning.found).items()]
+    if table.seeds > 1:
+        notes.append(f"Seeds differ: by how much the worst of {table.seeds} searches is above the best of them.")
     return Table("What tuning reached", _without_empty(cells), notes)
 
 
 def _result(one: Tuned, draws: bool, share: float) -> Line:
     objective = "objective, declared machine" if draws else "objective"
-    line = {"controller": one.task.name}
+    line = {"controller": one.task.name, **{axis: str(value) for axis, value in one.task.at.items()}}
     for when in _WHENS:
         score = _score(one, when)
         line[f"{objective}, {when}"] = "" if score is None else number(score.nominal)
@@ -122,7 +123,7 @@ def _result(one: Tuned, draws: bool, share: float) -> Line:
             unit = name.rpartition("_")[2]
             line[f"{heading}, {when} ({unit})"] = "" if score is None else margin(getattr(score.margins, name))
     line["breaks, before"] = ", ".join(broken(one.start))
-    line["polish"] = one.polished.partition(":")[0].partition(" in ")[0]
+    line["seeds differ"] = differ_words(one.seeds_differ)
     return line | {"outcome": TUNED if one.score is not None else "no feasible gains"}
 
 
@@ -154,13 +155,13 @@ def _figure(score: Score, case: int, column: str, scale: float) -> str:
     return ran.outcome if ran.broken else "" if value is None else number(scale * value)
 
 
-def _polish(found: Iterable[Tuned]) -> dict[str, str]:
-    """What the descent from the best trial gained, by controllers of which the same is said."""
-    said: dict[str, list[str]] = {}
-    for one in found:
-        if one.polished:
-            said.setdefault(one.polished, []).append(one.task.name)
-    return {f"Polish of {', '.join(names)}": what for what, names in said.items()}
+def differ_words(share: float | None) -> str:
+    """By how much seeds differ: "0.4 %"; "" where there is one."""
+    if share is None:
+        return ""
+    if math.isinf(share):
+        return "one found no gains"
+    return "< 0.1 %" if share < 1e-3 else f"{100.0 * share:.1f} %"
 
 
 def yardstick(tuning: Tuning) -> str:
@@ -197,6 +198,7 @@ def _gain(one: Tuned, dimension: Dimension) -> Line:
     end = "" if after is None else end_of(dimension, after)
     return {
         "controller": one.task.name,
+        **{axis: str(value) for axis, value in one.task.at.items()},
         "gain": dimension.name,
         "unit": "" if unit == "1" else unit,
         "before": number(scale * one.task.start[dimension.name], 4),

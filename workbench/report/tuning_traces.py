@@ -124,7 +124,7 @@ def _step(jump: Axes, left: Axes, each: Traced, level: float) -> None:
         left.set_ylim(min(low, -finest), max(high, finest))
     jump.xaxis.set_major_locator(MaxNLocator(5))
     for axes, what in ((jump, "position"), (left, "error, second half")):
-        axes.set_title(f"{each.one.task.name}: {what}", fontsize="small")
+        axes.set_title(f"{each.one.task.label}: {what}", fontsize="small")
         if not runs:
             _say_failed(axes)
     jump.set_ylabel("position (mm)")
@@ -199,7 +199,7 @@ def _errors_drawn(axes: Axes, each: Traced, number: int, label: str) -> bool:
     scale, unit = _length(error for _, error in own.values())
     for when, (time, error) in own.items():
         axes.plot(time, scale * error, **SIDES[when])
-    axes.set_title(", ".join(part for part in (each.one.task.name, plain(label)) if part), fontsize="small")
+    axes.set_title(", ".join(part for part in (each.one.task.label, plain(label)) if part), fontsize="small")
     axes.set_ylabel(f"error ({unit})")
     if not own:
         _say_failed(axes)

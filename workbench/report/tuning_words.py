@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 
+from workbench.report.tuning_places import place_lines, seeds_line
 from workbench.report.tuning_rows import Basis, active, basis_of, broken, end_of, objective_of
 from workbench.report.tuning_tables import number, plain, shown_unit, with_interval, yardstick, yardstick_words
 from workbench.study.tune_schema import FIGURES, TuneTable
@@ -19,11 +20,14 @@ Found = tuple[Tuned, Quantile, Quantile]
 
 def sentences(tuning: Tuning) -> list[str]:
     """All that is said of a tuning, the most wanted first."""
+    if tune_table(tuning.study).per:
+        return [*first_lines(tuning), *infeasible_lines(tuning), *seeds_line(tuning)]
     return [
         *first_lines(tuning),
         *infeasible_lines(tuning),
         *_ends(tuning),
         *_active(tuning),
+        *seeds_line(tuning),
         *_fitted_to_draws(tuning),
     ]
 
@@ -31,15 +35,17 @@ def sentences(tuning: Tuning) -> list[str]:
 def first_lines(tuning: Tuning) -> list[str]:
     """Who is best, by how much tuning helped, whether it changed the order."""
     basis = basis_of(tuning)
+    if tune_table(tuning.study).per:
+        return place_lines(tuning, basis)
     found = compared(tuning, basis)
     if not found:
         return ["No controller has gains that keep all constraints."]
-    return [_best(tuning, found, basis), *_helped(found), *_order(found)]
+    return [_best(tuning, found, basis), *_smaller(tuning, found, basis), *_helped(found), *_order(found)]
 
 
 def infeasible_lines(tuning: Tuning) -> list[str]:
     """A line for each controller without gains that keep all constraints."""
-    return [f"{one.task.name}: {infeasible(one)}." for one in tuning.found if one.score is None]
+    return [f"{one.task.label}: {infeasible(one)}." for one in tuning.found if one.score is None]
 
 
 def compared(tuning: Tuning, basis: Basis) -> list[Found]:
@@ -70,19 +76,40 @@ def _best(tuning: Tuning, found: Sequence[Found], basis: Basis) -> str:
     }[basis]
     share = table.quantile
     if not others:
-        return f"{best.task.name} reaches {_a(what)} of {shown(value, share)}. {yardstick_words(tuning)}"
-    said = f"Best is {best.task.name} with {_a(what)} of {shown(value, share)}"
+        return f"{best.task.label} reaches {_a(what)} of {shown(value, share)}. {yardstick_words(tuning)}"
+    said = f"Best is {best.task.label} with {_a(what)} of {shown(value, share)}"
     second, _, next_value = others[0]
-    said += f", before {second.task.name} with {shown(next_value, share)}"
+    said += f", before {second.task.label} with {shown(next_value, share)}"
     if len(others) > 1:
         last, _, last_value = others[-1]
-        said += f"; last is {last.task.name} with {shown(last_value, share)}"
-    level = [one.task.name for one, _, other in others if basis != "declared" and _overlap(value, other)]
+        said += f"; last is {last.task.label} with {shown(last_value, share)}"
+    level = [one.task.label for one, _, other in others if basis != "declared" and _overlap(value, other)]
     if level:
         said += (
-            f". The intervals of {best.task.name} and {_list(level)} overlap: on other machines the order may change"
+            f". The intervals of {best.task.label} and {_list(level)} overlap: on other machines the order may change"
         )
     return f"{said}. {yardstick_words(tuning)}"
+
+
+def _smaller(tuning: Tuning, found: Sequence[Found], basis: Basis) -> list[str]:
+    """Which smaller objectives of the table are not the best's, and why: each would contradict who is best."""
+    best, _, value = found[0]
+    said = []
+    for one in tuning.found:
+        before = objective_of(one, "before", basis)
+        if before is not None and before.value < value.value and not math.isclose(before.value, value.value):
+            breaks = broken(one.start)
+            why = f"they break {_list(breaks)}" if breaks else "the search did not find them again"
+            said.append(f"The gains of the study give {one.task.label} less ({number(before.value)}), but {why}.")
+    if basis != "declared" and best.score is not None:
+        declared = {one.task.label: one.score.nominal for one in tuning.found if one.score is not None}
+        less = [f"{name} ({number(each)})" for name, each in declared.items() if each < best.score.nominal]
+        if less:
+            said.append(
+                f"On the declared machine alone {_list(less)} {'have' if len(less) > 1 else 'has'} less than "
+                f"{best.task.label} ({number(best.score.nominal)}); what counts is drawn machines."
+            )
+    return said
 
 
 def _a(noun: str) -> str:
@@ -105,7 +132,7 @@ def _helped(found: Sequence[Found]) -> list[str]:
     """By how much the objective moved, for each controller."""
     lowered = [each for each in found if each[2].value < each[1].value and not _alike(each)]
     raised = [each for each in found if each[2].value > each[1].value and not _alike(each)]
-    same = [each[0].task.name for each in found if _alike(each)]
+    same = [each[0].task.label for each in found if _alike(each)]
     said = []
     if lowered:
         most_first = sorted(lowered, key=lambda each: each[2].value / each[1].value)
@@ -130,14 +157,14 @@ def _alike(each: Found) -> bool:
 def _moved(one: Tuned, before: Quantile, after: Quantile) -> str:
     change = after.value / before.value - 1.0
     by = f", {100.0 * change:+.0f} %" if math.isfinite(change) and math.isfinite(before.value) else ""
-    return f"{one.task.name} ({number(before.value)} to {number(after.value)}{by})"
+    return f"{one.task.label} ({number(before.value)} to {number(after.value)}{by})"
 
 
 def _order(found: Sequence[Found]) -> list[str]:
     if len(found) < 2:
         return []
-    after = [one.task.name for one, _, _ in found]
-    before = [one.task.name for one, _, _ in sorted(found, key=lambda each: each[1].value)]
+    after = [one.task.label for one, _, _ in found]
+    before = [one.task.label for one, _, _ in sorted(found, key=lambda each: each[1].value)]
     if before == after:
         return [f"Tuning did not change the order: {', '.join(after)}."]
     return [f"Tuning changed the order: before {', '.join(before)}; after {', '.join(after)}."]
@@ -156,7 +183,7 @@ def _ends(tuning: Tuning) -> list[str]:
             if end:
                 unit, scale = shown_unit(dimension)
                 value = number(scale * one.best[dimension.name], 4) + (f" {unit}" if unit != "1" else "")
-                said.append(f"{dimension.name} of {one.task.name} ({end}, {value})")
+                said.append(f"{dimension.name} of {one.task.label} ({end}, {value})")
     if not said:
         return ["No tuned gain stands at an end of its range."] if tuned else []
     return [f"At an end of their range stand {_list(said)}: beyond it the objective may be lower still."]
@@ -172,9 +199,9 @@ def _active(tuning: Tuning) -> list[str]:
         held = active(one)
         for name, count in held.items():
             trials = "" if count is None else f" ({count})"
-            by_name.setdefault(name, []).append(f"{one.task.name}{trials}")
+            by_name.setdefault(name, []).append(f"{one.task.label}{trials}")
         if not held:
-            free.append(one.task.name)
+            free.append(one.task.label)
     said = [f"The constraint {name} holds back {_list(names)}." for name, names in by_name.items()]
     if said:
         said[-1] += (
@@ -193,12 +220,12 @@ def _fitted_to_draws(tuning: Tuning) -> list[str]:
         if searched is None or fresh is None:
             continue
         if _overlap(searched, fresh):
-            fine.append(one.task.name)
+            fine.append(one.task.label)
             continue
         share = 100.0 * (fresh.value / searched.value - 1.0)
         by = f", {share:+.0f} %" if math.isfinite(share) else ""
         said.append(
-            f"{one.task.name} does otherwise on machines that the search has not seen: "
+            f"{one.task.label} does otherwise on machines that the search has not seen: "
             f"{shown(fresh, quantile)} in place of {shown(searched, quantile)}{by}; "
             + ("it is fitted to its draws." if share > 0.0 else "the fresh draws happen to be kinder.")
         )
@@ -219,8 +246,10 @@ def held_equal(tuning: Tuning) -> list[str]:
         for column, weight in table.objective.used.items()
     )
     lines = [
-        f"Budget: {table.trials} trials each, the first of them the gains of the study, the next classic tunings where "
-        f"there are any for these gains; seed {table.seed}.",
+        f"Budget: {table.seeds} {'searches' if table.seeds > 1 else 'search'} of {table.trials} trials each, of which "
+        "the first has the gains of the study, the next classic tunings where there are any for these gains; "
+        f"{'seeds' if table.seeds > 1 else 'seed'} "
+        f"{', '.join(str(seed) for seed in range(table.seed, table.seed + table.seeds))}.",
         f"Objective: {weights}; each figure over that of {yardstick(tuning)} with the gains of the study in the same "
         f"case, and the mean over the {len(tuning.found[0].task.cases)} "
         f"{'cases that count' if len(tuning.found[0].task.cases) > 1 else 'case that counts'}.",

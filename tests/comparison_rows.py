@@ -1,0 +1,129 @@
+"""What the rows of a comparison say, found by other means than the program's: pandas and SciPy on the results."""
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+CANDIDATE = r"([a-z0-9 ]+?) (?:at rest|at ([\d.]+) rpm(?: \(really ([\d.]+)\))?)"
+NUMBER = r"(-?[\d.e-]+|< 0.0001)"
+RANGE = r"(?: \((-?[\d.e-]+) to (-?[\d.e-]+)\))?"
+SIZED = rf"{CANDIDATE}, {NUMBER} mm{RANGE}"
+WORD = r"(beats|loses to|is level with|cannot be told from)"
+MARGIN = rf"ratio {NUMBER}{RANGE}, difference {NUMBER} mm{RANGE}(; \d+ draws do not tell, .*)?"
+
+CLASSES = ("nothing", "compensate", "avoid", "both")
+PLAIN, PRESSURE, STEPS, NEGLIGIBLE = ("p", "pi"), ("load_pressure",), ("steps",), 1e-6
+PAIRS = 6
+
+
+class Key(NamedTuple):
+    """One cell."""
+
+    machine: str
+    scenario: str
+    reference: str
+
+
+class Rows:
+    """Search and fresh results of a comparison, asked by cell and candidate."""
+
+    def __init__(self, search: pd.DataFrame, fresh: pd.DataFrame) -> None:
+        self.search, self.fresh = search, fresh
+        self.held: dict[Key, dict[str, tuple[str, float]]] = {}
+
+    def cells(self) -> Iterator[Key]:
+        for key in self.search[["machine", "scenario", "reference"]].drop_duplicates().itertuples(index=False):
+            yield Key(*key)
+
+    def of(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> pd.DataFrame:
+        """The rows of a candidate, by draw."""
+        found = frame.query("machine == @cell.machine and scenario == @cell.scenario and reference == @cell.reference")
+        return found[(found["controller"] == controller) & (found["rpm"] == rpm)].sort_values("draw")
+
+    def errors(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> np.ndarray:
+        """Its errors (m)."""
+        column = "steady_state_max_error_m" if cell.reference in STEPS else "rms_error_m"
+        return self.of(frame, cell, controller, rpm)[column].to_numpy(float)
+
+    def hunts(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> bool:
+        """Whether it swings in any draw of its machine and scenario."""
+        found = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
+        found = found[(found["controller"] == controller) & (found["rpm"] == rpm)]
+        return bool(found["limit_cycle"].isin(["sustained", "too_short"]).any())
+
+    def ranked(self, cell: Key, kind: str) -> list[tuple[str, float]]:
+        """The candidates of a class that hold in the search and were measured again, the best first."""
+        part = self.search[(self.search["machine"] == cell.machine) & (self.search["scenario"] == cell.scenario)]
+        part = part[part["reference"] == cell.reference]
+        named = {(str(c), float(r)) for c, r in part[["controller", "rpm"]].drop_duplicates().itertuples(index=False)}
+        own = [one for one in named if class_of(*one) == kind and not self.hunts(self.search, cell, *one)]
+        own = [one for one in own if not self.of(self.fresh, cell, *one).empty]
+        return sorted(own, key=lambda one: stats.gmean(self.errors(self.search, cell, *one)))
+
+    def stands(self, cell: Key) -> dict[str, tuple[str, float]]:
+        """Who stands for each class."""
+        if cell not in self.held:
+            ranked = {kind: self.ranked(cell, kind) for kind in CLASSES}
+            sound = {kind: [one for one in of if not self.hunts(self.fresh, cell, *one)] for kind, of in ranked.items()}
+            self.held[cell] = {kind: of[0] for kind, of in sound.items() if of}
+        return self.held[cell]
+
+    def word(self, cell: Key, one: tuple[str, float], other: tuple[str, float], pairs: int = PAIRS) -> str:
+        """How one candidate does against another on the fresh draws."""
+        a, b = (self.errors(self.fresh, cell, *who) for who in (one, other))
+        floor, bound = NEGLIGIBLE / 0.05, -math.log(0.95)
+        low, high = interval(np.log(b + floor) - np.log(a + floor), pairs)
+        if low > bound:
+            return "beats"
+        if high < -bound:
+            return "loses to"
+        return "is level with" if low >= -bound and high <= bound else "cannot be told from"
+
+    def kind(self, cell: Key) -> str:
+        """The verdict, by its definition on the page."""
+        held = self.stands(cell)
+        words = {
+            (a, b): self.word(cell, held[a], held[b]) for one in combinations(held, 2) for a, b in (one, one[::-1])
+        }
+
+        def wins(one: str, *others: str) -> bool:
+            return one in held and all(words.get((one, other), "beats") == "beats" for other in others)
+
+        if "nothing" in held:
+            beaten = [words["nothing", kind] for kind in held if kind != "nothing"]
+            if set(beaten) <= {"beats", "is level with"}:
+                return "nothing needed"
+        for kind, others in (
+            ("both", ("compensate", "avoid", "nothing")),
+            ("compensate", ("avoid", "nothing")),
+            ("avoid", ("compensate", "nothing")),
+        ):
+            if wins(kind, *others):
+                return kind
+        level = words.get(("compensate", "avoid")) == "is level with"
+        if level and (wins("compensate", "nothing") or wins("avoid", "nothing")):
+            return "level"
+        return "cannot be told" if "cannot be told from" in words.values() else "level"
+
+
+def class_of(controller: str, rpm: float) -> str:
+    """The class of a candidate."""
+    return CLASSES[2 * (rpm > 0) + (controller not in PLAIN)]
+
+
+def interval(values: np.ndarray, pairs: int = 1) -> tuple[float, float]:
+    """Student's interval of a mean, by SciPy's test."""
+    found = stats.ttest_1samp(values, 0.0).confidence_interval(1.0 - 0.05 / pairs)
+    return float(found.low), float(found.high)
+
+
+def same(text: str, value: float, digits: int = 3) -> bool:
+    """Whether a number on the page is this one to the digits that it is told with."""
+    if text.startswith("<"):
+        return abs(value) < 1e-4
+    return math.isclose(float(text), value, rel_tol=0.51 * 10.0 ** (1 - digits), abs_tol=1e-9)

@@ -1,0 +1,380 @@
+"""Every sentence of the page is derived again from the rows, by independent code; one that none knows fails."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from comparison_rows import CANDIDATE, MARGIN, NUMBER, PRESSURE, SIZED, WORD, Key, Rows, class_of, interval, same
+from made_up_comparison import SPEC, whole
+
+from workbench.compare.finalists import finalists
+from workbench.compare.page import write_comparison
+from workbench.study.document import Study
+from workbench.study.schema import StudyFile
+
+SIDES = {
+    "nothing": "plain at rest",
+    "compensate": "compensation at rest",
+    "avoid": "rotation",
+    "both": "compensation with rotation",
+}
+WATTS = r"([\d.]+) (k?)W"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Rows]:
+    """The lines of a page of made-up results, and their rows."""
+    folder = tmp_path_factory.mktemp("page")
+    search, fresh = whole(noise=0.2), whole(2, range(11, 27), noise=0.2)  # so that some verdicts are unsure
+    chosen = pd.DataFrame(finalists(SPEC, search))
+    fresh = fresh.merge(chosen, on=list(chosen.columns))
+    (folder / "fresh").mkdir()
+    fresh.to_parquet(folder / "fresh" / "results.parquet")
+    study = Study(folder / "a.toml", "", StudyFile(title="Which", question="compensate or avoid?", comparison=SPEC))
+    markdown = write_comparison(study, search, folder)[0].read_text(encoding="utf-8")
+    return markdown.splitlines(), Rows(search, fresh)
+
+
+def section(lines: list[str], title: str) -> list[str]:
+    """The bullets under a heading."""
+    start = lines.index(f"## {title}") + 1
+    end = next((i for i in range(start, len(lines)) if lines[i].startswith("## ")), len(lines))
+    return [line[2:] for line in lines[start:end] if line.startswith("- ")]
+
+
+class Reader:
+    """Derives the sentences about one cell again."""
+
+    def __init__(self, rows: Rows, cell: Key) -> None:
+        self.rows, self.cell = rows, cell
+
+    def who(self, name: str, rpm: str | None, real: str | None = None) -> tuple[str, float]:
+        """The candidate that is named; its real speed is told exactly where it is another."""
+        one = (name.replace(" ", "_"), float(rpm or 0.0))
+        turned = self.rows.of(self.rows.fresh, self.cell, *one)["rotation_speed_mean_rpm"].mean()
+        off = one[1] > 0 and abs(turned - one[1]) > 0.02 * one[1]
+        assert bool(real) == off
+        assert real is None or same(real, turned)
+        return one
+
+    def sized(self, found: tuple[str, ...]) -> tuple[str, float]:
+        """A candidate with its error and interval."""
+        name, rpm, real, mean, low, high = found
+        one = self.who(name, rpm, real)
+        errors = 1e3 * self.rows.errors(self.rows.fresh, self.cell, *one)
+        assert same(mean, errors.mean())
+        for text, value in zip((low, high), interval(errors), strict=True):
+            assert same(text, value)
+        return one
+
+    def margin(self, one: tuple[str, float], other: tuple[str, float], found: tuple[str, ...], pairs: int) -> None:
+        """Ratio and difference with their intervals."""
+        a, b = (self.rows.errors(self.rows.fresh, self.cell, *who) for who in (one, other))
+        ratio, *ends, difference, low, high, _ = found
+        assert same(ratio, float(np.exp(np.mean(np.log(b / a)))))
+        for text, value in zip(ends, np.exp(interval(np.log(b / a), pairs)), strict=True):
+            assert same(text, float(value))
+        assert same(difference, 1e3 * float(np.mean(b - a)))
+        for text, value in zip((low, high), interval(1e3 * (b - a), pairs), strict=True):
+            assert same(text, value)
+
+    def verdict(self, *found: str) -> None:
+        kind, *rest = found
+        assert kind.lower() == self.rows.kind(self.cell)
+        one, other = self.sized(tuple(rest[:6])), self.sized(tuple(rest[7:13]))
+        assert rest[6] == self.rows.word(self.cell, one, other)
+        held = self.rows.stands(self.cell)
+        assert held[class_of(*one)] == one
+        assert held[class_of(*other)] == other
+        self.margin(one, other, tuple(rest[13:]), 6)
+        if kind in ("Compensate", "Avoid", "Both"):
+            assert class_of(*one) == kind.lower()
+            assert rest[6] == "beats"
+
+    def against(self, *found: str) -> None:
+        bare, rest = self.sized(found[:6]), found[6]
+        held = self.rows.stands(self.cell)
+        assert held["nothing"] == bare
+        told = {}
+        for part in rest.split("; "):
+            side, name, rpm, real, word = re.fullmatch(rf"([a-z ]+), {CANDIDATE}, {WORD} it", part).groups()
+            one = self.who(name, rpm, real)
+            assert word == self.rows.word(self.cell, one, bare)
+            told[side] = one
+        assert told == {SIDES[kind]: one for kind, one in held.items() if kind != "nothing"}
+
+    def price(self, *found: str) -> None:
+        name, rpm, real, motor, mk, loss, lk, paid, pk, pump, uk, still, sk, other, other_rpm, _, torque = found
+        rows = self.rows.of(self.rows.fresh, self.cell, *self.who(name, rpm, real))
+        rest = self.rows.of(self.rows.fresh, self.cell, *self.who(other, other_rpm))
+        for text, kilo, column, part in (
+            (motor, mk, "motor_electric_power_W", rows),
+            (loss, lk, "motor_loss_W", rows),
+            (paid, pk, "paid_power_W", rows),
+            (pump, uk, "supply_power_W", rows),
+            (still, sk, "supply_power_W", rest),
+        ):
+            assert same(text, part[column].mean() / (1e3 if kilo else 1.0), 2)
+        mean = rows["motor_torque_rms_N_m"].mean()
+        assert (torque is not None) == (mean > 8.0)
+        assert torque is None or same(torque, mean, 2)
+
+    def cheapest(self, *found: str) -> None:
+        one = self.sized(found[:6])
+        held = self.rows.stands(self.cell)[class_of(*one)]
+        assert self.rows.word(self.cell, one, held, 1) in ("is level with", "beats")
+        paid = [self.rows.of(self.rows.fresh, self.cell, *who)["paid_power_W"].mean() for who in (one, held)]
+        assert paid[0] < paid[1]
+
+    def model(self, *found: str) -> None:
+        said, *rest = found
+        pressure, model, word = self.sized(tuple(rest[:6])), self.sized(tuple(rest[7:13])), rest[6]
+        ranked = self.rows.ranked(self.cell, "compensate")
+        assert pressure == next(one for one in ranked if one[0] in PRESSURE)
+        assert model == next(one for one in ranked if one[0] not in PRESSURE)
+        assert word == self.rows.word(self.cell, pressure, model, 1)
+        needed = {"loses to": "A friction model is worth having", "cannot be told from": "Whether a friction model"}
+        assert said.startswith(needed.get(word, "No friction model is needed"))
+        self.margin(pressure, model, tuple(rest[13:]), 1)
+
+    def within(self, *found: str) -> None:
+        one = self.sized(found[1:])
+        assert self.rows.stands(self.cell)["nothing"] == one
+        assert interval(self.rows.errors(self.rows.fresh, self.cell, *one))[1] <= 1e-6
+
+    def flawed(self, side: str, flaw: str) -> None:
+        kind = next(kind for kind, name in SIDES.items() if name == side)
+        assert kind not in self.rows.stands(self.cell)
+        assert flaw == "hunts"
+
+    def read(self, sentence: str) -> None:
+        """Find the derivation of a sentence and try it."""
+        price = (
+            rf"{WATTS} at the motor's terminals, {WATTS} of it lost before the rod; {WATTS} paid with the pump; the "
+            rf"pump {WATTS}, against {WATTS} for {CANDIDATE}(?:; ([\d.]+) N m rms, above the nominal 8 N m)?\."
+        )
+        forms: dict[str, Callable[..., None]] = {
+            rf"(Compensate|Avoid|Both|Level|Nothing needed|Cannot be told): {SIZED}, {WORD} {SIZED}: {MARGIN}\.": (
+                self.verdict
+            ),
+            rf"Against {SIZED}: (.*)\.": self.against,
+            rf"Price of {CANDIDATE}: {price}": self.price,
+            rf"Level with it, the cheapest is {SIZED}: .*\.": self.cheapest,
+            rf"(No friction model is needed|A friction model is worth having|Whether a friction model is needed cannot "
+            rf"be told): measured load pressure without one, {SIZED}, {WORD} the best with one, {SIZED}: {MARGIN}\.": (
+                self.model
+            ),
+            rf"(Nothing needed): {SIZED}, is within 0\.001 mm\.": self.within,
+            r"No candidate of ([a-z ]+) holds: ([a-z, -]+)\.": self.flawed,
+        }
+        for form, derived in forms.items():
+            if match := re.fullmatch(form, sentence):
+                derived(*match.groups())
+                return
+        raise AssertionError(f"no derivation of: {sentence}")
+
+
+def split(text: str) -> list[str]:
+    return re.split(r"(?<=\.) (?=[A-Z])", text)
+
+
+def test_every_sentence_about_a_cell(page: tuple[list[str], Rows]) -> None:
+    lines, rows = page
+    bullets = [*section(lines, "Nominal"), *section(lines, "Soft")]
+    told = set()
+    for cell in rows.cells():
+        start = f"{cell.machine.capitalize()} {cell.scenario} {cell.reference}: "
+        (line,) = [line for line in bullets if line.startswith(start)]
+        for sentence in split(line.removeprefix(start)):
+            Reader(rows, cell).read(sentence)
+            told.add(sentence.split(":")[0].split(" of ")[0])
+        bullets.remove(line)
+    assert len(told) > 4, "the made-up results lead to few kinds of sentences"
+    for line in bullets:
+        _hunting(line, rows.search)
+
+
+def _hunting(line: str, search: pd.DataFrame) -> None:
+    match = re.match(r"Hunting, (\w+) (\w+): (none|\d+) of (\d+) cases that hold still\. ?(.*)", line)
+    assert match, line
+    machine, scenario, count, of, rest = match.groups()
+    part = search[(search["machine"] == machine) & (search["scenario"] == scenario) & (search["reference"] == "steps")]
+    swings = part["limit_cycle"].isin(["sustained", "too_short"])
+    assert (0 if count == "none" else int(count), int(of)) == (swings.sum(), len(part))
+    names = set()
+    for sentence in split(rest) if rest else []:
+        name, at, largest, quiet = re.fullmatch(
+            r"([a-z ]+) hunts at ([\d., ]+) rpm, up to ([\d.]+) mm peak to peak(?:; not at ([\d., ]+))?\.", sentence
+        ).groups()
+        own = part[part["controller"] == name.replace(" ", "_")]
+        bad = own[swings.loc[own.index]]
+        assert {float(text) for text in at.split(", ")} == set(bad["rpm"])
+        assert {float(text) for text in quiet.split(", ")} == set(own["rpm"]) - set(bad["rpm"])
+        assert same(largest, 1e3 * bad["limit_cycle_amplitude_m"].max())
+        names.add(name)
+    assert names == {name.replace("_", " ") for name in part.loc[swings, "controller"]}
+
+
+def test_the_matrix_says_what_the_cells_say(page: tuple[list[str], Rows]) -> None:
+    lines, rows = page
+    for cell in rows.cells():
+        start = lines.index(f"## {cell.machine}")
+        heads = [text.strip() for text in lines[start + 2].strip("|").split("|")]
+        row = next(line for line in lines[start:] if line.startswith(f"| {cell.scenario} |"))
+        field = [text.strip() for text in row.strip("|").split("|")][heads.index(cell.reference)]
+        word, margin, *price = field.split("<br>")
+        assert word == f"**{rows.kind(cell)}**"
+        name, rpm, real, mean, *_ = re.match(rf"{CANDIDATE}: {NUMBER} mm", margin).groups()
+        one = Reader(rows, cell).who(name, rpm, real)
+        assert same(mean, 1e3 * rows.errors(rows.fresh, cell, *one).mean())
+        if not price:
+            assert rows.kind(cell) == "nothing needed"
+            continue
+        kind = "both" if rows.kind(cell) == "both" else "avoid"
+        found = rows.of(rows.fresh, cell, *rows.stands(cell)[kind])
+        motor, mk, paid, pk = re.fullmatch(rf"rotating: {WATTS} at the terminals, {WATTS} paid", price[0]).groups()
+        assert same(motor, found["motor_electric_power_W"].mean() / (1e3 if mk else 1.0), 2)
+        assert same(paid, found["paid_power_W"].mean() / (1e3 if pk else 1.0), 2)
+
+
+def test_every_sentence_above_the_details(page: tuple[list[str], Rows]) -> None:
+    lines, rows = page
+    forms: dict[str, Callable[..., None]] = {
+        r"On (\w+), of (\d+) cells: (.*)\.": _by_machine,
+        r"Between (\w+) and (\w+) (\d+) of (\d+) verdicts differ: (.*)\.": _between,
+        r"What follows from the friction around the rod alone .*, on (\w+) and on (\w+): (.*)\.": _around,
+        r"What a friction model is worth at rest: .* beats the best with one in (\d+) of (\d+) cells, is level in "
+        r"(\d+), loses in (\d+), cannot be told in (\d+)\.": _model,
+        r"Rotating does not change what the pump pays \(.*: sine ([+-][\d.]+) %, steps ([+-][\d.]+) %\)\.": _pump,
+        r"On (\w+) the mean real speed is more than 2 % off the command in (\d+) of (\d+) turning cases \(furthest "
+        r"([+-][\d.]+) %\); the contact is below the Stribeck speed for ([\d.]+) % of their time\.": _speed,
+        r"On (\w+) the motor needs up to \(N m rms at rpm\) (.*): (above|not above) its nominal 8 N m(?: at (.*) "
+        r"rpm)?; (\d+) of (\d+) turning cases are torque-limited\.": _motor,
+    }
+    tried = set()
+    for line in section(lines, "In words"):
+        form, match = next(((form, m) for form in forms if (m := re.fullmatch(form, line))), ("", None))
+        assert match, f"no derivation of: {line}"
+        forms[form](rows, *match.groups())
+        tried.add(form)
+    assert tried == set(forms)
+
+
+def _by_machine(rows: Rows, machine: str, count: str, told: str) -> None:
+    kinds = {cell: rows.kind(cell) for cell in rows.cells() if cell.machine == machine}
+    assert int(count) == len(kinds)
+    seen = 0
+    for kind, number, names in re.findall(r"([a-z ]+) in (\d+) \(([^)]*)\)", told):
+        own = [f"{cell.scenario} {cell.reference}" for cell, found in kinds.items() if found == kind.strip()]
+        assert (int(number), names.split(", ")) == (len(own), own)
+        seen += len(own)
+    assert seen == len(kinds)
+
+
+def _between(rows: Rows, one: str, other: str, count: str, of: str, told: str) -> None:
+    pairs = {
+        f"{cell.scenario} {cell.reference}": (rows.kind(cell), rows.kind(cell._replace(machine=other)))
+        for cell in rows.cells()
+        if cell.machine == one
+    }
+    apart = {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+    assert (int(count), int(of)) == (len(apart), len(pairs))
+    assert told.split("; ") == [f"{name} ({first}, {second})" for name, (first, second) in apart.items()]
+
+
+def _around(rows: Rows, one: str, other: str, told: str) -> None:
+    number = re.compile(
+        rf"([\d.]+) rpm: {WATTS} and {WATTS} at the rod \(ratio ([\d.]+)\), {WATTS} and {WATTS} at the terminals"
+    )
+    speeds = []
+    for part in told.split("; "):
+        rpm, a, ak, b, bk, ratio, c, ck, d, dk = number.fullmatch(part).groups()
+        here = rows.search[rows.search["rpm"] == float(rpm)].groupby("machine")
+        rod, terminals = here["rotation_power_W"].mean(), here["motor_electric_power_W"].mean()
+        for text, kilo, value in (
+            (a, ak, rod[one]),
+            (b, bk, rod[other]),
+            (c, ck, terminals[one]),
+            (d, dk, terminals[other]),
+        ):
+            assert same(text, value / (1e3 if kilo else 1.0), 2)
+        assert same(ratio, rod[one] / rod[other], 2)
+        speeds.append(float(rpm))
+    assert speeds == sorted(set(rows.search.loc[rows.search["rpm"] > 0, "rpm"]))
+
+
+def _model(rows: Rows, beats: str, of: str, level: str, loses: str, untold: str) -> None:
+    words = []
+    for cell in rows.cells():
+        held = [one for one in rows.ranked(cell, "compensate") if not rows.hunts(rows.fresh, cell, *one)]
+        pressure = [one for one in held if one[0] in PRESSURE]
+        model = [one for one in held if one[0] not in PRESSURE]
+        if pressure and model:
+            words.append(rows.word(cell, pressure[0], model[0], 1))
+    counted = [words.count(word) for word in ("beats", "is level with", "loses to", "cannot be told from")]
+    assert [int(text) for text in (beats, level, loses, untold)] == counted
+    assert int(of) == len(words)
+
+
+def _pump(rows: Rows, *told: str) -> None:
+    place, draw = ["machine", "scenario", "controller"], ["reference", "draw"]
+    bad = rows.search[rows.search["limit_cycle"].isin(["sustained", "too_short"])]
+    quiet = rows.search[~rows.search.set_index([*place, "rpm"]).index.isin(bad.set_index([*place, "rpm"]).index)]
+    turning, rest = quiet[quiet["rpm"] > 0], quiet[quiet["rpm"] == 0]
+    both = turning.merge(rest, on=[*place, *draw], suffixes=("", "_rest"))
+    for reference, text in zip(("sine", "steps"), told, strict=True):
+        part = both[both["reference"] == reference]
+        change = part["supply_power_W"].mean() / part["supply_power_W_rest"].mean() - 1.0
+        assert float(text) == pytest.approx(100.0 * change, abs=0.051)
+
+
+def _speed(rows: Rows, machine: str, count: str, of: str, furthest: str, below: str) -> None:
+    part = rows.search[(rows.search["machine"] == machine) & (rows.search["rpm"] > 0)]
+    off = 100.0 * (part["rotation_speed_mean_rpm"] - part["rpm"]) / part["rpm"]
+    assert (int(count), int(of)) == ((off.abs() > 2.0).sum(), len(part))
+    assert float(furthest) == pytest.approx(off.iloc[off.abs().argmax()], abs=0.051)
+    assert float(below) == pytest.approx(100.0 * part["below_stribeck_fraction"].mean(), abs=0.051)
+
+
+def _motor(rows: Rows, machine: str, told: str, said: str, above: str | None, limited: str, of: str) -> None:
+    part = rows.search[(rows.search["machine"] == machine) & (rows.search["rpm"] > 0)]
+    most = part.groupby("rpm")["motor_torque_rms_N_m"].max()
+    for text in told.split(", "):
+        torque, rpm = text.split(" at ")
+        assert same(torque, most[float(rpm)], 2)
+    assert len(told.split(", ")) == len(most)
+    assert [float(rpm) for rpm in above.split(", ")] == list(most[most > 8.0].index) if above else (most <= 8.0).all()
+    assert said == ("above" if above else "not above")
+    assert (int(limited), int(of)) == (part["outcome"].eq("torque-limited").sum(), len(part))
+
+
+def test_what_changes_the_verdicts(page: tuple[list[str], Rows]) -> None:
+    lines, rows = page
+    first, second = section(lines, "What changes the verdicts")
+    now = {f"{cell.machine} {cell.scenario} {cell.reference}": rows.kind(cell) for cell in rows.cells()}
+    searched = Rows(rows.search, rows.search)
+    then = {f"{cell.machine} {cell.scenario} {cell.reference}": searched.kind(cell) for cell in rows.cells()}
+    apart = {name: (then[name], kind) for name, kind in now.items() if then[name] != kind}
+    start = f"With the draws from which the best were chosen, {len(apart)} of {len(now)} verdicts would be others"
+    told = "; ".join(f"{name} ({old} in place of {new})" for name, (old, new) in apart.items())
+    assert second == (f"{start}: {told}." if apart else f"{start}.")
+    assert re.match(rf"With draw 1 alone, taken at its word, \d+ of {len(now)} verdicts would be others", first)
+    for name, new in re.findall(r"(\w+ \w+ \w+) \([a-z ]+ in place of ([a-z ]+)\)", first):
+        assert then[name] == new
+
+
+def test_what_was_run_and_how_it_is_judged(page: tuple[list[str], Rows], tmp_path: Path) -> None:
+    lines, rows = page
+    search, fresh = rows.search, rows.fresh
+    assert lines[4] == (
+        f"{len(search)} cases: 2 machine(s), 5 controllers, 3 speeds of rotation, 2 scenario(s), 2 motion(s), 10 "
+        f"draw(s). All completed. Measured again: {len(fresh)} cases on 16 fresh draws."
+    )
+    rules = " ".join(section(lines, "How it is judged"))
+    for said in ("5 % of the larger and 0.001 mm", "the 6 comparisons", "95 % (Bonferroni)", "rest on fresh draws"):
+        assert said in rules
+    assert f"0 of {len(search)} cases have a solver error above 10 % of their error; in 0 of these" in rules
+    assert section(lines, "Left out") == ["Ramps."]

@@ -1,0 +1,1 @@
+"""Compensation against avoidance: verdicts with intervals out of a study's draws, their words, figures and page."""

@@ -1,0 +1,160 @@
+"""Who takes part in a comparison: a controller at one speed of rotation, with its errors over the draws.
+
+A cell of the comparison is one machine, scenario and reference. Its candidates fall into four classes, by whether their
+controller compensates and whether the rod turns.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from workbench.compare.intervals import LEAST
+from workbench.metrics.limit_cycle import HUNTING
+from workbench.report.words import plain_name
+from workbench.simulation.simulate import COMPLETED
+from workbench.study.report_schema import ComparisonTable
+
+MM = 1e3
+
+TOLD_SPEED = 0.02
+"""A real speed of rotation is told where it differs from the command by more than this share."""
+
+Family = Literal["plain", "pressure", "friction model"]
+Class = Literal["nothing", "compensate", "avoid", "both"]
+CLASSES: tuple[Class, ...] = ("nothing", "compensate", "avoid", "both")
+"""The simplest first: a plain controller at rest, a compensator at rest, a plain one rotating, a compensator so."""
+
+
+class Cell(NamedTuple):
+    """One field of the matrix."""
+
+    machine: str
+    scenario: str
+    reference: str
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A controller at one speed of rotation, in one cell: a row of the results a draw, indexed by draw.
+
+    `flaw` says why it cannot win; it is empty where it can.
+    """
+
+    controller: str
+    rpm: float
+    family: Family
+    rows: pd.DataFrame
+    error_column: str
+    flaw: str
+
+    @property
+    def kind(self) -> Class:
+        """Its class."""
+        if self.family == "plain":
+            return "avoid" if self.rpm > 0 else "nothing"
+        return "both" if self.rpm > 0 else "compensate"
+
+    @cached_property
+    def errors(self) -> NDArray[np.float64]:
+        """Its error (m) on each draw."""
+        return self.rows[self.error_column].to_numpy(float)
+
+    @property
+    def size(self) -> float:
+        """The geometric mean of its errors (m); those too small to be told count as `LEAST`."""
+        return float(np.exp(np.mean(np.log(np.maximum(self.errors, LEAST)))))
+
+    @property
+    def paid(self) -> float:
+        """Mean power (W) that pump and motor pay together."""
+        return self.mean("paid_power_W")
+
+    def mean(self, column: str) -> float:
+        """The mean of a figure over the draws in which it applies, NaN if in none."""
+        return float(pd.to_numeric(self.rows[column]).mean())
+
+    @property
+    def words(self) -> str:
+        """Its name: controller and speed, the real one too where it is another."""
+        if self.rpm == 0:
+            return f"{plain_name(self.controller)} at rest"
+        real = self.mean("rotation_speed_mean_rpm")
+        said = f" (really {real:.3g})" if abs(real - self.rpm) > TOLD_SPEED * self.rpm else ""
+        return f"{plain_name(self.controller)} at {self.rpm:g} rpm{said}"
+
+
+def error_column(spec: ComparisonTable, reference: str) -> str:
+    """What counts as the error of a reference: the largest at the end of a dwell for steps, the rms error of motion."""
+    return "steady_state_max_error_m" if reference in spec.steps else "rms_error_m"
+
+
+def family_of(spec: ComparisonTable, controller: str) -> Family:
+    """The family of a controller."""
+    return "plain" if controller in spec.plain else "pressure" if controller in spec.pressure else "friction model"
+
+
+def with_all_axes(frame: pd.DataFrame) -> pd.DataFrame:
+    """The results with a column for each axis of a comparison: one machine, scenario or draw where there is no axis."""
+    filled: dict[str, str | int] = {"machine": "", "scenario": "nominal", "draw": 1}
+    for name, value in filled.items():
+        if name not in frame:
+            frame = frame.assign(**{name: value})
+    return frame
+
+
+def of_tuned(spec: ComparisonTable, frame: pd.DataFrame) -> pd.DataFrame:
+    """The results without controllers whose gains are those before."""
+    return frame[~frame["controller"].isin(list(spec.before.values()))]
+
+
+def cells_of(spec: ComparisonTable, frame: pd.DataFrame) -> dict[Cell, list[Candidate]]:
+    """The candidates of each cell, in the order of the results."""
+    frame = with_all_axes(frame)
+    hunting = hunters(frame)
+    found: dict[Cell, list[Candidate]] = {}
+    names = ["machine", "scenario", "reference", "controller", "rpm"]
+    for key, rows in frame.groupby(names, sort=False):
+        machine, scenario, reference, controller = map(str, key[:-1])
+        rpm = float(str(key[-1]))
+        column = error_column(spec, reference)
+        rows = rows.set_index("draw").sort_index()
+        flaw = _flaw(rows, column, (machine, scenario, controller, rpm) in hunting)
+        candidate = Candidate(controller, rpm, family_of(spec, controller), rows, column, flaw)
+        found.setdefault(Cell(machine, scenario, reference), []).append(candidate)
+    return found
+
+
+def hunters(frame: pd.DataFrame) -> set[tuple[str, str, str, float]]:
+    """Machine, scenario, controller and rpm of what hunts in any draw of any reference that holds still."""
+    rows = frame[frame["limit_cycle"].isin(HUNTING)]
+    return set(zip(rows["machine"], rows["scenario"], rows["controller"], rows["rpm"], strict=True))
+
+
+def _flaw(rows: pd.DataFrame, error: str, hunts: bool) -> str:
+    """Why a candidate cannot win; empty if it can."""
+    if hunts:
+        return "hunts"
+    unusual = rows.loc[rows["outcome"] != COMPLETED, "outcome"]
+    if not unusual.empty:
+        return str(unusual.iloc[0])
+    return "has no error" if rows[error].isna().any() else ""
+
+
+def by_class(candidates: list[Candidate]) -> Mapping[Class, list[Candidate]]:
+    """The candidates of each class, those without a flaw in front, the least error first."""
+    return {kind: sorted((one for one in candidates if one.kind == kind), key=order) for kind in CLASSES}
+
+
+def order(one: Candidate) -> tuple[bool, float]:
+    """The place of a candidate: the least error first, those with a flaw behind."""
+    return bool(one.flaw), 0.0 if one.flaw else one.size
+
+
+def sound(candidates: list[Candidate]) -> Iterator[Candidate]:
+    """Those that can win."""
+    return (one for one in candidates if not one.flaw)

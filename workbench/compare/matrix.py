@@ -1,0 +1,122 @@
+"""The first thing on the page: scenario by motion, a field each with verdict, margin and price; one for each machine.
+
+Colours survive print and colour blindness: Okabe and Ito's, lightened, and each field says its word.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from workbench.compare.candidates import MM, Cell
+from workbench.compare.intervals import Interval
+from workbench.compare.verdicts import Kind, Verdict, size_of, within
+from workbench.compare.words import millimetres, spread
+from workbench.report.words import plain_name, watts
+from workbench.study.report_schema import ComparisonTable
+
+COLOURS: dict[Kind, str] = {
+    "compensate": "#9fc6e6",
+    "avoid": "#f2b48a",
+    "both": "#dfa9c6",
+    "nothing needed": "#ffffff",
+    "level": "#f5e79e",
+    "cannot be told": "#d0d0d0",
+    "none holds": "#7a7a7a",
+    "no comparison": "#f4f4f4",
+}
+
+MEANING: dict[Kind, str] = {
+    "compensate": "compensation at rest beats rotation, and the plain controller at rest",
+    "avoid": "rotation with a plain controller beats compensation, and the plain controller at rest",
+    "both": "a compensator on a rotating rod beats either alone",
+    "nothing needed": "a plain controller at rest errs less than counts, or is beaten by nothing",
+    "level": "the differences are within what counts",
+    "cannot be told": "an interval reaches over what counts: these draws do not tell",
+    "none holds": "every candidate hunts or does not complete",
+    "no comparison": "the study lacks a side",
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field: its verdict, and the margin and price under it (empty where there is none)."""
+
+    kind: Kind
+    margin: str
+    price: str
+
+    @property
+    def word(self) -> str:
+        """The verdict as the field says it."""
+        return self.kind
+
+    @property
+    def colour(self) -> str:
+        """Its background."""
+        return COLOURS[self.kind]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """The fields of one machine: a row a scenario, a column a reference."""
+
+    machine: str
+    references: list[str]
+    rows: Mapping[str, list[Field | None]]
+
+
+def matrices(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[Matrix]:
+    """One matrix for each machine, in the order of the results."""
+    machines, scenarios, references = (list(dict.fromkeys(cell[i] for cell in found)) for i in range(3))
+    return [
+        Matrix(
+            machine,
+            references,
+            {
+                scenario: [
+                    _field(spec, found[cell]) if (cell := Cell(machine, scenario, reference)) in found else None
+                    for reference in references
+                ]
+                for scenario in scenarios
+            },
+        )
+        for machine in machines
+    ]
+
+
+def _field(spec: ComparisonTable, verdict: Verdict) -> Field:
+    return Field(verdict.kind, _margin(spec, verdict), _price(verdict))
+
+
+def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
+    """Who it is, and how far from the rival: "pi at rest: 0.02 mm; x 1.8 (1.6 to 2.1) for p at 25 rpm"."""
+    pair = verdict.pair
+    if pair is None:
+        return "; ".join(f"{one.words}: {millimetres(size_of(spec, one).mean)}" for one in verdict.best.values())
+    one, other = (verdict.best[kind] for kind in pair)
+    if verdict.kind == "nothing needed" and within(spec, one):
+        return f"{one.words}: {millimetres(size_of(spec, one).mean)}, within {millimetres(spec.negligible)}"
+    relation = verdict.relation(*pair)
+    ratio: Interval = relation.ratio
+    return (
+        f"{one.words}: {millimetres(size_of(spec, one).mean)}; {other.words}: x {ratio.mean:.3g}{spread(ratio)}, "
+        f"{relation.difference.mean * MM:+.3g} mm"
+    )
+
+
+def _price(verdict: Verdict) -> str:
+    """What the rotating side pays where it is, or would be, chosen."""
+    kind = "both" if verdict.kind == "both" else "avoid"
+    if verdict.kind in ("nothing needed", "no comparison", "none holds") or kind not in verdict.best:
+        return ""
+    one = verdict.best[kind]  # type: ignore[index]
+    return f"rotating: {watts(one.mean('motor_electric_power_W'))} at the terminals, {watts(one.paid)} paid"
+
+
+def key() -> list[tuple[str, str, str]]:
+    """Word, colour and meaning of each verdict."""
+    return [(kind, COLOURS[kind], MEANING[kind]) for kind in COLOURS]
+
+
+def title_of(machine: str) -> str:
+    """The machine's name over its matrix."""
+    return plain_name(machine) if machine else "Verdicts"
