@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from plants.equation import fields
 from plants.interface import Plant
 from workbench.files import Key
-from workbench.study.decide_schema import POWERS, DecideTable
+from workbench.study.decide_schema import HYDRAULIC, POWERS, DecideTable
 from workbench.study.document import Study
 from workbench.study.resolve import Resolved
 from workbench.study.schema import MOST_SAMPLES
@@ -46,7 +46,7 @@ def check_still(study: Study, table: DecideTable, still: Resolved) -> None:
     plant, end = still.setup.plant, 0.5 * still.setup.plant.travel(still.setup.parameters)
     if table.amplitude > end:
         raise study.error(("decide", "amplitude"), f"got {table.amplitude:g} m, the stroke ends at +-{end:g} m")
-    if not _has(plant, POWERS["total"][0]):
+    if not _has(plant, HYDRAULIC):
         raise study.error(("plant", "model"), f"{plant.name} has no hydraulic power: expected a hydraulic actuator")
     if any(table.rpm) and not plant.rotary_command and study.file.plant.get("model") != "by_rpm":
         message = f'plant "{plant.name}" does not rotate: expected rpm = [0] (or model = "by_rpm")'

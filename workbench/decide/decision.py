@@ -1,23 +1,31 @@
 """A decision: what was asked, every run, and what the runs say."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
 
-from workbench.decide.judgement import Answer, Judged, answer, at, judge, ordered
-from workbench.decide.machines import Progress, run_all
+from workbench.decide.answer import Answer, Cell
+from workbench.decide.confirm import confirm
+from workbench.decide.judged import judge
+from workbench.decide.machines import batches, run_batches
 from workbench.decide.plan import Plan
 from workbench.study.decide_schema import DecideTable
+
+Tell = Callable[[str, float], None]
+"""Called with what is being done, and the share of everything that is."""
+
+SEARCH_SHARE = 0.6
+"""Of the time, about, that the search takes; the rest is spent on fresh draws."""
 
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """The runs of a plan (a row each) and the judgement of each candidate at each speed and spread."""
+    """The runs of a plan (a row each), and what they say at each speed and spread."""
 
     plan: Plan
     draws: pd.DataFrame
-    rows: Sequence[Judged]
+    cells: Sequence[Cell]
 
     @property
     def table(self) -> DecideTable:
@@ -25,16 +33,35 @@ class Decision:
         return self.plan.table
 
     @property
-    def asked(self) -> list[Judged]:
-        """The candidates at the speed and spread that were asked for, the best first."""
-        return ordered(at(self.rows, self.table.speed, self.table.spread), self.table)
+    def asked(self) -> Cell:
+        """The speed and spread that were asked for."""
+        return self.at(self.table.speed, self.table.spread)
+
+    def at(self, speed: float, spread: float) -> Cell:
+        """A speed (m/s) and a spread of the map."""
+        return next(cell for cell in self.cells if (cell.speed, cell.spread) == (speed, spread))
 
     def answer(self, speed: float, spread: float) -> Answer:
-        """What suffices at a speed (m/s) and a spread of the map."""
-        return answer(at(self.rows, speed, spread), self.table)
+        """What suffices there."""
+        return self.at(speed, spread).answer()
 
 
-def decide(plan: Plan, jobs: int | None = None, progress: Progress | None = None) -> Decision:
-    """Run a plan and judge it; the same whatever the number of `jobs`."""
-    draws = run_all(plan, jobs, progress)
-    return Decision(plan, draws, judge(draws, plan.table))
+def decide(plan: Plan, jobs: int | None = None, tell: Tell = lambda said, done: None) -> Decision:
+    """Look for candidates, measure those that may be chosen on fresh draws; the same whatever the number of `jobs`."""
+    wanted = [
+        (candidate, speed, spread) for candidate in plan.candidates for speed in plan.speeds for spread in plan.spreads
+    ]
+    searched = run_batches(
+        plan,
+        batches("search", wanted, range(plan.draws)),
+        jobs,
+        lambda done, runs: tell(f"search: {done} of {runs} runs", SEARCH_SHARE * done / runs),
+    )
+    rows = judge(searched, plan.table)
+    cells = [
+        Cell(speed, spread, plan.table, [row for row in rows if (row.speed, row.spread) == (speed, spread)])
+        for speed in plan.speeds
+        for spread in plan.spreads
+    ]
+    fresh = confirm(plan, cells, jobs, lambda said, done: tell(said, SEARCH_SHARE + 0.9 * (1.0 - SEARCH_SHARE) * done))
+    return Decision(plan, pd.concat([searched, fresh], ignore_index=True) if len(fresh) else searched, cells)

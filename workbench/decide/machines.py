@@ -1,83 +1,119 @@
-"""Every candidate on every drawn machine: the runs of a decision."""
+"""Candidates on drawn machines: the runs of a decision, a row each."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from workbench.decide.plan import Plan
+from workbench.decide.plan import Candidate, Plan, Stage
 from workbench.metrics import evaluate
+from workbench.metrics.limit_cycle import HUNTING
 from workbench.simulation.simulate import COMPLETED, simulate
-from workbench.study.decide_schema import ERRORS, POWERS
+from workbench.study.decide_schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
+from workbench.study.hold import HOLD_SHARE, held
 from workbench.study.resolve import Resolved
+from workbench.study.run_on import evaluated
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished runs, and of all."""
+"""Called with the number of finished runs, and of all of this stage."""
+
+KEYS = ("controller", "rpm", "speed_m_per_s", "spread", "draw")
+"""What a row is told from the others of its stage by."""
 
 
 @dataclass(frozen=True)
-class Machine:
-    """A draw (number) at a spread, moving at a speed (m/s) and rotating at rpm: all controllers run on it."""
+class Batch:
+    """A draw (number) at a spread, rotating at rpm: which controllers move on it at which speeds (m/s)."""
 
+    stage: Stage
     rpm: float
-    speed: float
     spread: float
     number: int
+    speeds: dict[str, Sequence[float]]
+
+    @property
+    def runs(self) -> int:
+        """How many runs it is, those of holds not counted."""
+        return sum(map(len, self.speeds.values()))
 
 
-def run_all(plan: Plan, jobs: int | None = None, progress: Progress | None = None) -> pd.DataFrame:
+def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numbers: Sequence[int]) -> list[Batch]:
+    """The candidates at their speeds and spreads on the machines of these numbers, those that share one together."""
+    grouped: dict[tuple[float, float], dict[str, list[float]]] = {}
+    for (name, rpm), speed, spread in wanted:
+        grouped.setdefault((rpm, spread), {}).setdefault(name, []).append(speed)
+    return [
+        Batch(stage, rpm, spread, number, dict(speeds))
+        for (rpm, spread), speeds in grouped.items()
+        for number in numbers
+    ]
+
+
+def run_batches(
+    plan: Plan, wanted: Sequence[Batch], jobs: int | None = None, progress: Progress | None = None
+) -> pd.DataFrame:
     """Run everything: a row a run, by controller, rpm, speed, spread and draw, whatever the number of `jobs`.
 
     `error_m` and `power_W` are the figures that [decide] chooses, NaN where a run has none; `meets_accuracy` and
-    `meets_power` say whether a run that completed keeps to the limits.
+    `meets_power` say whether a run that completed keeps to the limits, `hunts` whether the loop does on that machine
+    while a step is held.
     """
-    machines = [
-        Machine(rpm, speed, spread, number)
-        for speed in plan.speeds
-        for spread in plan.spreads
-        for rpm in dict.fromkeys(rpm for _, rpm in plan.candidates)
-        for number in range(plan.draws)
-    ]
     rows: list[dict[str, object]] = []
+    runs = sum(batch.runs for batch in wanted)
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
-        futures: list[Future[list[dict[str, object]]]] = [executor.submit(_run, plan, one) for one in machines]
+        futures: list[Future[list[dict[str, object]]]] = [executor.submit(_run, plan, batch) for batch in wanted]
         try:
             for future in as_completed(futures):
                 rows += future.result()
                 if progress is not None:
-                    progress(len(rows), plan.runs)
+                    progress(len(rows), runs)
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             raise
-    frame = pd.DataFrame(rows)
+    return in_order(plan, pd.DataFrame(rows))
+
+
+def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
+    """Rows by controller as the study names them, then by the other `KEYS`."""
     order = {name: i for i, name in enumerate(dict.fromkeys(name for name, _ in plan.candidates))}
-    keys = ["controller", "rpm", "speed_m_per_s", "spread", "draw"]
     return frame.sort_values(
-        keys, key=lambda column: column.map(order) if column.name == keys[0] else column, ignore_index=True
+        list(KEYS), key=lambda column: column.map(order) if column.name == KEYS[0] else column, ignore_index=True
     )
 
 
-def _run(plan: Plan, machine: Machine) -> list[dict[str, object]]:
-    """All controllers on one machine, which is built once: they differ in nothing but their loop."""
-    names = [name for name, rpm in plan.candidates if rpm == machine.rpm]
-    place = (machine.speed, machine.spread, machine.number)
-    built = plan.machine((names[0], machine.rpm), *place)
-    rows = []
-    for name in names:
-        loop = plan.loops[name, machine.rpm]
-        figures = _figures(plan, replace(built, setup=replace(built.setup, loop=loop)))
-        where = {"controller": name, "rpm": machine.rpm, "speed_m_per_s": machine.speed, "spread": machine.spread}
-        rows.append({**where, "draw": machine.number, **figures})
+def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
+    """All controllers on one machine, which is built once a speed: they differ in nothing but their loop."""
+    rows, first = [], next(iter(batch.speeds))
+    built = {
+        speed: plan.machine((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
+        for speed in dict.fromkeys(speed for speeds in batch.speeds.values() for speed in speeds)
+    }
+    for name, speeds in batch.speeds.items():
+        loop, hunts = plan.loops[name, batch.rpm], None
+        for speed in speeds:
+            one = replace(built[speed], setup=replace(built[speed].setup, loop=loop))
+            hunts = _hunts(plan, one) if hunts is None else hunts
+            where = {"controller": name, "rpm": batch.rpm, "speed_m_per_s": speed, "spread": batch.spread}
+            rows.append({"stage": batch.stage, **where, "draw": batch.number, **_figures(plan, one), "hunts": hunts})
     return rows
+
+
+def _hunts(plan: Plan, resolved: Resolved) -> bool:
+    """Whether a loop hunts, or diverges, while a step is held."""
+    table = plan.table
+    case = held(resolved, table.hold_level or HOLD_SHARE * table.amplitude, table.hold_duration)
+    run = simulate(case.setup)
+    return run.diverged or evaluated(case, run, ("limit_cycle",))["limit_cycle"] in HUNTING
 
 
 def _figures(plan: Plan, resolved: Resolved) -> dict[str, object]:
     """What is kept of a run."""
     error, powers = ERRORS[plan.table.figure], POWERS[plan.table.power_figure]
     run = simulate(resolved.setup)
-    found = evaluate(run, resolved.signal, resolved.transient, resolved.band, (error, *powers))
+    kept = (PUMP, MOTOR, REAL_SPEED)
+    found = evaluate(run, resolved.signal, resolved.transient, resolved.band, (error, *powers, *kept))
     watts = [value for name in powers if isinstance(value := found[name], float)]
     value, power = found[error], sum(watts) if watts else float("nan")
     size = value if isinstance(value, float) else float("nan")
@@ -86,6 +122,7 @@ def _figures(plan: Plan, resolved: Resolved) -> dict[str, object]:
         "outcome": run.outcome,
         "error_m": size,
         "power_W": power,
+        **{name: found[name] for name in kept},
         "meets_accuracy": completed and size <= plan.table.accuracy,
         "meets_power": completed and power <= plan.table.power,
     }

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
 from workbench.errors import UserError, nearest
@@ -12,12 +13,16 @@ from workbench.simulation.simulate import Loop
 from workbench.study.checks import Checks
 from workbench.study.decide_schema import DecideTable
 from workbench.study.document import Case, Study, unfold
+from workbench.study.layers import MACHINE
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.schema import SimulationTable
 from workbench.study.uncertainty import check_scales, drawn_case
 
-STREAM = 2
-"""The stream of draws of decisions: none of those on which gains were tuned."""
+Stage = Literal["search", "fresh"]
+"""Draws on which candidates are looked for, and draws on which those that may be chosen are measured."""
+
+STREAMS: dict[Stage, int] = {"search": 2, "fresh": 4}
+"""The streams of draws of decisions: none of those on which gains were tuned or studies run, nor each other's."""
 
 MOTION = "decision"
 """The name of the reference that a decision makes."""
@@ -37,25 +42,38 @@ class Plan:
     speeds: Sequence[float]
     spreads: Sequence[float]
     draws: int
+    fresh_draws: int
     cases: Mapping[float, Mapping[Candidate, Case]]
     loops: Mapping[Candidate, Loop]
 
     @property
+    def several(self) -> bool:
+        """Whether machines are drawn; without [uncertainty] there is one, the declared one."""
+        return self.draws > 1
+
+    @property
+    def plant(self) -> Mapping[str, Any]:
+        """What is declared of the plant: the study's, under what its machine says."""
+        return next(iter(self.cases[self.table.speed].values())).declared
+
+    @property
     def runs(self) -> int:
-        """How many runs it takes."""
+        """How many runs the search takes, those of holds not counted."""
         return len(self.candidates) * len(self.speeds) * len(self.spreads) * self.draws
 
     @property
     def simulated_seconds(self) -> float:
-        """Duration of all runs together (s)."""
+        """Duration of all runs of the search together, holds included (s)."""
         each = len(self.candidates) * len(self.spreads) * self.draws
-        return each * sum(self.table.cycles * self.table.period(speed) for speed in self.speeds)
+        moving = sum(self.table.cycles * self.table.period(speed) for speed in self.speeds)
+        return each * (moving + self.table.hold_duration)
 
-    def machine(self, candidate: Candidate, speed: float, spread: float, number: int) -> Resolved:
+    def machine(self, candidate: Candidate, speed: float, spread: float, number: int, stage: Stage) -> Resolved:
         """A candidate's case on the machine of a draw, with friction spread by `spread` standard deviations."""
         case, uncertainty = self.cases[speed][candidate], self.study.file.uncertainty
         if uncertainty is not None:
-            case = drawn_case(case, uncertainty.model_copy(update={"friction": spread}), number, STREAM)
+            drawn = uncertainty.model_copy(update={"friction": spread})
+            case = drawn_case(case, drawn, number, STREAMS[stage])
         return resolve(self.study, case)
 
 
@@ -80,7 +98,7 @@ def plan_decision(study: Study) -> Plan:
     check_still(study, table, resolve(study, _still(cases[table.speed])))
     resolved = {candidate: resolve(study, case) for candidate, case in cases[table.speed].items()}
     check_candidates(study, table, resolved)
-    check_scales(study)
+    check_scales(study, cases[table.speed].values())
     Checks(study, list(cases[table.speed].values()), list(resolved.values()), [], COLUMNS).without_use()
     planned = Plan(
         study,
@@ -89,6 +107,7 @@ def plan_decision(study: Study) -> Plan:
         speeds,
         sorted({*(table.spreads or []), table.spread}),
         table.draws if study.file.uncertainty is not None else 1,
+        table.fresh_draws if study.file.uncertainty is not None else 0,
         cases,
         {candidate: one.setup.loop for candidate, one in resolved.items()},
     )
@@ -133,20 +152,22 @@ def _cases(
     controllers: Sequence[str],
     rotations: Sequence[float],
 ) -> dict[Candidate, Case]:
-    """The candidates' cases at a speed: the study with this motion alone, over controllers and rpm."""
+    """The candidates' cases at a speed: the study with its machine and this motion alone, over controllers and rpm."""
     period = table.period(speed)
     # One sample more than the periods, so that rounding to samples takes none of them away.
     span = {"duration": table.cycles * period + sample_time, "transient": (table.cycles - 1) * period}
+    on = {MACHINE.axis: table.machine} if table.machine is not None else {}
+    machine = {axis: [name] for axis, name in on.items()}
     file = study.file.model_copy(
         update={
             "cases": {},
-            "axes": {"controller": list(controllers), "rpm": list(rotations)},
+            "axes": {**machine, "controller": list(controllers), "rpm": list(rotations)},
             "references": {MOTION: {"kind": "sine", "amplitude": table.amplitude, "frequency": 1.0 / period}},
             "simulation": {**study.file.simulation, **span},
         }
     )
     cases = unfold(replace(study, file=file))
-    return {(case.tables["controller"], case.rpm): replace(case, axes={}) for case in cases}
+    return {(case.tables["controller"], case.rpm): replace(case, axes=on) for case in cases}
 
 
 def _still(cases: Mapping[Candidate, Case]) -> Case:
@@ -160,6 +181,6 @@ def _check_draws(planned: Plan) -> None:
     for candidate in planned.candidates[: len(planned.table.rpm)]:
         for spread in planned.spreads:
             try:
-                planned.machine(candidate, planned.table.speed, spread, 0)
+                planned.machine(candidate, planned.table.speed, spread, 0, "search")
             except SchemaError as mistake:
                 raise planned.study.error(mistake.key, mistake.message) from None
