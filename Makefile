@@ -3,16 +3,26 @@ PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation comparison
+STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation
+QUICK := --draws 2 --fresh-draws 6
+COMPARISONS := comparison friction_model_worth hunting_rotation rotation_on_demand rotary_friction
 
 THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
-TUNINGS := tuning tuning_robust tuning_rotation
+TUNINGS := tuning tuning_rotation tuning_comparison
 IDENTIFICATIONS := 0_rpm rotary rotating
+MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-thesis study-closed-loop study-tuning study-decision test lint benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test lint benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
+		$(BIN)/workbench run studies/$$name.toml --out results/$$name --overwrite; \
+	done; \
+	$(BIN)/workbench run studies/comparison.toml $(QUICK) --out results/comparison --overwrite
+
+# The main comparison with all its draws, and the studies that answer what it leaves out.
+study-comparison: $(ENVIRONMENT)/ready
+	@set -e; for name in $(COMPARISONS); do \
 		$(BIN)/workbench run studies/$$name.toml --out results/$$name --overwrite; \
 	done
 
@@ -32,17 +42,18 @@ study-closed-loop: $(ENVIRONMENT)/ready
 	$(BIN)/workbench diagnose studies/closed_loop/experiment.toml --out results/closed_loop_diagnosis --overwrite
 	$(BIN)/workbench run studies/closed_loop.toml --out results/closed_loop --overwrite
 
-# Controllers tuned alike: on the believed plant, on machines that may be met, and with the speed of rotation; then the
-# comparison with tuned gains.
+# Controllers tuned alike: on the believed plant, with the speed of rotation, and on machines that may be met, for each of the
+# comparison's machines and speeds of rotation: the gains of studies/tuned/.
 study-tuning: $(ENVIRONMENT)/ready
 	@set -e; for name in $(TUNINGS); do \
 		$(BIN)/workbench tune studies/$$name.toml --out results/$$name --overwrite; \
-	done; \
-	$(BIN)/workbench run studies/comparison_tuned.toml --out results/comparison_tuned --overwrite
+	done
 
-# Which controller and rpm meet an accuracy at a speed, on machines that are drawn.
+# Which controller and rpm meet an accuracy at a speed, on draws of either machine.
 study-decision: $(ENVIRONMENT)/ready
-	$(BIN)/workbench decide studies/decision.toml --out results/decision --overwrite
+	@set -e; for machine in $(MACHINES); do \
+		$(BIN)/workbench decide studies/decision.toml --machine $$machine --out results/decision_$$machine --overwrite; \
+	done
 
 test: lint
 	$(BIN)/python -m pytest -n 2

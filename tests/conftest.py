@@ -1,5 +1,7 @@
 """Fixtures that several tests share: every registered plant, and parameters for it."""
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,14 @@ pytest.register_assert_rewrite("command", "mistakes")
 
 FORCE_GAIN = {"force_gain": 100.0, "pump_displacement": 2e-7}
 """N/V and m^3/rad. The thesis's actuator has neither; a drive that a voltage moves and a pump need them."""
+
+
+@pytest.fixture(autouse=True, scope="session")
+def no_progress() -> Iterator[None]:
+    """A command says nothing of how far it is, however slow the machine: what it says is compared."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workbench.cli.progress.INTERVAL", math.inf)
+        yield
 
 
 @pytest.fixture(params=plants().values(), ids=lambda plant: plant.name)

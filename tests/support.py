@@ -5,10 +5,12 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from controllers.interface import Reference
 from controllers.pid import PID
 from plants.equation import Scalar, equation
 from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Measurement, Plant
+from plants.motor import LIMITS
 from plants.registry import plants
 from workbench.parameters import build, named_sets, read_parameters
 from workbench.simulation.simulate import Loop, Setup
@@ -121,10 +123,18 @@ def start(
 
 
 def registered(
-    name: str, values: str = "owen2001_simulation", *, rpm: float = 0.0, flow: str = "derived", **options: Any
+    name: str,
+    values: str = "owen2001_simulation",
+    *,
+    rpm: float = 0.0,
+    flow: str = "derived",
+    motor_limits: bool = True,
+    **options: Any,
 ) -> Setup:
     """A run of a registered plant with a named parameter set, at rest in mid-stroke."""
-    plant, numbers = plants()[name], read_parameters(named_sets()[values])
+    plant, numbers = plants()[name], dict(read_parameters(named_sets()[values]))
+    if not motor_limits:
+        numbers |= dict.fromkeys(LIMITS, np.inf)
     parameters = build(plant.Parameters, numbers, flow)
     state, inputs = plant.equilibrium(parameters, rpm * 2.0 * np.pi / 60.0 * numbers.get("piston_radius", 0.0))
     return Setup(plant, parameters, state, inputs, **options)
@@ -142,3 +152,16 @@ def hydraulic(loop_gain: float = 500.0, duration: float = 2.0, friction: bool = 
     truth = p._replace(hydraulics=p.hydraulics._replace(**changes), body=body, friction=contact)
     gains = PID.design(PID.Settings(kp=loop_gain), p, setup.sample_time)
     return replace(setup, parameters=truth, loop=Loop(PID, gains))
+
+
+def replayed_commands(
+    loop: Loop, readings: list[Measurement], wanted: list[tuple[float, float, float]], sample_time: float
+) -> np.ndarray:
+    """Commands of a loop's plain equations over readings and what is wanted, as asked for and all realised."""
+    controller, gains = loop.controller, loop.gains
+    state, commands = controller.start(readings[0], gains), []
+    for reading, point in zip(readings, wanted, strict=True):
+        command, state = controller.step(Reference(*point), reading, state, gains, sample_time)
+        state = controller.commit(float(command), state, gains, sample_time)
+        commands.append(float(command))
+    return np.array(commands)
