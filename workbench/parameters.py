@@ -144,6 +144,7 @@ def _deviation(value: Any, unit: str) -> float:
     return number
 
 
+@functools.lru_cache(4096)  # the machine of a draw is the same for every controller, speed and motion
 def drawn(name: str, value: float, deviation: float, seed: int) -> float:
     """One parameter's value (SI) drawn from the normal distribution with mean `value` and that standard `deviation`.
 

@@ -5,8 +5,6 @@ that having picked the best does not flatter it. The best of a class is that wit
 errors: on this scale ratios are judged, and one bad draw does not decide.
 """
 
-from collections.abc import Iterable
-
 import pandas as pd
 
 from workbench.compare.candidates import (
@@ -78,16 +76,17 @@ def related(spec: ComparisonTable, one: Candidate, other: Candidate, comparisons
     """How `one` does against `other` on the draws that both have met."""
     common = one.rows.index.intersection(other.rows.index)
     first, second = one.rows.loc[common], other.rows.loc[common]
-    solver = (_known(first["solver_error_m"]) + _known(second["solver_error_m"])).mean()
     return paired(
         first[one.error_column].to_numpy(float),
         second[other.error_column].to_numpy(float),
         negligible=spec.negligible,
-        solver_error=float(solver),
+        solver_error=_solver_error(first) + _solver_error(second),
         probability=spec.probability,
         comparisons=comparisons,
     )
 
 
-def _known(errors: Iterable[float]) -> pd.Series:
-    return pd.Series(errors, dtype=float).fillna(0.0)
+def _solver_error(rows: pd.DataFrame) -> float:
+    """Mean (m) over the draws that tell one; 0 where none does."""
+    known = rows["solver_error_m"].dropna()
+    return float(known.mean()) if len(known) else 0.0

@@ -201,12 +201,13 @@ def _speeds(values: Sequence[float]) -> str:
 
 
 def exactness(spec: ComparisonTable, frame: pd.DataFrame) -> str:
-    """In words, how many cases have an error that is hardly larger than that of their integration."""
+    """In words, how many cases have an error that is hardly larger than that of their integration, where that is told."""
+    frame = frame[frame["solver_error_m"].notna()]
     steps = frame["reference"].isin(spec.steps)
     error = np.where(steps, frame["steady_state_max_error_m"], frame["rms_error_m"])
     doubtful = frame["solver_error_m"] > 0.1 * error
     told = doubtful & (error > spec.negligible)
     return (
-        f"{doubtful.sum()} of {len(frame)} cases have a solver error above 10 % of their error; in {told.sum()} of "
-        f"these the error is above {spec.negligible * MM:g} mm."
+        f"Of {len(frame)} cases whose solver error was found, {doubtful.sum()} have one above 10 % of their error; in "
+        f"{told.sum()} of these the error is above {spec.negligible * MM:g} mm."
     )

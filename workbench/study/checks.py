@@ -322,8 +322,10 @@ def _plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
     names = {field.name for plant in family for field in fields(plant.Parameters)} - {FLOW_SHARE}
     found = {}
     for key, applies in _applies(case, family, names).items():
-        hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
-        found[key] = "" if applies else f'plant "{family[0].name}" has no use for it; {hint}'
+        found[key] = ""
+        if not applies:
+            hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
+            found[key] = f'plant "{family[0].name}" has no use for it; {hint}'
     return found
 
 

@@ -61,7 +61,8 @@ class Case:
     """One point of a study, before anything is built: `tables` is what the file says there.
 
     `axes` are its columns in the results; `declared` is the plant table of its machine, without what scenario and axes
-    changed: what a controller may believe. Plain data, so that it can travel to another process.
+    changed: what a controller may believe. Plain data, so that it can travel to another process. `tells_solver_error`
+    is false on all draws but the first: what the integration adds is a property of the loop, and costs more than the run.
     """
 
     index: int
@@ -70,6 +71,7 @@ class Case:
     tables: dict[str, Any]
     declared: dict[str, Any]
     folder: Path
+    tells_solver_error: bool = True
 
     @property
     def columns(self) -> dict[str, Any]:

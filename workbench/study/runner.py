@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,7 @@ from workbench.study.store import (
     write_study,
     write_trajectory,
 )
-from workbench.study.uncertainty import on_drawn_machines
+from workbench.study.uncertainty import DRAW, on_drawn_machines
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
@@ -51,12 +52,22 @@ Progress = Callable[[int, int, Case], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """A study that has been checked to the last key: its cases and what each of them runs."""
+    """A study that has been checked to the last key: its cases, and what each of them is on the machine as `declared`,
+    not drawn.
+    """
 
     study: Study
     cases: list[Case]
-    resolved: list[Resolved]
+    declared: list[Resolved]
     warnings: Sequence[str] = ()
+
+    @cached_property
+    def resolved(self) -> list[Resolved]:
+        """What each case runs."""
+        return [
+            resolve(self.study, case) if DRAW in case.axes else declared
+            for case, declared in zip(self.cases, self.declared, strict=True)
+        ]
 
     @property
     def axes(self) -> list[str]:
@@ -100,7 +111,7 @@ class Plan:
     @property
     def simulated_seconds(self) -> float:
         """Duration of all cases together (s)."""
-        return sum(item.setup.duration for item in self.resolved)
+        return sum(item.setup.duration for item in self.declared)
 
 
 def plan(study: Study) -> Plan:
@@ -109,25 +120,27 @@ def plan(study: Study) -> Plan:
     Raises:
         UserError: the first mistake in any case, table or figure.
     """
-    declared = unfold(study)
-    resolved = [resolve(study, case) for case in declared]
-    cases = on_drawn_machines(study, declared)
-    if cases != declared:
-        resolved = [resolve(study, case) for case in cases]
-    planned = Plan(study, cases, resolved)
-    checks = Checks(study, cases, resolved, planned.axes, COLUMNS)
+    cases = unfold(study)
+    resolved = [resolve(study, case) for case in cases]
+    planned = _drawn(study, cases, resolved)
+    checks = Checks(study, planned.cases, planned.declared, planned.axes, COLUMNS)
     checks.all()
     return replace(planned, warnings=checks.warnings())
 
 
 def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> Plan:
     """Those cases of a plan that have one of the `wanted` sets of columns, on so many machines not yet drawn."""
-    declared = unfold(planned.study)
-    chosen = [case for case in declared if any(matches(case.columns, where) for where in wanted)]
-    table = planned.study.file.uncertainty
+    study, table = planned.study, planned.study.file.uncertainty
+    chosen = [case for case in unfold(study) if any(matches(case.columns, where) for where in wanted)]
     first = 1 + (table.draws if table is not None else 0)
-    cases = on_drawn_machines(planned.study, chosen, range(first, first + draws))
-    return Plan(planned.study, cases, [resolve(planned.study, case) for case in cases])
+    return _drawn(study, chosen, [resolve(study, case) for case in chosen], range(first, first + draws))
+
+
+def _drawn(study: Study, cases: list[Case], resolved: list[Resolved], numbers: range | None = None) -> Plan:
+    """The plan of these cases on each machine that is drawn."""
+    drawn = on_drawn_machines(study, cases, numbers)
+    each = len(drawn) // len(cases) if cases else 1
+    return Plan(study, drawn, [item for item in resolved for _ in range(each)])
 
 
 def needed_trajectories(planned: Plan) -> set[int]:
@@ -155,7 +168,7 @@ def run_case(
     run = simulate(resolved.setup)
     values: dict[str, Any] = dict(case.columns)
     values |= evaluated(resolved, run)
-    values["solver_error_m"] = solver_error(resolved.setup, run)
+    values["solver_error_m"] = solver_error(resolved.setup, run) if case.tells_solver_error else None
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)

@@ -34,7 +34,7 @@ RUN_STREAM = 3
 def on_drawn_machines(study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None) -> list[Case]:
     """Each case on each machine of these `numbers` (default: 1 to the study's number of draws), in that order.
 
-    The cases as they are where a study draws none. Results get a column `draw`.
+    The cases as they are where a study draws none. Results get a column `draw`; the first number tells solver errors.
 
     Raises:
         UserError: what [uncertainty] says does not serve the study's plants or sensors.
@@ -44,13 +44,15 @@ def on_drawn_machines(study: Study, cases: Sequence[Case], numbers: Iterable[int
         return list(cases)
     check_scales(study, cases)
     found: list[Case] = []
+    numbered = list(numbers or range(1, table.draws + 1))
     for case in cases:
-        for number in numbers or range(1, table.draws + 1):
+        for number in numbered:
             try:
                 drawn = drawn_case(case, table, number, RUN_STREAM)
             except SchemaError as mistake:
                 raise study.error(mistake.key, mistake.message) from None
-            found.append(replace(drawn, index=len(found), axes={**case.axes, DRAW: number}))
+            axes, first = {**case.axes, DRAW: number}, number == numbered[0]
+            found.append(replace(drawn, index=len(found), axes=axes, tells_solver_error=first))
     return found
 
 
@@ -81,9 +83,10 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
         SchemaError: a channel that there is not, or a parameter set without standard deviations.
     """
     generator = np.random.default_rng([table.seed, stream, number])
-    tables = copy.deepcopy(case.tables)
-    tables.setdefault("simulation", {})["seed"] = int(generator.integers(LAST_SEED))
-    plant = tables["plant"]
+    own = ("simulation", "plant", "sensors")  # all else is the case's, shared by its draws
+    tables = {**case.tables, **{name: copy.deepcopy(case.tables.get(name, {})) for name in own}}
+    tables["simulation"]["seed"] = int(generator.integers(LAST_SEED))
+    plant, sensors = tables["plant"], tables["sensors"]
     if table.friction:
         names = _spread_names(str(plant["parameters"]), case)
         plant["spread"] = {**dict.fromkeys(names, table.friction), **plant.get("spread", {})}
@@ -93,10 +96,10 @@ def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0
     plant["scale"] = scale
     for channel, limits in table.noise.items():
         low, high = (_noise(channel, key, value) for key, value in (("min", limits.min), ("max", limits.max)))
-        sensor = tables.setdefault("sensors", {}).setdefault(channel, {})
+        sensor = sensors.setdefault(channel, {})
         sensor["noise"] = low + (high - low) * generator.random()
     if table.calibration:
-        _draw_calibration(tables.get("sensors", {}), generator)
+        _draw_calibration(sensors, generator)
     return replace(case, tables=tables)
 
 
