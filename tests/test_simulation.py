@@ -1,5 +1,6 @@
 """The loop around the integrators: feeds, saturation, outcomes, speed of rotation, compiled against plain Python."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -15,7 +16,9 @@ from controllers.speed_servo import SPEED_SERVO
 from controllers.velocity import filtered_differentiator
 from plants.equation import fields, from_array
 from plants.friction_gauge import gauged
-from plants.interface import Measurement
+from plants.interface import Measurement, Plant, compile_derivatives
+from plants.non_rotating import NON_ROTATING
+from workbench.simulation import compilation
 from workbench.simulation.references import Multisine, Ramp, Recorded, ReferenceSignal, Sine, Steps
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Run, Setup, simulate
@@ -247,3 +250,19 @@ def test_compiled_controller_equals_its_equations(controller: Controller) -> Non
         assert run.time.size == 101
         expected = np.clip(replay(controller, gains, setup, run), -bound, bound)
         assert run.command == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+def test_two_threads_run_the_same_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were it compiled for each, that of one would be freed while its addresses are in use."""
+    made = []
+
+    def slowly(plant: Plant) -> Any:
+        time.sleep(0.05)
+        made.append(compile_derivatives(plant))
+        return made[-1]
+
+    monkeypatch.setattr(compilation, "compile_derivatives", slowly)
+    plant = replace(NON_ROTATING, name="of this test alone")
+    with ThreadPoolExecutor(4) as threads:
+        addresses = set(threads.map(compilation.plant_addresses, [plant] * 4))
+    assert len(made) == len(addresses) == 1

@@ -1,5 +1,6 @@
 """What so many draws say of all machines: shares and quantiles, each with the interval in which it is."""
 
+import functools
 import math
 from collections.abc import Sequence
 
@@ -12,6 +13,7 @@ MOST_ALIKE = 1e-4
 """Shares that differ by less are not told apart by any number of draws that could be run."""
 
 
+@functools.lru_cache(4096)
 def share_interval(successes: int, trials: int, sure: float = SURE) -> tuple[float, float]:
     """Exact interval of a share: where it is with a probability of at least `sure`, whatever the share.
 

@@ -2,6 +2,7 @@
 
 import functools
 import itertools
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -13,6 +14,9 @@ from workbench.errors import UserError
 NUMBA_FAILED = "Failed in nopython mode pipeline"
 """What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
 
+COMPILING = threading.Lock()
+"""Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
+
 
 def plant_addresses(plant: Plant) -> tuple[int, int]:
     """Addresses of the plant's derivatives and of its readings.
@@ -20,7 +24,8 @@ def plant_addresses(plant: Plant) -> tuple[int, int]:
     Raises:
         UserError: it cannot be compiled, and why.
     """
-    derivatives, measure = _compiled_plant(plant)
+    with COMPILING:
+        derivatives, measure = _compiled_plant(plant)
     return derivatives.address, measure.address
 
 
@@ -30,7 +35,8 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
     Raises:
         UserError: it cannot be compiled, and why.
     """
-    step, commit = _compiled_controller(controller)
+    with COMPILING:
+        step, commit = _compiled_controller(controller)
     return step.address, commit.address
 
 
