@@ -1,4 +1,6 @@
-"""Downhill along the bounds of constraints: COBYQA, which takes no derivatives (scipy.optimize).
+"""Downhill along the bounds of constraints: COBYQA, which takes no derivatives.
+
+Its authors' own package: SciPy's copy lets only one thread in at a time, and searches run side by side.
 
 T. M. Ragonneau, Model-based derivative-free optimization methods and software, thesis, Hong Kong Polytechnic
 University, 2022: quadratic models of objective and constraints in a trust region. Where an optimum lies on the bound of
@@ -9,7 +11,8 @@ import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from scipy.optimize import NonlinearConstraint, minimize
+from cobyqa import minimize
+from scipy.optimize import NonlinearConstraint
 
 SMOOTH = ("gain margin", "phase margin", "saturation")
 """Constraints that change gradually with the gains, and of which there can be a model; others are a wall."""
@@ -57,8 +60,7 @@ def descend(tried: Tried, start: np.ndarray, radius: float, count: int) -> None:
     minimize(
         lambda shares: at(shares)[0],
         start,
-        method="COBYQA",
         bounds=[(0.0, 1.0)] * start.size,
         constraints=[NonlinearConstraint(lambda shares: at(shares)[1], -np.inf, 0.0)],
-        options={"initial_tr_radius": radius, "final_tr_radius": LAST_RADIUS, "maxfev": count},
+        options={"radius_init": radius, "radius_final": LAST_RADIUS, "maxfev": count},
     )

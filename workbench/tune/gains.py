@@ -16,7 +16,7 @@ from workbench.tune.space import RPM, THRESHOLD
 from workbench.tune.task import in_user_units, tune_table
 from workbench.tune.tuning import Tuned
 
-PACKAGES = ("optuna", "scipy", "numpy", "numba")
+PACKAGES = ("optuna", "cobyqa", "scipy", "numpy", "numba")
 """Whose versions a gain file keeps."""
 
 LOWEST, POINTS = 0.01, 6000
