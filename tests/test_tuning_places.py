@@ -197,3 +197,12 @@ def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:
     assert "would lower it on the fit records: 1.00 N without it, 0.500 N with it" in of_term(
         {"data_driven_term": term}
     )
+
+
+def test_a_controller_is_tuned_where_the_study_has_it(tmp_path: Path) -> None:
+    text = PLACES.replace('controller = ["p", "pd", "lugre"]', 'controller = ["p"]').replace("[axes]", "[cases.every.axes]")
+    text += '[cases.heavy.axes]\nmachine = ["heavy"]\nrpm = [0]\ncontroller = ["lugre"]\n'
+    study, names = ready(tmp_path, text, ["p", "lugre", "pd"])
+    labels = [task.label for task in tasks_for(study, names)]
+    assert [label for label in labels if label.startswith("lugre")] == ["lugre, machine heavy, rpm 0"]
+    assert [sum(label.startswith(f"{name},") for label in labels) for name in ("p", "pd")] == [4, 4]

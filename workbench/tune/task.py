@@ -12,7 +12,7 @@ from controllers.registry import CONTROLLERS
 from controllers.settings import settings_of
 from workbench.errors import UserError
 from workbench.files import SchemaError
-from workbench.study.document import Case, Study, unfold
+from workbench.study.document import Case, Study, named, unfold
 from workbench.study.names import in_words, matches
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.tune_schema import TuneTable, UncertaintyTable
@@ -145,13 +145,15 @@ def cases_for(study: Study, cases: Sequence[Case], name: str, at: Mapping[str, A
 
 
 def tasks_for(study: Study, names: Sequence[str]) -> list[Task]:
-    """The tasks of tuning these controllers, for each combination that [tune] per asks for.
+    """The tasks of tuning these controllers, each for the combinations that [tune] per asks for where the study has a
+    case with it; for all of them where it has none.
 
     Raises:
         UserError: as `task_for`.
     """
     cases = unfold(study)
-    return [_task(study, cases, name, at) for name in names for at in combinations(study, cases)]
+    own = {name: [case for case in cases if named(case, "controller") == name] or cases for name in names}
+    return [_task(study, cases, name, at) for name in names for at in combinations(study, own[name])]
 
 
 def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
