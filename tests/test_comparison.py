@@ -12,7 +12,8 @@ from workbench.compare.agreement import agreement
 from workbench.compare.candidates import Cell
 from workbench.compare.changes import changes
 from workbench.compare.finalists import finalists
-from workbench.compare.overview import hunting, pump
+from workbench.compare.matrix import matrices
+from workbench.compare.overview import around_the_rod, hunting, pump
 from workbench.compare.page import write_comparison
 from workbench.compare.tables import pivots
 from workbench.compare.verdicts import Kind, Verdict, verdicts
@@ -345,3 +346,15 @@ before = { p = "old" }
 
 def test_agree_needs_a_comparison(tmp_path: Path) -> None:
     fails(workbench("agree", tmp_path, tmp_path), "holds no finished results")
+
+
+def test_a_machine_with_fewer_scenarios_has_a_smaller_matrix_and_no_price_of_its_own() -> None:
+    """A third machine that turns as the second does, in one scenario."""
+    frame = whole()
+    third = frame[(frame["machine"] == "rig") & (frame["scenario"] == "soft")].assign(machine="rig behind hoses")
+    found = verdicts(SPEC, pd.concat([frame, third], ignore_index=True), None)
+    assert [list(one.rows) for one in matrices(SPEC, found)] == [["nominal", "soft"], ["nominal", "soft"], ["soft"]]
+    turning = pd.concat([frame, third], ignore_index=True)
+    assert around_the_rod("rig", "rig behind hoses", turning) == []
+    (told,) = around_the_rod("simulated", "rig behind hoses", turning)
+    assert "10 rpm: 1.0 kW and 10 W at the rod (ratio 100)" in told

@@ -200,7 +200,9 @@ def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:
 
 
 def test_a_controller_is_tuned_where_the_study_has_it(tmp_path: Path) -> None:
-    text = PLACES.replace('controller = ["p", "pd", "lugre"]', 'controller = ["p"]').replace("[axes]", "[cases.every.axes]")
+    text = PLACES.replace('controller = ["p", "pd", "lugre"]', 'controller = ["p"]').replace(
+        "[axes]", "[cases.every.axes]"
+    )
     text += '[cases.heavy.axes]\nmachine = ["heavy"]\nrpm = [0]\ncontroller = ["lugre"]\n'
     study, names = ready(tmp_path, text, ["p", "lugre", "pd"])
     labels = [task.label for task in tasks_for(study, names)]

@@ -57,7 +57,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Matrix:
-    """The fields of one machine: a row a scenario, a column a reference."""
+    """The fields of one machine: a row a scenario that it meets, a column a reference."""
 
     machine: str
     references: list[str]
@@ -67,6 +67,7 @@ class Matrix:
 def matrices(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[Matrix]:
     """One matrix for each machine, in the order of the results."""
     machines, scenarios, references = (list(dict.fromkeys(cell[i] for cell in found)) for i in range(3))
+    met = {(cell.machine, cell.scenario) for cell in found}
     return [
         Matrix(
             machine,
@@ -77,6 +78,7 @@ def matrices(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[Matri
                     for reference in references
                 ]
                 for scenario in scenarios
+                if (machine, scenario) in met
             },
         )
         for machine in machines

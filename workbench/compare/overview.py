@@ -1,7 +1,6 @@
 """What the verdicts say together: by machine, between machines, and what follows for power, pump, motor and hunting."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -18,16 +17,19 @@ from workbench.study.report_schema import ComparisonTable
 POWER = "rotation_power_W"
 TERMINALS = "motor_electric_power_W"
 PUMP = "supply_power_W"
+ALIKE_POWER = 0.1
+"""Share by which the power of turning differs at most where the friction around the rod is the same."""
+
 CASE = ["scenario", "reference", "controller", "rpm", "draw"]
 
 
 def overview(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict]) -> list[str]:
-    """All sentences above the details."""
+    """All sentences above the details. Of several machines each other is held against the first."""
     frame = with_all_axes(frame)
     machines = list(dict.fromkeys(cell.machine for cell in found))
     lines = [by_machine(machine, found) for machine in machines]
-    for one, other in combinations(machines, 2):
-        lines += [between(one, other, found), *around_the_rod(one, other, frame)]
+    for other in machines[1:]:
+        lines += [between(machines[0], other, found), *around_the_rod(machines[0], other, frame)]
     lines += friction_model(spec, found)
     lines += pump(frame)
     for machine in machines:
@@ -70,21 +72,27 @@ def between(one: str, other: str, found: Mapping[Cell, Verdict]) -> str:
 
 
 def around_the_rod(one: str, other: str, frame: pd.DataFrame) -> list[str]:
-    """What the friction around the rod alone makes of the price: power at equal command, on the same cases."""
+    """What the friction around the rod alone makes of the price: power at equal command, on the same cases.
+
+    Nothing where that friction is alike.
+    """
     turning = frame[(frame["rpm"] > 0) & frame[POWER].notna()]
     first, second = (turning[turning["machine"] == name].set_index(CASE) for name in (one, other))
     common = first.index.intersection(second.index)
     if common.empty:
         return []
     first, second = first.loc[common], second.loc[common]
-    parts = []
+    parts, alike = [], True
     for rpm in sorted(common.unique("rpm")):
         here = common.get_level_values("rpm") == rpm
         rod, terminals = ([part.loc[here, name].mean() for part in (first, second)] for name in (POWER, TERMINALS))
+        alike = alike and abs(rod[0] / rod[1] - 1.0) <= ALIKE_POWER
         parts.append(
             f"{rpm:g} rpm: {watts(rod[0])} and {watts(rod[1])} at the rod (ratio {shown_number(rod[0] / rod[1], 2)}), "
             f"{watts(terminals[0])} and {watts(terminals[1])} at the terminals"
         )
+    if alike:
+        return []
     return [
         f"What follows from the friction around the rod alone is the price of turning it, on {plain_name(one)} and on "
         f"{plain_name(other)}: {'; '.join(parts)}."
@@ -201,7 +209,7 @@ def _speeds(values: Sequence[float]) -> str:
 
 
 def exactness(spec: ComparisonTable, frame: pd.DataFrame) -> str:
-    """In words, how many cases have an error that is hardly larger than that of their integration, where that is told."""
+    """In words, of how many cases the error is hardly larger than that of their integration, where that is told."""
     frame = frame[frame["solver_error_m"].notna()]
     steps = frame["reference"].isin(spec.steps)
     error = np.where(steps, frame["steady_state_max_error_m"], frame["rms_error_m"])

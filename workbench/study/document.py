@@ -62,7 +62,7 @@ class Case:
 
     `axes` are its columns in the results; `declared` is the plant table of its machine, without what scenario and axes
     changed: what a controller may believe. Plain data, so that it can travel to another process. `tells_solver_error`
-    is false on all draws but the first: what the integration adds is a property of the loop, and costs more than the run.
+    is false on all draws but the first: what the integration adds is the loop's own, and costs more than the run.
     """
 
     index: int
