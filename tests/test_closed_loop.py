@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from command import STUDIES, workbench
+from command import STUDIES, changed, workbench, write
 
 RIG = {
     "valve_overlap": 10e-6,
@@ -22,7 +22,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The three commands, in order."""
     path = tmp_path_factory.mktemp("closed_loop")
     shutil.copytree(STUDIES / "closed_loop", path / "studies" / "closed_loop")
-    shutil.copy(STUDIES / "closed_loop.toml", path / "studies")
+    text = (STUDIES / "closed_loop.toml").read_text(encoding="utf-8")
+    write(path / "studies", changed('duration = "24 s"', 'duration = "14 s"', text), "closed_loop.toml")  # one period
     shutil.copytree(STUDIES / "scenarios", path / "studies" / "scenarios")
     for command, file, name in (
         ("run", "closed_loop/rig.toml", "closed_loop_rig"),

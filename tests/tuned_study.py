@@ -22,6 +22,7 @@ frequency = "2 Hz"
 [simulation]
 duration = "1 s"
 transient = "0.4 s"
+hold_limit = "4 s"
 [axes]
 controller = ["p", "pd", "lugre"]
 [tune]
