@@ -5,6 +5,7 @@ import signal
 import sqlite3
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import control
@@ -171,6 +172,11 @@ def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> No
         f"no trial keeps all constraints; most often broken: phase margin, in {count} of {count} trials; "
         "the nearest has "
         f"{most:.1f} deg, 89 deg are asked for"
+    )
+    hunting, rest = {"phase margin": -0.5, "limit cycle": 1.0}, {"phase margin": 0.2, "limit cycle": -1.0}
+    apart = [replace(found.trials[0], violations=one) for one in (hunting, rest, rest)]
+    assert infeasible(replace(found, trials=apart)) == (
+        "no trial keeps all constraints; of 3 trials broken: phase margin in 2, limit cycle in 1"
     )
 
 

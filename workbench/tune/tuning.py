@@ -132,11 +132,14 @@ def _classic(task: Task, points: Sequence[StartingPoint]) -> list[dict[str, floa
 
 
 def infeasible(found: Tuned) -> str:
-    """Which constraint most trials fail, and how near the nearest of them comes."""
+    """Which constraint all trials fail, and how near the nearest comes; else how many fail which."""
     broken = Counter(name for trial in found.trials for name, beyond in trial.violations.items() if beyond > 0.0)
     if not broken:
         return "every trial that keeps the constraints fails on too many of the drawn machines"
-    name = max(broken, key=lambda one: broken[one])
+    many, name = len(found.trials), max(broken, key=lambda one: broken[one])
+    if broken[name] < many:
+        told = ", ".join(f"{one} in {count}" for one, count in broken.most_common())
+        return f"no trial keeps all constraints; of {many} trials broken: {told}"
     closest = min((one for one in found.trials if name in one.violations), key=lambda trial: trial.violations[name])
     asked = tune_table(found.task.study).constraints
     reached = {
@@ -148,5 +151,4 @@ def infeasible(found: Tuned) -> str:
     if "margin" in name and not closest.stable:
         reached[name] = "a loop that is not stable"
     nearest = f"; the nearest has {reached[name]}" if name in reached else ""
-    many = len(found.trials)
     return f"no trial keeps all constraints; most often broken: {name}, in {broken[name]} of {many} trials{nearest}"
