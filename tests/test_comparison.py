@@ -13,7 +13,7 @@ from workbench.compare.candidates import Cell
 from workbench.compare.changes import changes
 from workbench.compare.finalists import finalists
 from workbench.compare.matrix import matrices
-from workbench.compare.overview import around_the_rod, hunting, pump
+from workbench.compare.overview import hunting, overview, pump
 from workbench.compare.page import write_comparison
 from workbench.compare.tables import pivots
 from workbench.compare.verdicts import Kind, Verdict, verdicts
@@ -355,6 +355,6 @@ def test_a_machine_with_fewer_scenarios_has_a_smaller_matrix_and_no_price_of_its
     found = verdicts(SPEC, pd.concat([frame, third], ignore_index=True), None)
     assert [list(one.rows) for one in matrices(SPEC, found)] == [["nominal", "soft"], ["nominal", "soft"], ["soft"]]
     turning = pd.concat([frame, third], ignore_index=True)
-    assert around_the_rod("rig", "rig behind hoses", turning) == []
-    (told,) = around_the_rod("simulated", "rig behind hoses", turning)
-    assert "10 rpm: 1.0 kW and 10 W at the rod (ratio 100)" in told
+    told = overview(SPEC, turning, found)
+    assert sum(line.startswith("What follows from the friction around the rod") for line in told) == 1
+    assert sum(line.startswith("Between simulated and") for line in told) == 2

@@ -24,12 +24,14 @@ CASE = ["scenario", "reference", "controller", "rpm", "draw"]
 
 
 def overview(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict]) -> list[str]:
-    """All sentences above the details. Of several machines each other is held against the first."""
+    """All sentences above the details. Of several machines each other is held against the first, prices told once."""
     frame = with_all_axes(frame)
     machines = list(dict.fromkeys(cell.machine for cell in found))
     lines = [by_machine(machine, found) for machine in machines]
-    for other in machines[1:]:
-        lines += [between(machines[0], other, found), *around_the_rod(machines[0], other, frame)]
+    for i, other in enumerate(machines[1:], start=1):
+        lines.append(between(machines[0], other, found))
+        if not any(turn_alike(known, other, frame) for known in machines[:i]):
+            lines += around_the_rod(machines[0], other, frame)
     lines += friction_model(spec, found)
     lines += pump(frame)
     for machine in machines:
@@ -72,31 +74,40 @@ def between(one: str, other: str, found: Mapping[Cell, Verdict]) -> str:
 
 
 def around_the_rod(one: str, other: str, frame: pd.DataFrame) -> list[str]:
-    """What the friction around the rod alone makes of the price: power at equal command, on the same cases.
-
-    Nothing where that friction is alike.
-    """
-    turning = frame[(frame["rpm"] > 0) & frame[POWER].notna()]
-    first, second = (turning[turning["machine"] == name].set_index(CASE) for name in (one, other))
-    common = first.index.intersection(second.index)
-    if common.empty:
-        return []
-    first, second = first.loc[common], second.loc[common]
-    parts, alike = [], True
-    for rpm in sorted(common.unique("rpm")):
-        here = common.get_level_values("rpm") == rpm
-        rod, terminals = ([part.loc[here, name].mean() for part in (first, second)] for name in (POWER, TERMINALS))
-        alike = alike and abs(rod[0] / rod[1] - 1.0) <= ALIKE_POWER
-        parts.append(
-            f"{rpm:g} rpm: {watts(rod[0])} and {watts(rod[1])} at the rod (ratio {shown_number(rod[0] / rod[1], 2)}), "
-            f"{watts(terminals[0])} and {watts(terminals[1])} at the terminals"
-        )
-    if alike:
+    """What the friction around the rod alone makes of the price: power at equal command, on the same cases."""
+    prices = prices_of_turning(one, other, frame)
+    parts = [
+        f"{rpm:g} rpm: {watts(rod[0])} and {watts(rod[1])} at the rod (ratio {shown_number(rod[0] / rod[1], 2)}), "
+        f"{watts(terminals[0])} and {watts(terminals[1])} at the terminals"
+        for rpm, (rod, terminals) in prices.items()
+    ]
+    if not parts:
         return []
     return [
         f"What follows from the friction around the rod alone is the price of turning it, on {plain_name(one)} and on "
         f"{plain_name(other)}: {'; '.join(parts)}."
     ]
+
+
+def prices_of_turning(one: str, other: str, frame: pd.DataFrame) -> dict[float, list[tuple[float, float]]]:
+    """By rpm the mean power (W) of either machine at the rod and at the terminals, over the cases that both have."""
+    turning = frame[(frame["rpm"] > 0) & frame[POWER].notna()]
+    first, second = (turning[turning["machine"] == name].set_index(CASE) for name in (one, other))
+    common = first.index.intersection(second.index)
+    first, second = first.loc[common], second.loc[common]
+    found = {}
+    for rpm in sorted(common.unique("rpm")):
+        here = common.get_level_values("rpm") == rpm
+        found[rpm] = [
+            (float(first.loc[here, name].mean()), float(second.loc[here, name].mean())) for name in (POWER, TERMINALS)
+        ]
+    return found
+
+
+def turn_alike(one: str, other: str, frame: pd.DataFrame) -> bool:
+    """Whether turning takes the same power on both, as with the same friction around the rod."""
+    rods = [rod for rod, _ in prices_of_turning(one, other, frame).values()]
+    return bool(rods) and all(abs(first / second - 1.0) <= ALIKE_POWER for first, second in rods)
 
 
 def friction_model(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[str]:
