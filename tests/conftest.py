@@ -1,11 +1,14 @@
 """Fixtures that several tests share: every registered plant, and parameters for it."""
 
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; threads make small matrices slower
 
 from plants.interface import Plant
 from plants.registry import plants
