@@ -194,7 +194,7 @@ def test_every_sentence_about_a_cell(page: tuple[list[str], Rows]) -> None:
         bullets.remove(line)
     assert len(told) > 4, "the made-up results lead to few kinds of sentences"
     for line in bullets:
-        _hunting(line, rows.search)
+        _hunting(line, pd.concat([rows.search, rows.fresh], ignore_index=True))
 
 
 def _hunting(line: str, search: pd.DataFrame) -> None:
