@@ -44,6 +44,7 @@ def case(controller: str, rpm: float, error: float, **other: Any) -> dict[str, A
         "below_stribeck_fraction": 0.25 if turning else None,
         "motor_torque_rms_N_m": 0.05 * rpm if turning else None,
         "solver_error_m": 1e-12,
+        "solver_rms_error_m": 1e-12,
         **other,
     }
 

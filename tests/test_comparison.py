@@ -104,7 +104,8 @@ def test_what_does_not_complete_on_every_draw_never_wins(outcome: str) -> None:
 
 def test_a_difference_within_the_solver_error_does_not_count() -> None:
     frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, noise=0.01)
-    assert verdict(frame.assign(solver_error_m=4e-4)).kind == "nothing needed"
+    assert verdict(frame.assign(solver_rms_error_m=4e-4)).kind == "nothing needed"
+    assert verdict(frame.assign(solver_error_m=4e-4)).kind != "nothing needed", "positions part where slips do"
 
 
 def test_the_verdict_rests_on_fresh_draws() -> None:

@@ -61,7 +61,10 @@ def test_no_axis_is_one_case(tmp_path: Path) -> None:
 
 def test_columns_are_axes_then_figures_then_probes(tmp_path: Path) -> None:
     study = planned(tmp_path, TWO_CONTROLLERS + '[probes.top_m]\nsignal = "position"\ntake = "maximum"\n')
-    assert (study.columns[:3], study.columns[-2:]) == (["rpm", "controller", "outcome"], ["solver_error_m", "top_m"])
+    assert (study.columns[:3], study.columns[-2:]) == (
+        ["rpm", "controller", "outcome"],
+        ["solver_rms_error_m", "top_m"],
+    )
 
 
 def test_a_case_overrides_the_study_table_by_table(tmp_path: Path) -> None:

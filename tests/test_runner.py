@@ -27,7 +27,7 @@ FIGURES = (
     "motor_electric_power_W,total_power_W,motor_loss_W,paid_power_W,rotation_speed_mean_rpm,"
     "rotation_speed_min_rpm,rotation_speed_max_rpm,below_stribeck_fraction,torque_limited_fraction,"
     "motor_torque_rms_N_m,control_effort_V,jerk_rms_m_per_s3,friction_slope_N_s_per_m,"
-    "friction_r_squared,friction_hysteresis_J,solver_error_m"
+    "friction_r_squared,friction_hysteresis_J,solver_error_m,solver_rms_error_m"
 )
 """As docs and other programs read them."""
 

@@ -24,6 +24,9 @@ MM = 1e3
 TOLD_SPEED = 0.02
 """A real speed of rotation is told where it differs from the command by more than this share."""
 
+SOLVER_ERROR = {"rms_error_m": "solver_rms_error_m", "steady_state_max_error_m": "solver_error_m"}
+"""The column that says what the integration may add to an error."""
+
 Family = Literal["plain", "pressure", "friction model"]
 Class = Literal["nothing", "compensate", "avoid", "both"]
 CLASSES: tuple[Class, ...] = ("nothing", "compensate", "avoid", "both")
@@ -68,6 +71,12 @@ class Candidate:
     def size(self) -> float:
         """The geometric mean of its errors (m); those too small to be told count as `LEAST`."""
         return float(np.exp(np.mean(np.log(np.maximum(self.errors, LEAST)))))
+
+    @property
+    def solver_error(self) -> float:
+        """What the integration adds to its error (m), the mean over the draws that tell; 0 where none does."""
+        known = self.rows[SOLVER_ERROR[self.error_column]].dropna()
+        return float(known.mean()) if len(known) else 0.0
 
     @property
     def paid(self) -> float:

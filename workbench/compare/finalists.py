@@ -80,13 +80,7 @@ def related(spec: ComparisonTable, one: Candidate, other: Candidate, comparisons
         first[one.error_column].to_numpy(float),
         second[other.error_column].to_numpy(float),
         negligible=spec.negligible,
-        solver_error=_solver_error(first) + _solver_error(second),
+        solver_error=one.solver_error + other.solver_error,
         probability=spec.probability,
         comparisons=comparisons,
     )
-
-
-def _solver_error(rows: pd.DataFrame) -> float:
-    """Mean (m) over the draws that tell one; 0 where none does."""
-    known = rows["solver_error_m"].dropna()
-    return float(known.mean()) if len(known) else 0.0

@@ -42,6 +42,8 @@ A dwell is a span in which the reference is constant; those that end after the t
     friction_hysteresis_J     energy per period (over the window where there is none) in half the difference between
                               accelerating and decelerating friction at equal velocity; 0 for any F(v)
     solver_error_m            largest distance of the positions from a finer integration; the study runner adds it
+    solver_rms_error_m        by how much the finer integration changes rms_error_m; the study runner adds it. Where a
+                              loop sticks and slips irregularly the positions part, and the figure hardly does
 
 A figure that does not apply is None, never 0.
 """
@@ -90,13 +92,17 @@ COLUMNS: tuple[str, ...] = (
     "friction_r_squared",
     "friction_hysteresis_J",
     "solver_error_m",
+    "solver_rms_error_m",
 )
 """The figures of results.csv, in its order."""
+
+SOLVER = ("solver_error_m", "solver_rms_error_m")
+"""Those that take a second run, which the study runner makes."""
 
 TRACKING = frozenset({"phase_lag_deg", "gain_ratio", "rms_error_m", "max_error_m"})
 DWELLS = frozenset({*AT_REST, "settling_time_s"})
 FRICTION = frozenset({"friction_slope_N_s_per_m", "friction_r_squared", "friction_hysteresis_J"})
-COST = frozenset(COLUMNS) - TRACKING - DWELLS - FRICTION - {"outcome", "solver_error_m"}
+COST = frozenset(COLUMNS) - TRACKING - DWELLS - FRICTION - {"outcome", *SOLVER}
 """Which of them are found together."""
 
 Figures = Mapping[str, float | str | None]
@@ -109,7 +115,7 @@ def evaluate(
     resolution: float = 0.0,
     only: Collection[str] = COLUMNS,
 ) -> dict[str, float | str | None]:
-    """All of `COLUMNS` but `solver_error_m`, in their order; None where a figure does not apply.
+    """All of `COLUMNS` but those of `SOLVER`, in their order; None where a figure does not apply.
 
     Args:
         run: the finished run.
@@ -120,7 +126,7 @@ def evaluate(
             of the limit-cycle verdict.
         only: the columns that are wanted; what takes long and is not stays None.
     """
-    figures: dict[str, float | str | None] = dict.fromkeys(COLUMNS[:-1])
+    figures: dict[str, float | str | None] = dict.fromkeys(COLUMNS[: -len(SOLVER)])
     figures["outcome"] = run.outcome
     window = None if run.diverged else find_window(run.time, reference, transient)
     if window is None:

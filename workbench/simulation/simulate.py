@@ -323,11 +323,17 @@ def _hardly_moves(asked: np.ndarray, position: np.ndarray) -> bool:
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:
-    """Largest distance (m) of the run's positions from those of a finer integration, or None if it diverged.
+    """Largest distance (m) of the run's positions from those of a finer integration, or None if it diverged."""
+    return largest_distance(run, finer(setup))
 
-    Finer is half the step, or a tolerance `TIGHTER` times smaller.
-    """
-    finer = simulate(replace(setup, integrator=setup.integrator.finer()))
-    if run.diverged or finer.diverged:
+
+def finer(setup: Setup) -> Run:
+    """The run of `setup` with a finer integration: half the step, or a tolerance `TIGHTER` times smaller."""
+    return simulate(replace(setup, integrator=setup.integrator.finer()))
+
+
+def largest_distance(run: Run, other: Run) -> float | None:
+    """Largest distance (m) of the positions of two runs of the same setup, or None if one of them diverged."""
+    if run.diverged or other.diverged:
         return None
-    return float(np.max(np.abs(run.state("position") - finer.state("position"))))
+    return float(np.max(np.abs(run.state("position") - other.state("position"))))

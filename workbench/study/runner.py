@@ -20,8 +20,8 @@ from controllers.registry import CONTROLLERS
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
 from plants.registry import PLANTS
 from workbench.errors import UserError
-from workbench.metrics import COLUMNS
-from workbench.simulation.simulate import simulate, solver_error
+from workbench.metrics import COLUMNS, SOLVER, evaluate
+from workbench.simulation.simulate import Run, finer, largest_distance, simulate
 from workbench.study.checks import Checks
 from workbench.study.document import Case, Study, unfold
 from workbench.study.names import matches
@@ -168,13 +168,22 @@ def run_case(
     run = simulate(resolved.setup)
     values: dict[str, Any] = dict(case.columns)
     values |= evaluated(resolved, run)
-    values["solver_error_m"] = solver_error(resolved.setup, run) if case.tells_solver_error else None
+    values |= _solver_errors(resolved, run, values["rms_error_m"]) if case.tells_solver_error else dict.fromkeys(SOLVER)
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)
     if record is not None:
         write_record(run, study.file.records, case.rpm, record)
     return values
+
+
+def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:
+    """What a finer integration changes: positions at most, and the rms error where there is one."""
+    other = finer(resolved.setup)
+    figures = evaluate(other, resolved.signal, resolved.transient, resolved.band, ("rms_error_m",))
+    known = figures["rms_error_m"]
+    change = abs(known - rms) if isinstance(known, float) and rms is not None else None
+    return dict(zip(SOLVER, (largest_distance(run, other), change), strict=True))
 
 
 def run_study(
