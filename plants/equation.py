@@ -22,6 +22,7 @@ import hashlib
 import inspect
 import operator
 import os
+import secrets
 import sys
 import typing
 from collections.abc import Callable, Iterator
@@ -32,6 +33,7 @@ import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core.bytecode import FunctionIdentity
 from numba.extending import intrinsic, overload, register_jitable
 
 Scalar: TypeAlias = Any
@@ -64,6 +66,10 @@ def _cache_folder() -> Path:
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(_cache_folder())
+
+FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), None)
+# Numba numbers functions from 1 on in each process, and the numbers are all that tells the symbols of closures of the
+# same name apart: of two that two processes have cached, a third would run one for both (numba issue 10486).
 
 equation = register_jitable
 """Marks a function as an equation: callable from Python with anything, and from compiled code."""

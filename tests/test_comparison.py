@@ -316,6 +316,15 @@ def whole_of(truth: int, seed: int, draws: range) -> pd.DataFrame:
         ("fresh_draws = 5", "fresh_draws = 1", "fresh_draws = 1 gives no interval"),
         ('steps = ["hold"]', 'steps = ["step"]', 'comparison.steps.0: unknown reference "step"; did you mean "steps"?'),
         ('before = { p = "old" }', 'before = { p = "older" }', 'comparison.before.p: unknown controller "older"'),
+        ('pressure = ["a"]', 'pressure = ["b"]', 'no case has the controller "b"; put it on an axis, or leave it out'),
+        ('reference = ["steps"]\n', "", 'comparison: needs an axis "reference"'),
+        ("draws = 4", "draws = 0", "comparison.fresh_draws: needs draws from which the best are chosen"),
+        ('steps = ["hold"]', "steps = []", 'comparison.steps: "steps" holds still between its steps; add it'),
+        (
+            'kind = "steps", levels = ["1 mm"], dwell = "1 s"',
+            'kind = "sine", amplitude = "1 mm", frequency = "1 Hz"',
+            'comparison.steps: "steps" does not hold still; leave it out',
+        ),
     ],
 )
 def test_names_of_a_comparison_are_checked(tmp_path: Path, old: str, new: str, said: str) -> None:
@@ -326,6 +335,7 @@ parameters = "owen2001_simulation"
 [controllers]
 p = { type = "pid", kp = "500 V/m" }
 a = { type = "pid", kp = "500 V/m" }
+b = { type = "pid", kp = "500 V/m" }
 old = { type = "pid", kp = "400 V/m" }
 [references]
 steps = { kind = "steps", levels = ["1 mm"], dwell = "1 s" }
@@ -334,6 +344,10 @@ duration = "1 s"
 [axes]
 controller = ["p", "a", "old"]
 scenario = ["nominal"]
+reference = ["steps"]
+rpm = [0]
+[uncertainty]
+draws = 4
 [comparison]
 plain = ["p"]
 pressure = ["a"]
@@ -341,12 +355,22 @@ steps = ["steps"]
 fresh_draws = 5
 before = { p = "old" }
 """
-    assert workbench("check", write(tmp_path, text)).code == 0
+    checked = workbench("check", write(tmp_path, text))
+    assert checked.code == 0
+    assert "comparison: has no case at rest beside one that turns: no field will have a verdict" in checked.err
+    assert "comparison.plain: none has a feed-forward, and compensators have one" in checked.err
     fails(workbench("check", write(tmp_path, text.replace(old.replace("hold", "steps"), new))), said)
 
 
 def test_agree_needs_a_comparison(tmp_path: Path) -> None:
     fails(workbench("agree", tmp_path, tmp_path), "holds no finished results")
+
+
+def test_intervals_that_bound_nothing_and_errors_below_zero_are_not_printed() -> None:
+    frame = cell({("p", 0.0): 1e-4, ("lugre", 0.0): 1e-4, ("p", 10.0): 1e-4}, draws=[1, 2], noise=1.0)
+    text = " ".join(sentences(SPEC, verdict(frame)))
+    assert "(not bounded by so few draws)" in text
+    assert "(0 to " in text
 
 
 def test_a_machine_with_fewer_scenarios_has_a_smaller_matrix_and_no_price_of_its_own() -> None:

@@ -341,3 +341,12 @@ def test_only_the_trajectories_that_figures_draw_are_needed(tmp_path: Path) -> N
     assert needed_trajectories(planned(tmp_path, drawn)) == {3}
     over_axis = TWO_CONTROLLERS + FIGURE + 'x = "rpm"\ncurves = [{ y = "rms_error_m" }]\n'
     assert needed_trajectories(planned(tmp_path, over_axis)) == set()
+
+
+@pytest.mark.parametrize(("own", "backward"), [("", 900.0), ('\ncoulomb_negative = "400 N"', 400.0)])
+def test_a_plain_name_sets_both_directions(tmp_path: Path, own: str, backward: float) -> None:
+    text = changed('parameters = "owen2001_simulation"', 'parameters = "owen2001_experiment"')
+    for item in resolved(tmp_path, text + f'[plant.set]\ncoulomb = "900 N"{own}\n'):
+        friction = item.setup.parameters.friction
+        assert (friction.positive.coulomb, friction.negative.coulomb) == (900.0, backward)
+        assert item.belief.friction == friction

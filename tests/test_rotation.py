@@ -266,6 +266,23 @@ def test_a_motor_that_cannot(tmp_path: Path) -> None:
     assert lifted["torque_limited_fraction"] == 0.0
 
 
+def test_a_motor_that_starts_beyond_its_limit_slows_down(tmp_path: Path) -> None:
+    """A constant voltage asks for 77 A at 600 rpm, and the drive gives 30."""
+    plant = SIMULATED.replace("false", "true") + 'rotation = "voltage"\n'
+    run = simulate(resolved(tmp_path, text(plant, "fast_sine", 600)).setup)
+    assert np.max(np.abs(run.state("motor_current"))) <= 30.0 * (1.0 + 1e-9)
+    assert np.max(late_rpm(run)) < 400.0
+
+
+def test_limits_that_an_axis_lifts_are_lifted_for_the_servo_too(tmp_path: Path) -> None:
+    plant = SIMULATED.replace("motor_limits = false\n", "")
+    content = text(plant, "fast_sine", 600).replace("[axes]\n", '[axes]\n"plant.motor_limits" = [true, false]\n')
+    (tmp_path / "study.toml").write_text(content, encoding="utf-8")
+    limited, free = (simulate(item.setup) for item in plan(read_study(tmp_path / "study.toml")).resolved)
+    assert limited.outcome == "torque-limited"
+    assert np.mean(late_rpm(free)) == pytest.approx(600.0, rel=0.02)
+
+
 @pytest.mark.parametrize("motor", ["printed", "consistent"])
 def test_power_at_the_terminals(tmp_path: Path, motor: str) -> None:
     """V i - R_m i^2 = K_bemf i omega, the shaft's F w = K_t i omega: they agree where the constants do."""

@@ -165,7 +165,10 @@ def agree(
     from workbench.compare.agreement import agreement
     from workbench.compare.results import verdicts_of
 
-    print("\n".join(agreement(verdicts_of(one), verdicts_of(other)).words))
+    found = agreement(verdicts_of(one), verdicts_of(other))
+    if not found.cells:
+        raise UserError(f"{one} and {other} have no field in common: expected two comparisons of the same")
+    print("\n".join(found.words))
 
 
 def _conditions(where: list[str] | None) -> dict[str, str]:

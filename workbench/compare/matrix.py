@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from workbench.compare.candidates import MM, Cell
-from workbench.compare.intervals import Interval
+from workbench.compare.intervals import LEAST, Interval
 from workbench.compare.verdicts import Kind, Verdict, size_of, within
 from workbench.compare.words import millimetres, spread
 from workbench.report.words import plain_name, watts
@@ -20,7 +20,7 @@ COLOURS: dict[Kind, str] = {
     "nothing needed": "#ffffff",
     "level": "#f5e79e",
     "cannot be told": "#d0d0d0",
-    "none holds": "#7a7a7a",
+    "none holds": "#a6a6a6",
     "no comparison": "#f4f4f4",
 }
 
@@ -99,9 +99,10 @@ def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
         return f"{one.words}: {millimetres(size_of(spec, one).mean)}, within {millimetres(spec.negligible)}"
     relation = verdict.relation(*pair)
     ratio: Interval = relation.ratio
+    apart = relation.difference.mean * MM
+    told = f"{apart:+.3g} mm" if abs(apart) >= LEAST * MM else f"{millimetres(abs(apart) / MM)} apart"
     return (
-        f"{one.words}: {millimetres(size_of(spec, one).mean)}; {other.words}: x {ratio.mean:.3g}{spread(ratio)}, "
-        f"{relation.difference.mean * MM:+.3g} mm"
+        f"{one.words}: {millimetres(size_of(spec, one).mean)}; {other.words}: x {ratio.mean:.3g}{spread(ratio)}, {told}"
     )
 
 

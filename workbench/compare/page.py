@@ -118,15 +118,23 @@ def rules(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None
         source = "Verdicts rest on the draws from which the best were chosen, which flatters the best."
     else:
         source = "There is one draw: no intervals, and another draw may give another verdict."
-    return [
-        source,
+    different = (
         f"Errors count as different if they differ by more than {100 * CLOSE:g} % of the larger and "
-        f"{spec.negligible * MM:g} mm (or the solver errors, where these are larger) together; one beats another only "
-        "if the whole interval of the paired comparison lies beyond that, and is level with it only if the whole "
-        "interval lies within.",
+        f"{spec.negligible * MM:g} mm (or the solver errors, where these are larger) together"
+    )
+    paired = [
+        f"{different}; one beats another only if the whole interval of the paired comparison lies beyond that, and is "
+        "level with it only if the whole interval lies within.",
+        "That interval is of log((b + c) / (a + c)), a and b the errors on a draw and c "
+        f"{spec.negligible / CLOSE * MM:g} mm, so that errors too small to count weigh nothing. The ratio told beside "
+        "it is the geometric mean of b / a over the draws, the difference that of the mean errors.",
         f"Intervals: Student's t on paired draws, of logarithms for ratios; the {COMPARISONS} comparisons of a field "
         f"hold together with {100 * spec.probability:g} % (Bonferroni), the interval of a single error with as much "
         "alone.",
+    ]
+    return [
+        source,
+        *(paired if draws > 1 or fresh is not None else [f"{different}."]),
         "What hunts, or may hunt, in any draw never wins in any motion of that scenario; nor does what does not "
         "complete or is torque-limited.",
         exactness(spec, frame),

@@ -6,7 +6,7 @@ verdict to "cannot be told" before it turns it around.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Literal
 
@@ -151,5 +151,6 @@ def within(spec: ComparisonTable, one: Candidate) -> bool:
 
 
 def size_of(spec: ComparisonTable, one: Candidate) -> Interval:
-    """The mean error of a candidate (m) over the draws, with its interval."""
-    return interval_of_mean(one.errors, spec.probability)
+    """The mean error of a candidate (m) over the draws, with its interval: no error is below 0."""
+    found = interval_of_mean(one.errors, spec.probability)
+    return replace(found, low=max(found.low, 0.0))

@@ -24,6 +24,10 @@ SIDES: dict[Class, str] = {
 }
 
 
+FAR = 1e4
+"""The ends of an interval of ratios that are further apart than this bound nothing."""
+
+
 def millimetres(error: float) -> str:
     """An error (m) in mm, with three digits; what is too small to be told is not."""
     return f"< {LEAST * MM:g} mm" if abs(error) < LEAST else f"{error * MM:.3g} mm"
@@ -33,6 +37,8 @@ def spread(interval: Interval, scale: float = 1.0) -> str:
     """Where a mean lies, in brackets; nothing where there is one draw."""
     if interval.low == interval.high:
         return ""
+    if 0.0 < interval.low * FAR < interval.high:
+        return " (not bounded by so few draws)"
     return f" ({_end(interval.low * scale)} to {_end(interval.high * scale)})"
 
 

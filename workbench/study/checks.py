@@ -19,6 +19,7 @@ from workbench.parameters import FLOW_SHARE
 from workbench.simulation.references import Steps
 from workbench.simulation.simulate import memory_names
 from workbench.study.axis_values import are_names, shown_unit
+from workbench.study.comparison_checks import check_comparison, check_name, one_sided
 from workbench.study.document import Case, Study, located, named
 from workbench.study.friction_curves import check_friction_curves
 from workbench.study.layers import MACHINE
@@ -84,27 +85,8 @@ class Checks:
             self._figure(("figures", i), figure)
         for i, even in enumerate(self.study.file.break_even):
             self._break_even(("break_even", i), even)
-        self._comparison()
+        check_comparison(self.study, self.cases, self.resolved, self.axes)
         self.without_use()
-
-    def _comparison(self) -> None:
-        spec = self.study.file.comparison
-        if spec is None:
-            return
-        known = {kind: dict.fromkeys(named(case, kind) for case in self.cases) for kind in ("controller", "reference")}
-        for family in ("plain", "pressure"):
-            for i, name in enumerate(getattr(spec, family)):
-                self._name(("comparison", family, i), "controller", name, known["controller"])
-        for i, name in enumerate(spec.steps):
-            self._name(("comparison", "steps", i), "reference", name, known["reference"])
-        for pair in spec.before.items():
-            for name in pair:
-                self._name(("comparison", "before", pair[0]), "controller", name, known["controller"])
-
-    def _name(self, key: Key, what: str, name: str, valid: Iterable[str]) -> None:
-        names = list(valid)
-        if name not in names:
-            raise self.study.error(key, f'unknown {what} "{name}"; {nearest(name, names)}')
 
     def _signal(self, key: Key, name: str, cases: Sequence[int]) -> None:
         """`name` has to be a signal of at least one of the cases at these places."""
@@ -136,7 +118,7 @@ class Checks:
                 raise self.study.error(("probes", name), "the results have a column of this name already")
             taken.add(name.casefold())
             for case in probe.cases:
-                self._name(("probes", name, "cases"), "case", case, self.study.file.cases)
+                check_name(self.study, ("probes", name, "cases"), "case", case, self.study.file.cases)
             probed = [i for i, case in enumerate(self.cases) if not probe.cases or case.name in probe.cases]
             self._signal(("probes", name, "signal"), probe.signal, probed)
             if probe.event is not None:
@@ -145,7 +127,7 @@ class Checks:
     def _chosen(self, key: Key, where: Mapping[str, Any], *, one: bool) -> list[int]:
         """Places of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
         for name in where:
-            self._name((*key, "where", name), "column", name, self.columns)
+            check_name(self.study, (*key, "where", name), "column", name, self.columns)
         asked = {name: value for name, value in where.items() if name in self.axes}
         found = [i for i, case in enumerate(self.cases) if matches(case.columns, asked)]
         if not found or (one and len(found) > 1 and len(asked) == len(where)):
@@ -166,15 +148,15 @@ class Checks:
 
     def _table(self, key: Key, table: TableSpec) -> None:
         if table.index is not None:
-            self._name((*key, "index"), "axis", table.index, self.columns)
+            check_name(self.study, (*key, "index"), "axis", table.index, self.columns)
             self._chosen(key, table.where, one=False)
         if table.across is not None:
-            self._name((*key, "across"), "axis", table.across, self.axes)
+            check_name(self.study, (*key, "across"), "axis", table.across, self.axes)
         forms: dict[str, Sequence[Column | Row]] = {"columns": table.columns, "rows": table.rows}
         for form, items in forms.items():
             for i, item in enumerate(items):
                 place = (*key, form, i)
-                self._name((*place, "result"), "figure", item.result, self.columns)
+                check_name(self.study, (*place, "result"), "figure", item.result, self.columns)
                 self._unit((*place, "unit"), unit_of_column(item.result), item.unit)
         for i, row in enumerate(table.rows):
             self._chosen((*key, "rows", i), {**table.where, **row.where}, one=True)
@@ -188,11 +170,11 @@ class Checks:
                 raise self.study.error((*key, *error.key), str(error)) from None
 
     def _break_even(self, key: Key, even: BreakEvenTable) -> None:
-        self._name((*key, "axis"), "axis", even.axis, self.axes)
+        check_name(self.study, (*key, "axis"), "axis", even.axis, self.axes)
         self._chosen(key, even.where, one=False)
         for i, account in enumerate(even.accounts):
             for j, name in enumerate(account.columns):
-                self._name((*key, "accounts", i, "columns", j), "figure", name, self.figures)
+                check_name(self.study, (*key, "accounts", i, "columns", j), "figure", name, self.figures)
 
     def _figure(self, key: Key, figure: FigureSpec) -> None:
         for i, panel in enumerate(figure.panels):
@@ -204,7 +186,7 @@ class Checks:
                     self._curve_of_signals(place, panel, curve)
 
     def _curve_of_results(self, key: Key, panel: Panel, curve: Curve) -> None:
-        self._name((*key, "y"), "figure", curve.y, self.columns)
+        check_name(self.study, (*key, "y"), "figure", curve.y, self.columns)
         self._chosen(key, curve.where, one=False)
         self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
         try:
@@ -218,7 +200,7 @@ class Checks:
 
     def _curve_of_signals(self, key: Key, panel: Panel, curve: Curve) -> None:
         for name in curve.where:
-            self._name((*key, "where", name), "axis", name, self.axes)
+            check_name(self.study, (*key, "where", name), "axis", name, self.axes)
         case = self._chosen(key, curve.where, one=True)[0]
         units = signal_units()
         x_unit = units.get(panel.x, "1") if panel.x_unit is None else panel.x_unit
@@ -229,7 +211,7 @@ class Checks:
 
     def warnings(self) -> list[str]:
         """What may be meant, and seldom is: far references, too little after the transient, rotations not held."""
-        found: dict[str, None] = {}
+        found = dict.fromkeys(one_sided(self.study, self.cases, self.resolved))
         seen: set[str] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):
             turned = repr((case.tables["plant"], item.setup.rotation_speed, item.belief, item.setup.sample_time))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from plants import motor
+from plants.equation import NEGATIVE
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
 from workbench.files import SchemaError
@@ -16,16 +17,18 @@ from workbench.units import QuantityError
 
 
 def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
-    """Values of a set or file with `set` overrides, by canonical name."""
+    """Values of a set or file with `set` overrides, by canonical name; a plain name sets both directions."""
     try:
         values = dict(read_parameters(parameter_path(parameters, folder)))
     except UserError as error:
         raise SchemaError((table, "parameters"), str(error)) from None
     for name, value in overrides.items():
         try:
-            values[name] = parameter_value(name, value)
+            number = parameter_value(name, value)
         except (UserError, QuantityError) as error:
             raise SchemaError((table, "set", name), str(error)) from None
+        own = f"{name}_{NEGATIVE}"
+        values |= dict.fromkeys([name, *([own] if own in values and own not in overrides else [])], number)
     return values
 
 
@@ -91,6 +94,8 @@ def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
 def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
     """What controllers believe the parameters to be: [belief], else what [plant] declares; never a scenario.
 
+    Whether the motor has limits is on its nameplate: there belief follows the truth.
+
     Raises:
         SchemaError: as `build_truth`.
     """
@@ -99,7 +104,7 @@ def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
     overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
     values = _values(source, overrides, case.folder, "belief")
     try:
-        values = _rotated(plant, values, declared)
+        values = _rotated(plant, values, {**declared, "motor_limits": tables.plant.motor_limits})
         return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
     except UserError as error:
         raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None

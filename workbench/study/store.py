@@ -102,8 +102,9 @@ class Store:
             raise UserError(f"{database}: not a results file of this program ({error})") from None
         for key, value in identity.items():
             if stored.get(key) != value:
+                what = "other parameters or draws" if key == "parameters" else f"another {key}"
                 raise UserError(
-                    f"{folder}: its results are of another {key}; start anew with --overwrite, or choose another --out"
+                    f"{folder}: its results are of {what}; start anew with --overwrite, or choose another --out"
                 )
         return cls(connection, folder, columns)
 

@@ -1,0 +1,80 @@
+"""What [comparison] asks of a study, checked before it runs: axes, draws, names, and two sides that can be compared."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from workbench.errors import nearest
+from workbench.files import Key
+from workbench.simulation.references import Steps
+from workbench.study.document import Case, Study, named
+from workbench.study.report_schema import ComparisonTable
+from workbench.study.resolve import Resolved
+
+AXES = ("reference", "controller", "rpm")
+"""Those by which a comparison tells its candidates and motions apart."""
+
+
+def check_comparison(study: Study, cases: Sequence[Case], resolved: Sequence[Resolved], axes: Sequence[str]) -> None:
+    """Raise UserError for the first thing in [comparison] that the study's cases do not have."""
+    spec = study.file.comparison
+    if spec is None:
+        return
+    for axis in AXES:
+        if axis not in axes:
+            raise study.error(("comparison",), f'needs an axis "{axis}"; give it one under [axes], however short')
+    if spec.fresh_draws and (study.file.uncertainty is None or not study.file.uncertainty.draws):
+        message = "needs draws from which the best are chosen; give [uncertainty] draws, or leave it out"
+        raise study.error(("comparison", "fresh_draws"), message)
+    known = {kind: dict.fromkeys(named(case, kind) for case in cases) for kind in ("controller", "reference")}
+    for family in ("plain", "pressure"):
+        for i, name in enumerate(getattr(spec, family)):
+            check_name(study, ("comparison", family, i), "controller", name, known["controller"])
+    for i, name in enumerate(spec.steps):
+        check_name(study, ("comparison", "steps", i), "reference", name, known["reference"])
+    _check_steps(study, spec, cases, resolved)
+    for pair in spec.before.items():
+        for name in pair:
+            check_name(study, ("comparison", "before", pair[0]), "controller", name, known["controller"])
+
+
+def check_name(study: Study, key: Key, what: str, name: str, valid: Iterable[str]) -> None:
+    """Raise UserError where `name` is none of the `valid` names of that kind."""
+    names = list(valid)
+    if name in names:
+        return
+    if what in ("controller", "reference") and name in getattr(study.file, f"{what}s"):
+        raise study.error(key, f'no case has the {what} "{name}"; put it on an axis, or leave it out')
+    raise study.error(key, f'unknown {what} "{name}"; {nearest(name, names)}')
+
+
+def _check_steps(study: Study, spec: ComparisonTable, cases: Sequence[Case], resolved: Sequence[Resolved]) -> None:
+    """What holds still is judged by where it stops, what moves by the whole way: neither by the other's error."""
+    for case, item in zip(cases, resolved, strict=True):
+        name, reference = named(case, "reference"), item.setup.reference
+        if isinstance(reference, Steps) and name not in spec.steps:
+            raise study.error(("comparison", "steps"), f'"{name}" holds still between its steps; add it')
+        if name in spec.steps and (reference is None or not reference.dwells(item.setup.duration)):
+            raise study.error(("comparison", "steps"), f'"{name}" does not hold still; leave it out')
+
+
+def one_sided(study: Study, cases: Sequence[Case], resolved: Sequence[Resolved]) -> Iterator[str]:
+    """What of a comparison's answer would come from a side that it lacks, in words."""
+    spec = study.file.comparison
+    if spec is None:
+        return
+    rpms = {case.rpm for case in cases}
+    names = [named(case, "controller") for case in cases]
+    plain = [item.settings for name, item in zip(names, resolved, strict=True) if name in spec.plain]
+    if 0.0 not in rpms or len(rpms) < 2:
+        yield _told(study, ("comparison",), "has no case at rest beside one that turns: no field will have a verdict")
+    if len(plain) == len(names):
+        yield _told(study, ("comparison",), "has no controller that compensates: no field will have a verdict")
+    elif plain and not any(getattr(settings, "feedforward", 0.0) for settings in plain):
+        message = (
+            "none has a feed-forward, and compensators have one: a margin of theirs may be the feed-forward's; add a "
+            "PID with feedforward = 1"
+        )
+        yield _told(study, ("comparison", "plain"), message)
+
+
+def _told(study: Study, key: Key, message: str) -> str:
+    return str(study.error(key, message))
