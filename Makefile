@@ -8,7 +8,7 @@ QUICK := --draws 2 --fresh-draws 6
 COMPARISONS := comparison friction_model_worth hunting_rotation rotation_on_demand rotary_friction
 
 THESIS := thesis_chapter3 thesis_chapter3_steps thesis_chapter4
-TUNINGS := tuning tuning_rotation tuning_comparison
+TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
