@@ -184,17 +184,12 @@ def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
         return all_signals(state, inputs, (axial, rotary), rotation, p)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
-        """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only.
-
-        The motor's current is what holds that speed, or its limit where that is less: then the rod will slow down.
-        """
+        """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
         bristles, rotary = law.steady_rotation(p, surface_speed)
         current = float(mot.holding_current(rotary, p.motor))
         voltage = float(mot.holding_voltage(current, surface_speed, p.motor))
         pressure = holding_load_pressure(p.hydraulics, p.body)
-        limit = float(mot.current_limit(p.motor))
-        state = state_class(0.0, 0.0, pressure, surface_speed, bristles, min(max(current, -limit), limit), 0.0)
-        return state, Inputs(0.0, voltage, 0.0)
+        return state_class(0.0, 0.0, pressure, surface_speed, bristles, current, 0.0), Inputs(0.0, voltage, 0.0)
 
     return Plant(
         name=f"rotating_{law.name}",

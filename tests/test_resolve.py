@@ -186,8 +186,9 @@ def test_rotation_speed_is_that_asked_for(tmp_path: Path) -> None:
 
 def test_a_speed_servo_starts_from_the_believed_current(tmp_path: Path) -> None:
     """By default the speed is held by the servo; the friction of the truth is 30 % above that believed."""
-    text = changed("[0, 460]", "[460]") + "[plant.scale]\ncoulomb = 1.3\nviscous = 1.3\n"
-    setup = resolved(tmp_path, changed("[0, 460]", "[460]") + "[scenarios.up.plant.scale]\ncoulomb = 1.3\n")[0].setup
+    free = changed('model = "by_rpm"', 'model = "by_rpm"\nmotor_limits = false', changed("[0, 460]", "[460]"))
+    text = free + "[plant.scale]\ncoulomb = 1.3\nviscous = 1.3\n"
+    setup = resolved(tmp_path, free + "[scenarios.up.plant.scale]\ncoulomb = 1.3\n")[0].setup
     current = setup.plant.equilibrium(setup.parameters, setup.state.surface_speed)[0].motor_current
     setup = resolved(tmp_path, text)[0].setup
     assert setup.rotary is not None

@@ -15,6 +15,7 @@ from controllers.switched_rotation import SWITCHED_ROTATION
 from plants.equation import fields
 from plants.friction_gauge import gauged
 from plants.interface import Plant
+from plants.motor import current_limit
 from plants.plugins import Registry
 from plants.registry import PLANTS
 from workbench import files
@@ -87,6 +88,7 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
     state, _ = plant.equilibrium(parameters, turning)
     state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed
+    state = _within_limits(state, parameters)
     rotation_speed, surface_speed = _rotation(plant, belief, tables)
     rotary, inputs = _rotary(plant, belief, rotation_speed, surface_speed, tables)
     loop, settings, reference, feeds = _position_loop(plant, belief, tables, case.folder)
@@ -112,6 +114,14 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     )
     band = max(SIGMAS * position.noise, position.resolution)
     return Resolved(setup, simulation.transient, band, settings, belief, simulation.hold_limit)
+
+
+def _within_limits(state: Any, parameters: Any) -> Any:
+    """The state with no more current than the motor's limit: a rod that takes more to turn will slow down."""
+    if "motor_current" not in state._fields:
+        return state
+    limit = float(current_limit(parameters.motor))
+    return state._replace(motor_current=min(max(state.motor_current, -limit), limit))
 
 
 def _gauged(plant: Plant, controller: Controller, tables: CaseTables) -> Plant:
