@@ -53,6 +53,9 @@ HUNTS = LinearSegmentedColormap.from_list("hunts", ["#ffffff", COLOURS[1]])
 PANEL = (4.6, 3.3)
 """Width and height of a panel (inches)."""
 
+NOT_RUN = "#dddddd"
+"""Where a map has no case."""
+
 Draw = Callable[[Axes, Cell, list[Candidate]], None]
 """Draws the candidates of a cell into its panel."""
 
@@ -61,9 +64,9 @@ HIGHEST = 100.0
 
 
 def write_figures(
-    spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict], folder: Path
+    spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None, found: Mapping[Cell, Verdict], folder: Path
 ) -> list[Picture]:
-    """Write all figures of the comparison."""
+    """Write all figures of the comparison; who hunts is that of the fresh draws too."""
     drawn: list[tuple[str, Figure, str]] = []
     cells, level = cells_of(spec, frame), f"{spec.negligible * MM:g} mm"
     bars = f"Bars: {100 * spec.probability:g} % interval of the mean over the draws. "
@@ -93,7 +96,7 @@ def write_figures(
                 f"class (on fresh draws where there are any); grey: all others that hold. {bars}Shaded: below {level}."
             )
             drawn.append((f"error_against_power_{scenario}", figure, caption))
-        drawn += _hunting(with_all_axes(frame))
+        drawn += _hunting(with_all_axes(frame if fresh is None else pd.concat([frame, fresh], ignore_index=True)))
         for _, figure, _ in drawn:
             figure.set_dpi(mpl.rcParams["savefig.dpi"])
             figure.draw_without_rendering()
@@ -224,6 +227,10 @@ def _hunting(frame: pd.DataFrame) -> Iterator[tuple[str, Figure, str]]:
     places = ((scenario, machine) for scenario in scenarios for machine in machines)
     for axes, (scenario, machine) in zip(panels, places, strict=True):
         rows = judged[(judged["scenario"] == scenario) & (judged["machine"] == machine)]
+        if rows.empty:
+            axes.set_visible(False)
+            continue
+        axes.set_facecolor(NOT_RUN)
         share = rows.pivot_table("hunts", "controller", "rpm", "mean").reindex(index=controllers, columns=speeds)
         size = rows[rows["hunts"]].pivot_table("limit_cycle_amplitude_m", "controller", "rpm", "max")
         shown: dict[str, Any] = {"cmap": HUNTS, "vmin": 0.0, "vmax": 1.0}
@@ -241,7 +248,7 @@ def _hunting(frame: pd.DataFrame) -> Iterator[tuple[str, Figure, str]]:
         axes.set_title(", ".join(filter(None, (plain_name(machine), plain_name(scenario)))))
         axes.set_xlabel("commanded speed (rpm)")
     caption = (
-        "Who hunts, or may hunt, where the reference holds still: white in no draw, dark in all; the number is the "
-        "largest swing found (mm, peak to peak)."
+        "Who hunts, or may hunt, where the reference holds still: white in no draw, dark in all, grey not run; the "
+        "number is the largest swing found (mm, peak to peak)."
     )
     yield "hunting_map", figure, caption

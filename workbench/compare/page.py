@@ -57,7 +57,7 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
             if section == SCENARIO.section
         },
         "details": details(spec, tuned, fresh, found),
-        "pictures": write_figures(spec, tuned, found, folder / "figures"),
+        "pictures": write_figures(spec, tuned, fresh, found, folder / "figures"),
         "pivots": write_tables(spec, tuned, found, folder / "tables"),
     }
     pages = []

@@ -25,6 +25,10 @@ COMPARISONS = len(list(combinations(CLASSES, 2)))
 """Pairs of classes that a verdict may rest on."""
 
 
+UNMEASURED = "others not measured again"
+"""In place of a flaw: who might hold, and was not among those of its class that were measured."""
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What is said of one cell.
@@ -96,7 +100,9 @@ def _verdict(spec: ComparisonTable, searched: list[Candidate], fresh: list[Candi
         if one := next(sound(told), None):
             best[side] = one
         elif ranked:
-            flawed[side] = [one.flaw for one in ranked if one.flaw] + [one.flaw for one in told]
+            unmeasured = len(list(sound(ranked))) > len(told)
+            flaws = [one.flaw for one in ranked if one.flaw] + [one.flaw for one in told]
+            flawed[side] = flaws + ([UNMEASURED] if unmeasured else [])
     relations = {
         (one, other): related(spec, best[one], best[other], COMPARISONS)
         for one, other in combinations(CLASSES, 2)

@@ -112,7 +112,7 @@ def needed(relation: Relation) -> str:
 def _flawed(verdict: Verdict) -> list[str]:
     """Which classes have no candidate that holds, and why."""
     return [
-        f"No candidate of {SIDES[kind]} holds: {', '.join(dict.fromkeys(flaws)) or 'not measured again'}."
+        f"No candidate of {SIDES[kind]} holds: {', '.join(dict.fromkeys(flaws))}."
         for kind, flaws in verdict.flawed.items()
         if verdict.kind != "none holds"
     ]
