@@ -6,7 +6,7 @@ Colours survive print and colour blindness: Okabe and Ito's, lightened, and each
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from workbench.compare.candidates import MM, Cell
+from workbench.compare.candidates import MM, Cell, Class
 from workbench.compare.intervals import LEAST, Interval
 from workbench.compare.verdicts import Kind, Verdict, size_of, within
 from workbench.compare.words import millimetres, spread
@@ -108,10 +108,10 @@ def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
 
 def _price(verdict: Verdict) -> str:
     """What the rotating side pays where it is, or would be, chosen."""
-    kind = "both" if verdict.kind == "both" else "avoid"
+    kind: Class = "both" if verdict.kind == "both" else "avoid"
     if verdict.kind in ("nothing needed", "no comparison", "none holds") or kind not in verdict.best:
         return ""
-    one = verdict.best[kind]  # type: ignore[index]
+    one = verdict.best[kind]
     return f"rotating: {watts(one.mean('motor_electric_power_W'))} at the terminals, {watts(one.paid)} paid"
 
 

@@ -1,0 +1,244 @@
+"""Folders of results: those that do not serve, what a killed run leaves, and that it goes on to the same bytes."""
+
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command import PROCESS, STUDY, changed, ran, workbench, write
+
+from workbench.study.store import Store
+
+NOISE = '[sensors.position]\nnoise = "10 um"\n'
+
+MANY = (
+    changed('"1 s"', '"0.3 s"')
+    .replace('"0.4 s"', '"0.1 s"')
+    .replace(
+        "[0, 460]", "[0, 460]\n" + '"controllers.p.kp" = [100, 200, 300, 400]\n"simulation.seed" = [1, 2, 3, 4, 5]'
+    )
+    + 'method = "rk4"\nstep = "2.5 us"\n'
+    + NOISE
+)
+"""40 cases that take a little while each."""
+
+
+def rows(folder: Path) -> int:
+    """Rows committed so far."""
+    try:
+        with closing(sqlite3.connect(f"file:{folder / 'results.sqlite'}?mode=ro", uri=True)) as connection:
+            return int(connection.execute("SELECT COUNT(*) FROM results").fetchone()[0])
+    except sqlite3.Error:
+        return 0
+
+
+# --- folders that do not serve ---
+
+
+def complaint(folder: Path, *options: str | Path, study: str = STUDY) -> str:
+    """What a run that is refused says, without the folder."""
+    answer = workbench("run", write(folder, study), *options)
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    return answer.err.removeprefix("error: ").rstrip("\n").replace(str(folder), "@")
+
+
+def test_results_are_not_replaced_unasked(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    before = (out / "results.csv").read_bytes()
+    said = complaint(tmp_path, "--out", out, study=changed("5 mm", "6 mm"))
+    assert said == "@/results: holds results already; go on with --resume, start anew with --overwrite"
+    assert (out / "results.csv").read_bytes() == before
+    assert (ran(tmp_path, changed("5 mm", "6 mm"), "--overwrite") / "results.csv").read_bytes() != before
+
+
+def test_another_study_cannot_be_resumed(tmp_path: Path) -> None:
+    out = ran(tmp_path, STUDY)
+    before = (out / "results.csv").read_bytes()
+    said = complaint(tmp_path, "--out", out, "--resume", study=changed("5 mm", "6 mm"))
+    assert said == "@/results: its results are of another study; start anew with --overwrite, or choose another --out"
+    assert (out / "results.csv").read_bytes() == before
+    assert (out / "study.toml").read_text(encoding="utf-8") == STUDY
+
+
+def test_nothing_cannot_be_resumed(tmp_path: Path) -> None:
+    said = complaint(tmp_path, "--out", tmp_path / "none", "--resume")
+    assert said == "@/none: holds no results to resume; leave --resume out"
+    assert not (tmp_path / "none").exists()
+    (tmp_path / "none").mkdir()
+    write(tmp_path / "none", "not a database", "results.sqlite")
+    said = complaint(tmp_path, "--out", tmp_path / "none", "--resume")
+    assert said.startswith("@/none/results.sqlite: not a results file of this program (")
+
+
+def test_resume_or_overwrite(tmp_path: Path) -> None:
+    said = complaint(tmp_path, "--out", tmp_path / "out", "--resume", "--overwrite")
+    assert said == "--resume and --overwrite: choose one"
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "/proc/no/such/folder"])
+def test_a_folder_that_cannot_be_written(tmp_path: Path, place: str) -> None:
+    write(tmp_path, "mine", "file")
+    folder = Path(place) if place.startswith("/") else tmp_path / place
+    said = complaint(tmp_path, "--out", folder)
+    assert "cannot be written (" in said
+    assert said.endswith("choose another folder with --out")
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("options", [(), ("--overwrite",)])
+def test_files_of_others_are_never_removed(tmp_path: Path, options: tuple[str, ...]) -> None:
+    """A thesis has a folder of figures of its own."""
+    (tmp_path / "figures").mkdir()
+    write(tmp_path / "figures", "mine", "rig.svg")
+    said = complaint(tmp_path, "--out", tmp_path, *options)
+    assert said == "@: holds study.toml, figures that no run wrote; choose another folder with --out"
+    assert (tmp_path / "figures" / "rig.svg").read_text(encoding="utf-8") == "mine"
+
+
+SCENARIO = 'title = "t"\nsource = "s"\n[plant.scale]\ncoulomb = 1.5\n'
+
+
+def scenario_study(folder: Path) -> str:
+    """A study that names one of the two scenario files beside it."""
+    (folder / "scenarios").mkdir()
+    write(folder / "scenarios", SCENARIO, "worn.toml")
+    write(folder / "scenarios", SCENARIO, "other.toml")
+    return changed("[0, 460]", '[0]\nscenario = ["worn"]')
+
+
+def test_results_can_be_run_again_from_their_copy_of_the_study(tmp_path: Path) -> None:
+    """Also into themselves; the scenario file comes along, one that the study does not name stays behind."""
+    out = ran(tmp_path, scenario_study(tmp_path))
+    assert [path.name for path in (out / "scenarios").iterdir()] == ["worn.toml"]
+    expected = (out / "results.csv").read_bytes()
+    shutil.rmtree(tmp_path / "scenarios")
+    for again, option in ((tmp_path / "again", ()), (out, ("--overwrite",)), (out, ("--resume",))):
+        answer = workbench("run", out / "study.toml", "--out", again, *option)
+        assert (answer.code, answer.err) == (0, "")
+        assert (again / "results.csv").read_bytes() == expected
+        assert (again / "scenarios" / "worn.toml").read_text(encoding="utf-8") == SCENARIO
+
+
+def test_scenarios_of_others_are_never_removed(tmp_path: Path) -> None:
+    """Results beside the study: refused where a folder of scenarios is, and one that came later is kept."""
+    study = scenario_study(tmp_path)
+    mine = write(tmp_path, study, "mine.toml")
+    refused = workbench("run", mine, "--out", tmp_path)
+    assert refused.err.replace(str(tmp_path), "@") == (
+        "error: @: holds scenarios that no run wrote; choose another folder with --out\n"
+    )
+    (tmp_path / "scenarios").rename(tmp_path / "later")
+    assert workbench("run", write(tmp_path, STUDY, "plain.toml"), "--out", tmp_path).code == 0
+    (tmp_path / "later").rename(tmp_path / "scenarios")
+    assert workbench("run", mine, "--out", tmp_path, "--overwrite").code == 0
+    assert sorted(path.name for path in (tmp_path / "scenarios").iterdir()) == ["other.toml", "worn.toml"]
+
+
+def test_a_cluster_that_does_not_answer(tmp_path: Path) -> None:
+    said = complaint(tmp_path, "--out", tmp_path / "out", "--cluster", "nonsense://nowhere")
+    assert said.startswith(("nonsense://nowhere: no scheduler answers there (", "--cluster needs the extra"))
+
+
+# --- killed, and in parallel ---
+
+
+def test_the_same_bytes_whatever_the_jobs_killed_and_resumed_or_not(tmp_path: Path) -> None:
+    """A real process, killed with SIGKILL once some cases are committed, and resumed."""
+    study = write(tmp_path, MANY)
+    killed = tmp_path / "killed"
+    process = subprocess.Popen(
+        [*PROCESS, "run", str(study), "--out", str(killed), "--jobs", "1"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
+    deadline = time.monotonic() + 120.0
+    while rows(killed) < 3 and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    _, complaints = process.communicate(timeout=60.0)
+    assert (process.returncode, complaints.count(b"\n")) == (-signal.SIGKILL, 1)
+    assert b"warning: " in complaints, "less than a period is left after the transient"
+    assert 3 <= rows(killed) < 40
+    assert not (killed / "results.csv").exists(), "no table before all cases are done"
+
+    unfinished = workbench("table", killed)
+    assert unfinished.code == 2
+    assert "holds no finished results" in unfinished.err
+    kept = rows(killed)
+    assert workbench("run", study, "--out", killed, "--jobs", "2", "--resume").code == 0
+    assert workbench("run", study, "--out", tmp_path / "one", "--jobs", "1").code == 0
+    assert workbench("run", study, "--out", tmp_path / "two", "--jobs", "2").code == 0
+    first, second, resumed = ((tmp_path / name / "results.csv").read_bytes() for name in ("one", "two", "killed"))
+    assert first == second == resumed
+    assert first.count(b"\n") == 41
+    assert kept < 40
+
+
+def test_resume_runs_only_what_is_missing(tmp_path: Path) -> None:
+    """A row in the database stands, even an absurd one."""
+    out = ran(tmp_path, STUDY)
+    with closing(sqlite3.connect(out / "results.sqlite")) as connection, connection:
+        connection.execute("UPDATE results SET rms_error_m = 42 WHERE case_index = 0")
+        connection.execute("DELETE FROM results WHERE case_index = 1")
+    before = pd.read_csv(out / "results.csv")
+    ran(tmp_path, STUDY, "--resume")
+    after = pd.read_csv(out / "results.csv")
+    assert after["rms_error_m"].tolist() == [42.0, before["rms_error_m"][1]]
+
+
+def test_a_row_is_committed_as_it_ends(tmp_path: Path) -> None:
+    """A second connection sees it while the first is open."""
+    store = Store.create(tmp_path / "out", ["rpm", "outcome"], {"study": "a"}, overwrite=False)
+    store.add(1, {"rpm": 460, "outcome": "completed"})
+    assert rows(tmp_path / "out") == 1
+    store.add(0, {"outcome": "diverged"})
+    assert store.done() == {0, 1}
+    assert store.frame()["outcome"].tolist() == ["diverged", "completed"]
+    store.close()
+
+
+PIPED = """\
+from workbench.cli import main, progress
+progress.INTERVAL = {interval}
+main()
+"""
+
+
+def piped(folder: Path, interval: str) -> subprocess.CompletedProcess[str]:
+    """A run of six short cases, one at a time, with its output in pipes."""
+    study = write(folder, changed("rpm = [0, 460]", "rpm = [0, 50, 100, 150, 200, 250]"))
+    options = ["run", str(study), "--out", str(folder / "out"), "--jobs", "1"]
+    command = [sys.executable, "-c", PIPED.format(interval=interval), *options]
+    return subprocess.run(command, capture_output=True, text=True, check=True)
+
+
+def test_plain_lines_when_piped(tmp_path: Path) -> None:
+    """How far it is, and how long it may take; no control codes, and nothing of a run that is short."""
+    told = piped(tmp_path, "0.0")
+    lines = told.stderr.splitlines()
+    assert [line.partition(",")[0] for line in lines] == [f"{count} of 6 cases" for count in range(1, 6)]
+    assert all(re.fullmatch(r"\d of 6 cases, about \d+ (s|min) left", line) for line in lines)
+    assert "\x1b" not in told.stdout + told.stderr
+    again = tmp_path / "again"
+    again.mkdir()
+    assert piped(again, "1e9").stderr == ""
+
+
+def test_a_line_is_seen_when_it_is_written(tmp_path: Path) -> None:
+    """The plan of a study that is still running, in a pipe."""
+    study = write(tmp_path, changed('duration = "1 s"', 'duration = "500 s"'))
+    command = [*PROCESS, "run", str(study), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        first = running.stdout.readline()
+        still = running.poll() is None
+        running.kill()
+    assert first == "a study for tests\n"
+    assert still
