@@ -67,6 +67,8 @@ class Settings(NamedTuple):
     feedforward: laws.Feedforward = 1.0
     position_rate: laws.PositionRate = 34.0
     force_rate: laws.ForceRate = 0.0
+    washout: laws.Washout = 0.0
+    compression: laws.Compression = 0.0
     lead: laws.Lead = 0.0
     reversal_speed: Annotated[
         float, "m/s", About("half width of the curve's line through rest", above=True), Tuned(1e-4, 1e-2)
@@ -156,7 +158,7 @@ def combine(
         sliding = reference.velocity - velocity + gains.sliding_rate * error
         rotation = filtered_rotation(measurement.rotation_speed, state.rotation_speed, gains.rotation_gain)
         around = gains.belief.turning.radius * rotation
-        seen = Seen(velocity, state.memory.previous_velocity, force, sliding, around, gauge(measurement))
+        seen = Seen(velocity, state.memory.previous_velocity, force, sliding, around, gauge(measurement), reference.velocity)
         friction, memory = estimate(seen, state.memory, gains.belief, sample_time)
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)
@@ -204,7 +206,7 @@ def law_gains(settings: Any, belief: Any) -> LawGains:
     """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
     h = getattr(belief, "hydraulics", None)
     if h is None:
-        return LawGains(settings.kp, settings.kd, settings.ka, 0.0, 0.0, 0.0, 0.0, belief.body.mass, *(0.0,) * 7)
+        return LawGains(settings.kp, settings.kd, settings.ka, *(0.0,) * 6, belief.body.mass, *(0.0,) * 7)
     area = float(piston_area(h))
     return LawGains(
         settings.kp,
@@ -213,6 +215,8 @@ def law_gains(settings: Any, belief: Any) -> LawGains:
         settings.feedforward / float(no_load_velocity_gain(h)),
         settings.position_rate,
         settings.force_rate,
+        settings.washout,
+        settings.compression,
         settings.lead,
         belief.body.mass,
         area,

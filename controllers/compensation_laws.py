@@ -26,6 +26,16 @@ ForceRate = Annotated[
     Tuned(0.0, 20.0, logarithmic=False),
     _INVERSION,
 ]
+Washout = Annotated[
+    float,
+    "1/s",
+    About("rate at which a lasting error of the force is forgotten"),
+    Tuned(0.1, 20.0),
+    Needs("force_rate"),
+]
+Compression = Annotated[
+    float, "1", About("share of the flow that compresses the oil as the wanted force changes"), SHARE, _INVERSION
+]
 Lead = Annotated[
     float,
     "1",
@@ -52,7 +62,11 @@ class Wanted(NamedTuple):
 
 
 class LawState(NamedTuple):
+    """The spool and the wanted force of the sample before, and the part of the force's error that is forgotten."""
+
     previous_spool: Annotated[float, "m"]
+    previous_target: Annotated[float, "N"] = 0.0
+    lasting: Annotated[float, "N"] = 0.0
 
 
 class LawGains(NamedTuple):
@@ -64,6 +78,8 @@ class LawGains(NamedTuple):
     feedforward: Annotated[float, "command s/m"]
     position_rate: Annotated[float, "1/s"]
     force_rate: Annotated[float, "1/s"]
+    washout: Annotated[float, "1/s"]
+    compression: Annotated[float, "1"]
     lead: Annotated[float, "1"]
     mass: Annotated[float, "kg"]
     area: Annotated[float, "m^2"]
@@ -100,7 +116,8 @@ def valve_inversion(
 ) -> tuple[Scalar, LawState]:
     """The voltage whose flow moves the piston as wanted against the estimated friction [derived here].
 
-        Q_d = A (dr + k_p e) + V_t / (4 beta A) lam (F_d - F_app),  F_d = M ddr + F^
+        Q_d = A (dr + k_p e) + V_t / (4 beta A) (c dF_d/dt + lam (E - E_l)),  F_d = M ddr + F^
+        E = F_d - F_app,  dE_l/dt = w (E - E_l)
         x_s = Q_d / (K sqrt(share (P_s - sgn(Q_d) P*))),  P* = F^ / A
         V   = (x_s + lead tau dx_s/dt) / K_sv
 
@@ -108,14 +125,17 @@ def valve_inversion(
     runs away: the valve's lag acts as added mass.
     """
     target = g.mass * wanted.reference_acceleration + friction
-    flow = g.area * (wanted.reference_velocity + g.position_rate * wanted.error) + g.compliance * g.force_rate * (
-        target - wanted.applied_force
+    missing = target - wanted.applied_force
+    lasting = state.lasting - np.expm1(-g.washout * sample_time) * (missing - state.lasting)
+    rise = g.compression * (target - state.previous_target) / sample_time
+    flow = g.area * (wanted.reference_velocity + g.position_rate * wanted.error) + g.compliance * (
+        rise + g.force_rate * (missing - lasting)
     )
     drop = g.supply_pressure - np.sign(flow) * friction / g.area
     root = np.sqrt(g.drop_share * np.maximum(drop, LOWEST_DROP * g.supply_pressure))
     spool = flow / (g.flow_gain * root)
     rate = (spool - state.previous_spool) / sample_time
-    return (spool + g.lead * g.time_constant * rate) / g.position_gain, LawState(spool)
+    return (spool + g.lead * g.time_constant * rate) / g.position_gain, LawState(spool, target, lasting)
 
 
 @equation

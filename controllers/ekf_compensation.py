@@ -38,6 +38,8 @@ class Settings(NamedTuple):
     feedforward: laws.Feedforward = 1.0
     position_rate: laws.PositionRate = 34.0
     force_rate: laws.ForceRate = 0.0
+    washout: laws.Washout = 0.0
+    compression: laws.Compression = 0.0
     lead: laws.Lead = 0.0
     position_noise: Annotated[float, "m", _deviation("a measured position")] = 13e-6
     pressure_noise: Annotated[float, "Pa", _deviation("a measured pressure")] = 2e3

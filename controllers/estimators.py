@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from controllers.believed_friction import ROTATION_SETTINGS
 from controllers.friedland_park import friedland_park
-from controllers.lugre_observer import lugre_adaptive, lugre_observer
+from controllers.lugre_observer import friction_feedforward, lugre_adaptive, lugre_observer
 from controllers.measured_force import friction_gauge, load_pressure
 from controllers.static_map import no_estimate, static_map
 from controllers.tafazoli import tafazoli
@@ -45,6 +45,9 @@ ESTIMATORS = {
         "LuGre observer with adaptive theta",
         ("injection", "sliding_rate", "adaptation", *ROTATION_SETTINGS),
     ),
+    "friction_feedforward": FrictionEstimator(
+        friction_feedforward, "LuGre friction of the reference's motion", ROTATION_SETTINGS
+    ),
     "friction_gauge": FrictionEstimator(friction_gauge, "the true friction, from a gauge that no rig has (an oracle)"),
 }
 """Friction estimators by the type of the controller that is built on them."""
@@ -54,7 +57,7 @@ VELOCITY_SETTINGS = ("velocity", "velocity_time_constant", "position_noise", "je
 ORACLE = "friction_gauge"
 """The one that is given what no rig measures."""
 
-WITHOUT_VELOCITY = ("uncompensated", "load_pressure", ORACLE)
+WITHOUT_VELOCITY = ("uncompensated", "load_pressure", "friction_feedforward", ORACLE)
 """Estimators that have no use for the velocity: in a valve inversion it then counts for nothing."""
 
 
@@ -67,5 +70,5 @@ def without_use(name: str, law: str, hydraulic: bool) -> frozenset[str]:
     if name in WITHOUT_VELOCITY and law == "valve_inversion":
         idle.update(VELOCITY_SETTINGS)
     if name == "load_pressure":
-        idle.update(("force_rate", "kp", "kd", "ka", "feedforward", *VELOCITY_SETTINGS))
+        idle.update(("force_rate", "washout", "compression", "kp", "kd", "ka", "feedforward", *VELOCITY_SETTINGS))
     return frozenset(idle)

@@ -23,6 +23,7 @@ class Seen(NamedTuple):
     sliding: Annotated[float, "m/s"]
     surface_speed: Annotated[float, "m/s"] = 0.0
     gauge: Annotated[float, "N"] = math.nan
+    reference_velocity: Annotated[float, "m/s"] = 0.0
 
 
 class Memory(NamedTuple):

@@ -58,6 +58,17 @@ def lugre_observer(seen: Seen, memory: Memory, belief: Belief, sample_time: Scal
 
 
 @equation
+def friction_feedforward(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar) -> tuple[Scalar, Memory]:
+    """F^ of the same law (N) along the reference's motion, as if it were followed: nothing is fed back.
+
+    What is known beforehand may be differentiated: a law may feed forward the flow that compresses the oil.
+    """
+    wanted = Seen(seen.reference_velocity, seen.reference_velocity, seen.applied_force, 0.0, seen.surface_speed)
+    force, bristle, _ = _advance(wanted, memory.bristle, memory.theta, belief, sample_time)
+    return force, Memory(memory.level, bristle, memory.theta, memory.momentum, seen.velocity)
+
+
+@equation
 def lugre_adaptive(seen: Seen, memory: Memory, belief: Belief, sample_time: Scalar) -> tuple[Scalar, Memory]:
     """The same with theta adapted; steady friction is g/theta, so that a larger theta is less friction.
 
