@@ -23,14 +23,14 @@ ForceRate = Annotated[
     float,
     "1/s",
     About("rate at which an error of the force is to vanish"),
-    Tuned(0.0, 20.0, logarithmic=False),
+    Tuned(0.0, 50.0, logarithmic=False),
     _INVERSION,
 ]
 Washout = Annotated[
     float,
     "1/s",
     About("rate at which a lasting error of the force is forgotten"),
-    Tuned(0.1, 20.0),
+    Tuned(0.1, 100.0),
     Needs("force_rate"),
 ]
 Compression = Annotated[
