@@ -158,7 +158,8 @@ def combine(
         sliding = reference.velocity - velocity + gains.sliding_rate * error
         rotation = filtered_rotation(measurement.rotation_speed, state.rotation_speed, gains.rotation_gain)
         around = gains.belief.turning.radius * rotation
-        seen = Seen(velocity, state.memory.previous_velocity, force, sliding, around, gauge(measurement), reference.velocity)
+        known = gauge(measurement)
+        seen = Seen(velocity, state.memory.previous_velocity, force, sliding, around, known, reference.velocity)
         friction, memory = estimate(seen, state.memory, gains.belief, sample_time)
         wanted = Wanted(error, reference.velocity, reference.acceleration, velocity, force)
         command, following = law(wanted, friction, state.law, gains.law, sample_time)

@@ -50,6 +50,26 @@ class Rows:
         column = "steady_state_max_error_m" if cell.reference in STEPS else "rms_error_m"
         return self.of(frame, cell, controller, rpm)[column].to_numpy(float)
 
+    def hunting(self, cell: Key, controller: str, rpm: float) -> tuple[int, int]:
+        """On how many draws it swings, and of how many: of the fresh draws, where it was measured there."""
+        for frame in (self.fresh, self.search):
+            found = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
+            found = found[(found["controller"] == controller) & (found["rpm"] == rpm) & found["limit_cycle"].notna()]
+            if not found.empty:
+                swings = found[found["limit_cycle"].isin(["sustained", "too_short"])]
+                return swings["draw"].nunique(), found["draw"].nunique()
+        raise AssertionError("nobody held still")
+
+    def rare(self, cell: Key) -> dict[str, tuple[str, float]]:
+        """Of each class that nobody stands for, the best that may hunt on no more than 5 % of the machines."""
+        found = {}
+        for kind in set(CLASSES) - set(self.stands(cell)):
+            for one in self.ranked(cell, kind):
+                count, of = self.hunting(cell, *one)
+                if stats.beta.ppf(0.025, count, of - count + 1) <= 0.05:
+                    found.setdefault(kind, one)
+        return found
+
     def hunts(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> bool:
         """Whether it swings in any draw of its machine and scenario."""
         found = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
@@ -86,7 +106,16 @@ class Rows:
 
     def kind(self, cell: Key) -> str:
         """The verdict, by its definition on the page."""
+        strictly, otherwise = self.both_ways(cell)
+        return strictly if strictly == otherwise else "cannot be told"
+
+    def both_ways(self, cell: Key) -> tuple[str, str]:
+        """The verdict if nothing holds that hunts, and the one if what does so rarely holds."""
         held = self.stands(cell)
+        return self.kind_among(cell, held), self.kind_among(cell, held | self.rare(cell))
+
+    def kind_among(self, cell: Key, held: dict[str, tuple[str, float]]) -> str:
+        """The verdict if these stand for the classes."""
         words = {
             (a, b): self.word(cell, held[a], held[b]) for one in combinations(held, 2) for a, b in (one, one[::-1])
         }

@@ -63,7 +63,7 @@ def test_what_hunts_never_wins_in_any_motion() -> None:
     """A plain loop that swings 1.40 mm while its mean error is 0.00207 mm was called sufficient."""
     errors = {("p", 0.0): 0.00207e-3, ("lugre", 0.0): 0.5e-3, ("p", 10.0): 0.3e-3}
     steps = cell(errors, reference="steps", noise=0.01)
-    hunts = (steps["controller"] == "p") & (steps["rpm"] == 0) & (steps["draw"] == 7)
+    hunts = (steps["controller"] == "p") & (steps["rpm"] == 0) & (steps["draw"] >= 7)
     steps.loc[hunts, ["limit_cycle", "limit_cycle_amplitude_m"]] = ["sustained", 1.4e-3]
     spec = COUNTS.model_copy(update={"negligible": 0.013e-3})
     for reference in ("steps", "sine"):
@@ -71,7 +71,8 @@ def test_what_hunts_never_wins_in_any_motion() -> None:
         found = verdicts(spec, pd.concat([steps, sine]))[Cell("rig", "nominal", reference)]
         assert found.kind == "avoid"
         assert "nothing" not in found.best
-        assert "No candidate of plain at rest holds: hunts." in sentences(spec, found)
+        said = sentences(spec, found)
+        assert "No candidate of plain at rest holds: hunts (least often p at rest, on 4 of 10 draws)." in said
     assert not any(row["controller"] == "p" and row["rpm"] == 0 for row in finalists(spec, steps))
     steps.loc[hunts, "limit_cycle"] = "too_short"
     assert verdict(steps, spec).kind == "avoid", "what may hunt does not win either"
@@ -88,6 +89,62 @@ def test_who_hunts_only_on_a_fresh_draw_does_not_win_either() -> None:
     fresh.loc[(fresh["controller"] == "p") & (fresh["rpm"] == 10) & (fresh["draw"] == 15), "limit_cycle"] = "sustained"
     found = verdict(search, fresh=fresh)
     assert (found.kind, found.best["avoid"].controller, found.fresh) == ("avoid", "pi", True)
+
+
+def hunting_on(frame: pd.DataFrame, controller: str, rpm: float, draws: list[int]) -> pd.DataFrame:
+    """The same where a candidate swings on these draws."""
+    hunts = (frame["controller"] == controller) & (frame["rpm"] == rpm) & frame["draw"].isin(draws)
+    return frame.assign(limit_cycle=frame["limit_cycle"].mask(hunts, "sustained"))
+
+
+def test_what_rests_on_who_hunts_rarely_cannot_be_told() -> None:
+    """One draw of sixty used to take a class out, and the verdict turned with the number of draws."""
+    errors = {("p", 0.0): 9e-4, ("lugre", 0.0): 2e-4, ("p", 10.0): 3e-4}
+    search = cell(errors, reference="steps", noise=0.01)
+    fresh = cell(errors, range(11, 61), reference="steps", noise=0.01, seed=2)
+    assert verdict(search, fresh=fresh).kind == "compensate"
+    found = verdict(search, fresh=hunting_on(fresh, "lugre", 0.0, [15]))
+    assert (found.kind, found.strictly, found.otherwise, found.pair) == ("cannot be told", "avoid", "compensate", None)
+    assert "compensate" not in found.best
+    said = sentences(COUNTS, found)
+    assert said[0].startswith(
+        "Cannot be told: avoid if what hunts on any draw does not hold, compensate if it holds where it hunts rarely. "
+        "lugre at rest, 0.2"
+    )
+    assert said[0].endswith("hunts on 1 of 50 draws, so on 0.0506 to 10.6 % of such machines.")
+    often = verdict(search, fresh=hunting_on(fresh, "lugre", 0.0, [15, 20, 25, 30, 35, 40, 45]))
+    assert (often.kind, often.otherwise) == ("avoid", None), "at least 5.8 % of such machines hunt"
+    same = verdict(search, fresh=hunting_on(fresh, "p", 0.0, [15]))
+    assert (same.kind, same.otherwise) == ("compensate", None), "the verdict does not rest on who hunts rarely"
+
+
+def test_whoever_stands_behind_what_hunts_is_measured_until_one_holds() -> None:
+    errors = {("p", 0.0): 9e-4, ("p", 10.0): 3e-4} | {(f"lugre{i}", 0.0): (1 + i) * 1e-4 for i in range(9)}
+    search, fresh = (cell(errors, draws, 0.01, reference="steps") for draws in (range(1, 11), range(11, 61)))
+    measured: list[str] = []
+    rounds = []
+    for name in ("lugre0", "lugre1", "lugre2", "lugre3", "lugre4"):
+        fresh = hunting_on(fresh, name, 0.0, [15, 30])
+    while wanted := finalists(COUNTS, search, fresh[fresh["controller"].isin(measured)] if measured else None):
+        rounds.append([str(row["controller"]) for row in wanted if str(row["controller"]) not in measured])
+        measured += rounds[-1]
+    assert rounds == [["p", "p", "lugre0"], ["lugre1", "lugre2", "lugre3"], ["lugre4", "lugre5", "lugre6"]]
+    found = verdict(search, fresh=fresh[fresh["controller"].isin(measured)])
+    assert (found.kind, found.best["compensate"].controller) == ("avoid", "lugre5")
+
+
+def test_where_all_hunt_in_the_search_the_best_that_may_do_so_rarely_is_measured() -> None:
+    errors = {("p", 0.0): 9e-4, ("p", 10.0): 3e-4, ("lugre", 0.0): 1e-4, ("tafazoli", 0.0): 2e-4}
+    search = cell(errors, reference="steps", noise=0.01)
+    search = hunting_on(hunting_on(search, "lugre", 0.0, [1, 2, 3, 4]), "tafazoli", 0.0, [5])
+    first = finalists(COUNTS, search)
+    assert {row["controller"] for row in first} == {"p"}
+    fresh = cell(errors, range(11, 61), reference="steps", noise=0.01, seed=2)
+    known = fresh[fresh["controller"] == "p"]
+    assert [row["controller"] for row in finalists(COUNTS, search, known)] == ["tafazoli"]
+    fresh = fresh[fresh["controller"] != "lugre"]
+    assert finalists(COUNTS, search, hunting_on(fresh, "tafazoli", 0.0, [15])) == []
+    assert verdict(search, fresh=hunting_on(fresh, "tafazoli", 0.0, [15])).kind == "cannot be told"
 
 
 @pytest.mark.parametrize("outcome", ["diverged", "torque-limited", "stuck"])

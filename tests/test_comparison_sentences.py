@@ -12,6 +12,7 @@ from made_up_comparison import SPEC, whole
 
 from workbench.compare.finalists import finalists
 from workbench.compare.page import write_comparison
+from workbench.metrics.statistics import share_interval
 from workbench.study.document import Study
 from workbench.study.schema import StudyFile
 
@@ -94,6 +95,16 @@ class Reader:
             assert class_of(*one) == kind.lower()
             assert rest[6] == "beats"
 
+    def rarely(self, strictly: str, otherwise: str, *found: str) -> None:
+        assert (strictly, otherwise) == self.rows.both_ways(self.cell)
+        assert strictly != otherwise
+        one = self.sized(found[:6])
+        assert list(self.rows.rare(self.cell).values()) == [one]
+        count, draws = self.rows.hunting(self.cell, *one)
+        assert found[6:8] == (str(count), str(draws))
+        for text, value in zip(found[8:], share_interval(count, draws), strict=True):
+            assert same(text, 100.0 * value)
+
     def against(self, *found: str) -> None:
         bare, rest = self.sized(found[:6]), found[6]
         held = self.rows.stands(self.cell)
@@ -145,10 +156,10 @@ class Reader:
         assert self.rows.stands(self.cell)["nothing"] == one
         assert interval(self.rows.errors(self.rows.fresh, self.cell, *one))[1] <= 1e-6
 
-    def flawed(self, side: str, flaw: str) -> None:
-        kind = next(kind for kind, name in SIDES.items() if name == side)
+    def flawed(self, side: str, name: str, rpm: str | None, real: str | None, count: str, draws: str) -> None:
+        kind = next(kind for kind, called in SIDES.items() if called == side)
         assert kind not in self.rows.stands(self.cell)
-        assert flaw == "hunts"
+        assert (int(count), int(draws)) == self.rows.hunting(self.cell, *self.who(name, rpm, real))
 
     def read(self, sentence: str) -> None:
         """Find the derivation of a sentence and try it."""
@@ -160,6 +171,10 @@ class Reader:
             rf"(Compensate|Avoid|Both|Level|Nothing needed|Cannot be told): {SIZED}, {WORD} {SIZED}: {MARGIN}\.": (
                 self.verdict
             ),
+            r"Cannot be told: ([a-z ]+) if what hunts on any draw does not hold, ([a-z ]+) if it holds where it hunts "
+            rf"rarely\. {SIZED}, hunts on (\d+) of (\d+) draws, so on ([\d.]+) to ([\d.]+) % of such machines\.": (
+                self.rarely
+            ),
             rf"Against {SIZED}: (.*)\.": self.against,
             rf"Price of {CANDIDATE}: {price}": self.price,
             rf"Level with it, the cheapest is {SIZED}: .*\.": self.cheapest,
@@ -168,7 +183,9 @@ class Reader:
                 self.model
             ),
             rf"(Nothing needed): {SIZED}, is within 0\.001 mm\.": self.within,
-            r"No candidate of ([a-z ]+) holds: ([a-z, -]+)\.": self.flawed,
+            rf"No candidate of ([a-z ]+) holds: hunts \(least often {CANDIDATE}, on (\d+) of (\d+) draws\)\.": (
+                self.flawed
+            ),
         }
         for form, derived in forms.items():
             if match := re.fullmatch(form, sentence):
@@ -178,7 +195,8 @@ class Reader:
 
 
 def split(text: str) -> list[str]:
-    return re.split(r"(?<=\.) (?=[A-Z])", text)
+    """The sentences; the two that say what cannot be told where a class hunts rarely are one."""
+    return re.split(r"(?<=\.)(?<!rarely\.) (?=[A-Z])", text)
 
 
 def test_every_sentence_about_a_cell(page: tuple[list[str], Rows]) -> None:
@@ -205,7 +223,7 @@ def _hunting(line: str, search: pd.DataFrame) -> None:
     swings = part["limit_cycle"].isin(["sustained", "too_short"])
     assert (0 if count == "none" else int(count), int(of)) == (swings.sum(), len(part))
     names = set()
-    for sentence in split(rest) if rest else []:
+    for sentence in re.split(r"(?<=\.) (?=[a-z ]+ hunts)", rest) if rest else []:
         name, at, largest, quiet = re.fullmatch(
             r"([a-z ]+) hunts at ([\d., ]+) rpm, up to ([\d.]+) mm peak to peak(?:; not at ([\d., ]+))?\.", sentence
         ).groups()
@@ -227,6 +245,9 @@ def test_the_matrix_says_what_the_cells_say(page: tuple[list[str], Rows]) -> Non
         field = [text.strip() for text in row.strip("|").split("|")][heads.index(cell.reference)]
         word, margin, *price = field.split("<br>")
         assert word == f"**{rows.kind(cell)}**"
+        if "rests on who hunts rarely" in margin:
+            assert margin.startswith(" or ".join(rows.both_ways(cell)) + ": ")
+            continue
         name, rpm, real, mean, *_ = re.match(rf"{CANDIDATE}: {NUMBER} mm", margin).groups()
         one = Reader(rows, cell).who(name, rpm, real)
         assert same(mean, 1e3 * rows.errors(rows.fresh, cell, *one).mean())

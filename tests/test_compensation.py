@@ -13,10 +13,11 @@ from controllers.compensation_laws import LawState, Wanted, acceleration_feedbac
 from controllers.friction_observer import Belief, Memory, Seen
 from controllers.friedland_park import REVERSAL_SPEED, friedland_park
 from controllers.interface import Reference
-from controllers.lugre_observer import THETA_RANGE, lugre_adaptive, lugre_observer
+from controllers.lugre_observer import THETA_RANGE, friction_feedforward, lugre_adaptive, lugre_observer
 from controllers.static_map import static_map
 from controllers.tafazoli import fit_map, tafazoli
 from plants.friction import LuGre, steady_friction
+from plants.hydraulics import oil_volume, piston_area
 from plants.interface import Measurement
 from plants.registry import plants
 from workbench.parameters import build, named_sets, read_parameters
@@ -191,6 +192,15 @@ def test_theta_never_leaves_its_range(forces: list[float], velocities: list[floa
         assert THETA_RANGE[0] <= memory.theta <= THETA_RANGE[1]
 
 
+def test_friction_feedforward_is_the_observer_s_law_along_the_reference_alone() -> None:
+    b, along, measured = belief(injection=0.0), at_rest(), at_rest()
+    for i in range(200):
+        wanted = 0.05 * math.sin(0.1 * i)
+        force, along = friction_feedforward(Seen(-1.0, 0.5, 300.0, 0.2, 0.0, math.nan, wanted), along, b, H)
+        expected, measured = lugre_observer(Seen(wanted, wanted, 0.0, 0.0), measured, b, H)
+        assert force == expected
+
+
 # --- laws -----------------------------------------------------------------------------------------------------
 
 
@@ -210,6 +220,38 @@ def test_valve_inversion_moves_the_piston_as_wanted_against_friction(velocity: f
     spool = p.hydraulics.valve_position_gain * command
     drop = p.hydraulics.supply_pressure - math.copysign(1.0, velocity) * friction / 6.33e-4
     assert p.hydraulics.valve_flow_gain * spool * math.sqrt(0.5 * drop) == pytest.approx(6.33e-4 * velocity)
+
+
+def hydraulic_law(**changed: float) -> Any:
+    return comp.design(comp.Settings(law="valve_inversion", **changed), parameters(CYLINDER), H).law
+
+
+def spool_flow(gains: Any, spool: float, friction: float) -> float:
+    """Flow (m^3/s) of an inverted valve whose load takes this force (N)."""
+    root = math.sqrt(gains.drop_share * (gains.supply_pressure - math.copysign(1.0, spool) * friction / gains.area))
+    return float(gains.flow_gain * spool * root)
+
+
+def test_the_flow_of_compression_is_that_of_the_force_that_rises() -> None:
+    """A rod that is held while its force rises by 300 N in a sample takes V_t/(4 beta A) dF/dt."""
+    gains = hydraulic_law(compression=0.5)
+    _, state = valve_inversion(
+        Wanted(0.0, 0.0, 0.0, 0.0, 0.0), 300.0, LawState(0.0, previous_target=0.0), gains, sample_time=H
+    )
+    h = parameters(CYLINDER).hydraulics
+    compliance = float(oil_volume(h)) / (4.0 * h.bulk_modulus * float(piston_area(h)))
+    assert spool_flow(gains, state.previous_spool, 300.0) == pytest.approx(0.5 * compliance * 300.0 / H)
+    assert state.previous_target == 300.0
+
+
+@pytest.mark.parametrize("washout", [0.0, 2.0])
+def test_a_force_loop_forgets_what_lasts_with_its_washout(washout: float) -> None:
+    gains, state, count = hydraulic_law(force_rate=5.0, washout=washout), LawState(0.0), 700
+    for _ in range(count):
+        _, state = valve_inversion(Wanted(0.0, 0.0, 0.0, 0.0, 100.0), 300.0, state, gains, H)
+    left = 200.0 * math.exp(-washout * count * H)
+    flow = spool_flow(gains, state.previous_spool, 300.0)
+    assert flow == pytest.approx(gains.compliance * 5.0 * left, rel=1e-9)
 
 
 def test_the_force_source_by_hand() -> None:

@@ -123,13 +123,13 @@ def test_white_noise_of_a_third_of_the_band_is_none(seed: int) -> None:
     # Among 10 000 samples some 27 lie outside three standard deviations: crossings, but no cycles.
     noise = np.random.default_rng(seed).normal(0.0, BAND / 3.0, TIME.size)
     assert verdict(noise) == NONE
-    assert verdict(noise + 1e-3 * np.exp(-TIME / 10.0)) == NONE
+    assert verdict(noise + 1e-3 * np.exp(-TIME / 10.0)).verdict == "none"
 
 
 @settings(max_examples=40, deadline=None)
 @given(size=st.floats(-1e-1, 1e-1), rate=st.floats(0.0, 20.0), drift=st.floats(-1e-2, 1e-2))
 def test_a_monotone_approach_is_none(size: float, rate: float, drift: float) -> None:
-    assert verdict(size * np.exp(-rate * TIME) + drift * TIME, 0.0) == NONE
+    assert verdict(size * np.exp(-rate * TIME) + drift * TIME, 0.0).verdict == "none"
 
 
 def test_four_cycles_are_needed_and_the_first_half_of_the_dwell_does_not_count() -> None:
@@ -156,6 +156,30 @@ def test_growing_cycles_are_sustained() -> None:
 @pytest.mark.parametrize("samples", [0, 1, 2, 3, 4, 7])
 def test_a_dwell_of_a_few_samples_is_none(samples: int) -> None:
     assert judge(TIME[:samples], TIME[:samples], TIME[:samples], 0.0) == NONE
+
+
+@pytest.mark.parametrize("period", [5.0, 7.0, 9.0, 12.5, 20.0, 40.0])
+def test_a_cycle_slower_than_the_dwell_is_held_longer_until_it_is_told(period: float) -> None:
+    """Doubled from 6 s to at most 120 s, none of 24 phases ends in another verdict than that of the whole cycle."""
+    for phase in np.arange(24) / 24:
+        dwell = 6.0
+        while True:
+            time = np.arange(0.0, dwell, 1e-2)
+            error = 1e-3 * np.sin(2.0 * np.pi * (time / period + phase))
+            found = judge(time, error, np.gradient(error, time), 1e-7)
+            if found.settled or dwell >= 120.0:
+                break
+            dwell = min(2.0 * dwell, 120.0)
+        expected = "sustained" if period < 15.0 else "too_short"
+        assert found.verdict == expected, (phase, dwell)
+
+
+def test_a_creep_is_run_on_and_none_in_the_end() -> None:
+    creep = 1e-3 * np.log1p(TIME)
+    found = judge(TIME, creep, np.gradient(creep, TIME), 1e-6)
+    assert (found.verdict, found.settled) == ("none", False)
+    found = judge(TIME, 1e-3 * np.exp(-2.0 * TIME), np.zeros_like(TIME), 1e-6)
+    assert (found.verdict, found.settled) == ("none", True)
 
 
 def test_the_worst_dwell_counts() -> None:

@@ -2,8 +2,10 @@
 
 import sys
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 
+import pandas as pd
 import typer
 
 from workbench.cli.progress import ProgressBar
@@ -12,8 +14,9 @@ from workbench.errors import UserError
 from workbench.files import read_toml
 from workbench.identify.experiment import is_experiment
 from workbench.study.document import Study, only_decides, read_study
+from workbench.study.report_schema import ComparisonTable
 from workbench.study.runner import Plan, again, plan, run_study
-from workbench.study.store import DATABASE, FRESH, read_results
+from workbench.study.store import DATABASE, FRESH, export, read_results
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,7 @@ def _with_draws(study: Study, draws: int | None, fresh_draws: int | None) -> Stu
 
 
 def run_all(planned: Plan, out: Path, options: Options) -> None:
-    """Run the cases of a plan into `out`, then those of its finalists into the folder `fresh` there.
+    """Run the cases of a plan into `out`, then those of its finalists into the folder `fresh` there, round by round.
 
     Raises:
         UserError: a folder does not serve.
@@ -66,15 +69,28 @@ def run_all(planned: Plan, out: Path, options: Options) -> None:
     try:
         _run(planned, out, options)
         spec = planned.study.file.comparison
-        if spec is None or not spec.fresh_draws:
-            return
-        measured = again(planned, finalists(spec, read_results(out)), spec.fresh_draws)
-        print(f"the best of each class again, on {spec.fresh_draws} fresh draws: {len(measured.cases)} cases")
-        begun = (out / FRESH / DATABASE).exists()
-        _run(measured, out / FRESH, replace(options, resume=begun and options.resume, overwrite=not options.resume))
+        if spec is not None and spec.fresh_draws:
+            _again(planned, spec, out, options)
     except KeyboardInterrupt:
         print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
+
+
+def _again(planned: Plan, spec: ComparisonTable, out: Path, options: Options) -> None:
+    """Measure the best of each class on fresh draws; where they hunt there, those behind them, until one holds."""
+    searched, rounds = read_results(out), count(1)
+    fresh: pd.DataFrame | None = None
+    while wanted := finalists(spec, searched, fresh):
+        number = next(rounds)
+        measured = again(planned, wanted, spec.fresh_draws)
+        who = "the best of each class" if number == 1 else "those behind whom hunting has taken out"
+        print(f"{who} again, on {spec.fresh_draws} fresh draws: {len(measured.cases)} cases")
+        folder = out / FRESH / f"round_{number}"
+        resume = options.resume and (folder / DATABASE).exists()
+        _run(measured, folder, replace(options, resume=resume, overwrite=not resume))
+        fresh = pd.concat([fresh, read_results(folder)], ignore_index=True)
+    if fresh is not None:
+        export(fresh, out / FRESH)
 
 
 def _run(planned: Plan, folder: Path, options: Options) -> None:

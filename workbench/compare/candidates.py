@@ -1,10 +1,11 @@
 """Who takes part in a comparison: a controller at one speed of rotation, with its errors over the draws.
 
 A cell of the comparison is one machine, scenario and reference. Its candidates fall into four classes, by whether their
-controller compensates and whether the rod turns.
+controller compensates and whether the rod turns. What hunts in any draw never wins. One hunting draw of many says
+little of a share, though: whether it is more than `RARE` may be open, and then what rests on it is open too.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from workbench.compare.intervals import LEAST
 from workbench.metrics.limit_cycle import HUNTING
+from workbench.metrics.statistics import share_interval
 from workbench.report.words import plain_name
 from workbench.simulation.simulate import COMPLETED
 from workbench.study.report_schema import ComparisonTable
@@ -26,6 +28,12 @@ TOLD_SPEED = 0.02
 
 SOLVER_ERROR = {"rms_error_m": "solver_rms_error_m", "steady_state_max_error_m": "solver_error_m"}
 """The column that says what the integration may add to an error."""
+
+RARE = 0.05
+"""What hunts on no larger a share of the machines hunts rarely."""
+
+HUNTS = "hunts"
+"""The flaw of what hunts."""
 
 Family = Literal["plain", "pressure", "friction model"]
 Class = Literal["nothing", "compensate", "avoid", "both"]
@@ -45,7 +53,8 @@ class Cell(NamedTuple):
 class Candidate:
     """A controller at one speed of rotation, in one cell: a row of the results a draw, indexed by draw.
 
-    `flaw` says why it cannot win; it is empty where it can.
+    `flaw` says why it cannot win; it is empty where it can. `hunting`: on how many draws it hunts in any reference that
+    holds still, and of how many.
     """
 
     controller: str
@@ -54,6 +63,18 @@ class Candidate:
     rows: pd.DataFrame
     error_column: str
     flaw: str
+    hunting: tuple[int, int] = (0, 0)
+
+    @property
+    def rare(self) -> bool:
+        """Whether hunting is its only flaw, and may be rare: its share is not surely above `RARE`."""
+        known = not np.isnan(self.errors).any()
+        return self.flaw == HUNTS and known and share_interval(*self.hunting)[0] <= RARE
+
+    @property
+    def key(self) -> tuple[str, float]:
+        """What tells it from the others of its cell: controller and rpm."""
+        return self.controller, self.rpm
 
     @property
     def kind(self) -> Class:
@@ -124,7 +145,7 @@ def of_tuned(spec: ComparisonTable, frame: pd.DataFrame) -> pd.DataFrame:
 def cells_of(spec: ComparisonTable, frame: pd.DataFrame) -> dict[Cell, list[Candidate]]:
     """The candidates of each cell, in the order of the results."""
     frame = with_all_axes(frame)
-    hunting = hunters(frame)
+    hunting = hunting_draws(frame)
     found: dict[Cell, list[Candidate]] = {}
     names = ["machine", "scenario", "reference", "controller", "rpm"]
     for key, rows in frame.groupby(names, sort=False):
@@ -132,25 +153,31 @@ def cells_of(spec: ComparisonTable, frame: pd.DataFrame) -> dict[Cell, list[Cand
         rpm = float(str(key[-1]))
         column = error_column(spec, reference)
         rows = rows.set_index("draw").sort_index()
-        flaw = _flaw(rows, column, (machine, scenario, controller, rpm) in hunting)
-        candidate = Candidate(controller, rpm, family_of(spec, controller), rows, column, flaw)
+        hunts = hunting.get((machine, scenario, controller, rpm), (0, 0))
+        flaw = _flaw(rows, column, hunts[0] > 0)
+        candidate = Candidate(controller, rpm, family_of(spec, controller), rows, column, flaw, hunts)
         found.setdefault(Cell(machine, scenario, reference), []).append(candidate)
     return found
 
 
-def hunters(frame: pd.DataFrame) -> set[tuple[str, str, str, float]]:
-    """Machine, scenario, controller and rpm of what hunts in any draw of any reference that holds still."""
-    rows = frame[frame["limit_cycle"].isin(HUNTING)]
-    return set(zip(rows["machine"], rows["scenario"], rows["controller"], rows["rpm"], strict=True))
+def hunting_draws(frame: pd.DataFrame) -> dict[tuple[str, str, str, float], tuple[int, int]]:
+    """By machine, scenario, controller and rpm, on how many draws it hunts in any reference that holds still, of how
+    many; none for what is judged nowhere.
+    """
+    judged = frame.dropna(subset=["limit_cycle"])
+    names = ["machine", "scenario", "controller", "rpm"]
+    hunts = judged["limit_cycle"].isin(HUNTING).groupby([judged[name] for name in (*names, "draw")]).any()
+    counts = hunts.groupby(level=names).agg(["sum", "size"])
+    return {key: (int(count), int(of)) for key, count, of in counts.itertuples(name=None)}
 
 
 def _flaw(rows: pd.DataFrame, error: str, hunts: bool) -> str:
-    """Why a candidate cannot win; empty if it can."""
-    if hunts:
-        return "hunts"
+    """Why a candidate cannot win; empty if it can. What does not complete has that flaw, whether it hunts or not."""
     unusual = rows.loc[rows["outcome"] != COMPLETED, "outcome"]
     if not unusual.empty:
         return str(unusual.iloc[0])
+    if hunts:
+        return HUNTS
     return "has no error" if rows[error].isna().any() else ""
 
 
@@ -159,11 +186,13 @@ def by_class(candidates: list[Candidate]) -> Mapping[Class, list[Candidate]]:
     return {kind: sorted((one for one in candidates if one.kind == kind), key=order) for kind in CLASSES}
 
 
-def order(one: Candidate) -> tuple[bool, float]:
-    """The place of a candidate: the least error first, those with a flaw behind."""
-    return bool(one.flaw), 0.0 if one.flaw else one.size
+def order(one: Candidate) -> tuple[int, float]:
+    """The place of a candidate: the least error first, behind them those that hunt rarely, then all other flaws."""
+    if one.flaw and not one.rare:
+        return 2, 0.0
+    return int(bool(one.flaw)), one.size
 
 
-def sound(candidates: list[Candidate]) -> Iterator[Candidate]:
+def sound(candidates: Iterable[Candidate]) -> Iterator[Candidate]:
     """Those that can win."""
     return (one for one in candidates if not one.flaw)

@@ -30,7 +30,7 @@ MEANING: dict[Kind, str] = {
     "both": "a compensator on a rotating rod beats either alone",
     "nothing needed": "a plain controller at rest errs less than counts, or is beaten by nothing",
     "level": "the differences are within what counts",
-    "cannot be told": "an interval reaches over what counts: these draws do not tell",
+    "cannot be told": "an interval reaches over what counts, or who hunts does so rarely: these draws do not tell",
     "none holds": "every candidate hunts or does not complete",
     "no comparison": "the study lacks a side",
 }
@@ -92,6 +92,9 @@ def _field(spec: ComparisonTable, verdict: Verdict) -> Field:
 def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
     """Who it is, and how far from the rival: "pi at rest: 0.02 mm; x 1.8 (1.6 to 2.1) for p at 25 rpm"."""
     pair = verdict.pair
+    if verdict.otherwise is not None:
+        counts = ", ".join("{} on {} of {} draws".format(one.words, *one.hunting) for one in verdict.rare.values())
+        return f"{verdict.strictly} or {verdict.otherwise}: rests on who hunts rarely ({counts})"
     if pair is None:
         return "; ".join(f"{one.words}: {millimetres(size_of(spec, one).mean)}" for one in verdict.best.values())
     one, other = (verdict.best[kind] for kind in pair)

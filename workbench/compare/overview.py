@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from workbench.compare.candidates import MM, TOLD_SPEED, Cell, hunters, with_all_axes
+from workbench.compare.candidates import MM, TOLD_SPEED, Cell, hunting_draws, with_all_axes
 from workbench.compare.finalists import related
 from workbench.compare.verdicts import Verdict
 from workbench.compare.words import ALIKE, families
@@ -129,7 +129,7 @@ def pump(frame: pd.DataFrame) -> list[str]:
     What a loop that hunts takes is no price of rotation.
     """
     places = frame[["machine", "scenario", "controller", "rpm"]].itertuples(index=False, name=None)
-    hunting = hunters(frame)
+    hunting = {key for key, (draws, _) in hunting_draws(frame).items() if draws}
     frame = frame[[place not in hunting for place in places]]
     key = ["machine", "scenario", "reference", "controller", "draw"]
     rest = frame[frame["rpm"] == 0].set_index(key)[PUMP].rename("rest")

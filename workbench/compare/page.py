@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment
 
-from workbench.compare.candidates import MM, Cell, of_tuned, with_all_axes
+from workbench.compare.candidates import MM, RARE, Cell, of_tuned, with_all_axes
 from workbench.compare.changes import changes
 from workbench.compare.figures import write_figures
 from workbench.compare.intervals import CLOSE
@@ -132,11 +132,16 @@ def rules(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None
         f"hold together with {100 * spec.probability:g} % (Bonferroni), the interval of a single error with as much "
         "alone.",
     ]
+    rarely = (
+        "Where a class has nobody that holds, but one that hunts on so few draws that it may be on no more than "
+        f"{100 * RARE:g} % of the machines, a verdict that rests on that one cannot be told."
+    )
+    hunted = rarely if fresh is None else f"Whoever stands behind it is then measured, until one holds. {rarely}"
     return [
         source,
         *(paired if draws > 1 or fresh is not None else [f"{different}."]),
         "What hunts, or may hunt, in any draw never wins in any motion of that scenario; nor does what does not "
-        "complete or is torque-limited.",
+        f"complete or is torque-limited. {hunted}",
         exactness(spec, frame),
     ]
 

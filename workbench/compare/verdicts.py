@@ -25,26 +25,27 @@ COMPARISONS = len(list(combinations(CLASSES, 2)))
 """Pairs of classes that a verdict may rest on."""
 
 
-UNMEASURED = "others not measured again"
-"""In place of a flaw: who might hold, and was not among those of its class that were measured."""
-
-
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What is said of one cell.
 
     `best` has the candidate of each class as measured for the verdict, none for a class whose candidates all have a
-    flaw; `flawed` has for those the flaw of each candidate; `candidates` all that were measured for the verdict, in the
-    order in which they were chosen.
-    `fresh`: whether the draws are ones that no choice has seen.
+    flaw; `flawed` has those candidates, as they were measured last; `candidates` all that were measured for the
+    verdict, in the order in which they were chosen.
+    `fresh`: whether the draws are ones that no choice has seen. `rare` has of each class without one that holds the
+    best that may hunt rarely; `otherwise` is the verdict if these did hold, where it is another, and the verdict then
+    is that this cannot be told; `strictly` is the one if none of them does.
     """
 
     kind: Kind
     best: Mapping[Class, Candidate]
     relations: Mapping[tuple[Class, Class], Relation]
-    flawed: Mapping[Class, list[str]] = field(default_factory=dict)
+    flawed: Mapping[Class, list[Candidate]] = field(default_factory=dict)
     candidates: list[Candidate] = field(default_factory=list)
     fresh: bool = False
+    rare: Mapping[Class, Candidate] = field(default_factory=dict)
+    strictly: Kind | None = None
+    otherwise: Kind | None = None
 
     def relation(self, one: Class, other: Class) -> Relation:
         """How the candidate of one class does against that of another."""
@@ -57,7 +58,7 @@ class Verdict:
         if self.kind == "level":
             return self._first("is level with")
         if self.kind == "cannot be told":
-            return self._first("cannot be told from")
+            return None if self.otherwise else self._first("cannot be told from")
         named: dict[Kind, Class] = {
             "nothing needed": "nothing",
             "compensate": "compensate",
@@ -92,27 +93,33 @@ def verdicts(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | N
 def _verdict(spec: ComparisonTable, searched: list[Candidate], fresh: list[Candidate] | None) -> Verdict:
     """The verdict of one cell."""
     measured = searched if fresh is None else fresh
+    again = {one.key: one for one in measured}
     best: dict[Class, Candidate] = {}
-    flawed: dict[Class, list[str]] = {}
+    flawed: dict[Class, list[Candidate]] = {}
+    rare: dict[Class, Candidate] = {}
     for side, ranked in by_class(searched).items():
-        again = {(one.controller, one.rpm): one for one in measured}
-        told = [again[one.controller, one.rpm] for one in sound(ranked) if (one.controller, one.rpm) in again]
-        if one := next(sound(told), None):
+        if one := next(sound(again[one.key] for one in sound(ranked) if one.key in again), None):
             best[side] = one
         elif ranked:
-            unmeasured = len(list(sound(ranked))) > len(told)
-            flaws = [one.flaw for one in ranked if one.flaw] + [one.flaw for one in told]
-            flawed[side] = flaws + ([UNMEASURED] if unmeasured else [])
-    relations = {
-        (one, other): related(spec, best[one], best[other], COMPARISONS)
-        for one, other in combinations(CLASSES, 2)
-        if one in best and other in best
-    }
-    places = {(one.controller, one.rpm): i for i, one in enumerate(sound(sorted(searched, key=order)))}
-    measured = sorted(measured, key=lambda one: places.get((one.controller, one.rpm), len(places)))
-    made = Verdict("no comparison", best, relations, flawed, measured, fresh is not None)
-    kind = _kind(spec, made)
-    return Verdict(kind, best, relations, flawed, measured, fresh is not None)
+            flawed[side] = [again.get(one.key, one) for one in ranked]
+            if one := next((one for one in flawed[side] if one.rare and one.key in again), None):
+                rare[side] = one
+    places = {one.key: i for i, one in enumerate(sound(sorted(searched, key=order)))}
+    measured = sorted(measured, key=lambda one: places.get(one.key, len(places)))
+    relations = _relations(spec, best)
+    made = Verdict("no comparison", best, relations, flawed, measured, fresh is not None, rare)
+    strictly = _kind(spec, made)
+    among = best | rare
+    otherwise = _kind(spec, replace(made, best=among, relations=_relations(spec, among))) if rare else strictly
+    if strictly == otherwise:
+        return replace(made, kind=strictly)
+    return replace(made, kind="cannot be told", strictly=strictly, otherwise=otherwise)
+
+
+def _relations(spec: ComparisonTable, best: Mapping[Class, Candidate]) -> dict[tuple[Class, Class], Relation]:
+    """Each class that has a candidate against each other."""
+    pairs = [(one, other) for one, other in combinations(CLASSES, 2) if one in best and other in best]
+    return {(one, other): related(spec, best[one], best[other], COMPARISONS) for one, other in pairs}
 
 
 def _kind(spec: ComparisonTable, made: Verdict) -> Kind:

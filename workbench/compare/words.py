@@ -6,10 +6,11 @@ on each draw, and what stands in brackets is where they lie.
 
 import pandas as pd
 
-from workbench.compare.candidates import MM, Candidate, Class, sound
+from workbench.compare.candidates import HUNTS, MM, Candidate, Class, sound
 from workbench.compare.finalists import related
 from workbench.compare.intervals import LEAST, MOST_DRAWS, Interval, Relation
 from workbench.compare.verdicts import Kind, Verdict, size_of, within
+from workbench.metrics.statistics import share_interval
 from workbench.report.words import watts
 from workbench.study.report_schema import ComparisonTable
 
@@ -73,6 +74,12 @@ def _verdict(spec: ComparisonTable, verdict: Verdict) -> str:
         return f"{word}: the study has no {_absent(verdict)}."
     if verdict.kind == "none holds":
         return f"{word}: every candidate hunts or does not complete."
+    if verdict.otherwise is not None:
+        told = "; ".join(f"{sized(spec, one)}, {hunts_on(one)}" for one in verdict.rare.values())
+        return (
+            f"{word}: {verdict.strictly} if what hunts on any draw does not hold, {verdict.otherwise} if it holds "
+            f"where it hunts rarely. {told}."
+        )
     if verdict.kind == "nothing needed" and within(spec, verdict.best["nothing"]):
         return f"{word}: {sized(spec, verdict.best['nothing'])}, is within {millimetres(spec.negligible)}."
     pair = verdict.pair
@@ -109,13 +116,25 @@ def needed(relation: Relation) -> str:
     return f"; {relation.draws} draws do not tell, about {relation.needed} would"
 
 
+def hunts_on(one: Candidate) -> str:
+    """On how many draws a candidate hunts, and on what share of all machines with that."""
+    count, draws = one.hunting
+    low, high = (_end(100.0 * share) for share in share_interval(count, draws))
+    return f"hunts on {count} of {draws} draws, so on {low} to {high} % of such machines"
+
+
 def _flawed(verdict: Verdict) -> list[str]:
-    """Which classes have no candidate that holds, and why."""
-    return [
-        f"No candidate of {SIDES[kind]} holds: {', '.join(dict.fromkeys(flaws))}."
-        for kind, flaws in verdict.flawed.items()
-        if verdict.kind != "none holds"
-    ]
+    """Which classes have no candidate that holds, and why; who hunts least often."""
+    lines = []
+    for kind, candidates in verdict.flawed.items():
+        flaws = list(dict.fromkeys(one.flaw for one in candidates if one.flaw))
+        hunters = [one for one in candidates if one.flaw == HUNTS]
+        if hunters:
+            least = min(hunters, key=lambda one: (one.hunting[0] / one.hunting[1], -one.hunting[1]))
+            count, draws = least.hunting
+            flaws[flaws.index(HUNTS)] = f"{HUNTS} (least often {least.words}, on {count} of {draws} draws)"
+        lines.append(f"No candidate of {SIDES[kind]} holds: {', '.join(flaws)}.")
+    return lines if verdict.kind != "none holds" else []
 
 
 def _against_nothing(spec: ComparisonTable, verdict: Verdict) -> list[str]:

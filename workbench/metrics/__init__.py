@@ -48,14 +48,14 @@ A dwell is a span in which the reference is constant; those that end after the t
 A figure that does not apply is None, never 0.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from plants.friction import Friction
 from plants.motor import Motor
 from workbench.metrics import friction, power, rotation, tracking
-from workbench.metrics.rest import AT_REST, rest_figures, rests_of
+from workbench.metrics.rest import AT_REST, Rest, rest_figures, rests_of
 from workbench.metrics.window import Window, find_dwells, find_window
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Run
@@ -114,6 +114,7 @@ def evaluate(
     transient: float,
     resolution: float = 0.0,
     only: Collection[str] = COLUMNS,
+    rests: Sequence[Rest] | None = None,
 ) -> dict[str, float | str | None]:
     """All of `COLUMNS` but those of `SOLVER`, in their order; None where a figure does not apply.
 
@@ -125,6 +126,7 @@ def evaluate(
         resolution: the larger of three standard deviations of the position noise and the sensor's step (m): the band
             of the limit-cycle verdict.
         only: the columns that are wanted; what takes long and is not stays None.
+        rests: what the run does where its reference rests (`rests_of`), where that has been found before.
     """
     figures: dict[str, float | str | None] = dict.fromkeys(COLUMNS[: -len(SOLVER)])
     figures["outcome"] = run.outcome
@@ -139,7 +141,8 @@ def evaluate(
         if not TRACKING.isdisjoint(only):
             figures.update(_tracking(run, reference, window))
         if not DWELLS.isdisjoint(only):
-            figures.update(_dwells(run, reference, transient, resolution))
+            known = rests_of(run, reference, transient, resolution) if rests is None else rests
+            figures.update(_dwells(run, reference, transient, known))
     return figures
 
 
@@ -158,12 +161,12 @@ def _tracking(run: Run, reference: ReferenceSignal, window: Window) -> Figures:
     }
 
 
-def _dwells(run: Run, reference: ReferenceSignal, transient: float, resolution: float) -> Figures:
+def _dwells(run: Run, reference: ReferenceSignal, transient: float, rests: Sequence[Rest]) -> Figures:
     signals, dwells = run.signals, find_dwells(run.time, reference, transient)
     if not dwells:
         return {}
     settling = tracking.settling_time(run.time, signals["reference_position"], signals["error"], dwells)
-    return rest_figures(rests_of(run, reference, transient, resolution)) | {"settling_time_s": settling}
+    return rest_figures(rests) | {"settling_time_s": settling}
 
 
 def _cost(run: Run, window: Window) -> Figures:

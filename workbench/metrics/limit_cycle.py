@@ -12,7 +12,8 @@ How it is judged, on the second half of the dwell (the first is transient):
   half, and neither falls from swing to swing nor has been still for long), or the rod rests beside its reference while
   the command still grows, as that of an integral does until the rod breaks away. A longer dwell decides
   (`workbench.study.run_on`).
-- none: everything else: at rest, or a creep that never comes back.
+- none: everything else: at rest, or a creep that never comes back. While the last quarter still moves out of the noise
+  it is not settled: part of a cycle slower than the dwell looks like an approach.
 - What a controller forces on the plant, such as dither, is no limit cycle: the error is averaged over one period of it
   first, and a cycle of that period is none.
 
@@ -65,6 +66,9 @@ FALLEN = 0.25
 FORCED_SPREAD = 0.10
 """A cycle whose period is within this share of the forced one is the forced one."""
 
+BLOCKS = 8
+"""A creep is seen in the means of so many parts."""
+
 STILL_GROWS = 0.8
 """A command still grows whose change over a quarter of the dwell is this share of that over the quarter before."""
 
@@ -78,8 +82,8 @@ cycle. A sine spends 4 % of its time below a tenth of its mean speed, so that a 
 class LimitCycle:
     """Verdict over a dwell. `amplitude` (m, peak to peak) and `period` (s): means over the cycles; None without.
 
-    `settled`: a longer dwell is not needed. One that is too short is not, nor is one that decays and has not fallen to
-    `FALLEN` yet: it may be on its way to a smaller limit cycle.
+    `settled`: a longer dwell is not needed. One that is too short is not, nor one that still creeps, nor one that
+    decays and has not fallen to `FALLEN` yet: it may be on its way to a smaller limit cycle.
     """
 
     verdict: Verdict
@@ -128,9 +132,9 @@ def judge(
     if seen.ending == "falling":
         return LimitCycle("decaying", seen.size, seen.period)
     pushed = command is not None and _is_pushed(late, errors, command[start:], swing)
-    return (
-        LimitCycle("too_short", seen.size, seen.period, settled=False) if pushed or seen.ending == "going on" else NONE
-    )
+    if pushed or seen.ending == "going on":
+        return LimitCycle("too_short", seen.size, seen.period, settled=False)
+    return LimitCycle("none", settled=not _creeps(errors[errors.size // 2 :], swing))
 
 
 def worst(verdicts: list[LimitCycle]) -> LimitCycle:
@@ -171,6 +175,13 @@ def _have_ended(waves: HalfWaves, time: np.ndarray, error: np.ndarray, band: flo
 def _falls_fast(amplitudes: np.ndarray) -> bool:
     """Whether each of few amplitudes (m) is smaller than the one before, and the last less than half the first."""
     return bool(np.all(np.diff(amplitudes) < 0.0)) and amplitudes[-1] < 0.5 * amplitudes[0]
+
+
+def _creeps(error: np.ndarray, least: float) -> bool:
+    """Whether an error moves on by more than `least` (m), noise averaged out."""
+    if error.size < BLOCKS * LEAST_SAMPLES:
+        return False
+    return bool(np.ptp([np.mean(part) for part in np.array_split(error, BLOCKS)]) > least)
 
 
 def _is_pushed(time: np.ndarray, error: np.ndarray, command: np.ndarray, least: float) -> bool:

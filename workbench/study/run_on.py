@@ -1,16 +1,17 @@
 """Running on: a dwell that is too short to tell whether the loop hunts is made longer until it is not.
 
-A cycle that decays slowly may be on its way to a smaller limit cycle, and is run on as well. Only the last dwell can be
-made longer. It is doubled, and doubled again, until its verdict is settled or it is as long as the case's `hold_limit`
-allows; the case is run from its start each time, so that a row depends on nothing but its case. The longer record gives
-the limit cycle and the steady-state errors of that dwell. All other figures are those of the study's own duration. A
-dwell before the last that is too short is taken for what the last one shows.
+A cycle that decays slowly may be on its way to a smaller limit cycle, and a creep may be part of a slow one: they are
+run on as well. Only the last dwell can be made longer. It is doubled, and doubled again, until its verdict is settled
+or it is as long as the case's `hold_limit` allows; the case is run from its start each time, so that a row depends on
+nothing but its case. The longer record gives the limit cycle and the steady-state errors of that dwell. All other
+figures are those of the study's own duration. A dwell before the last that is too short is taken for what the last one
+shows.
 """
 
 from collections.abc import Collection
 from dataclasses import replace
 
-from workbench.metrics import COLUMNS, evaluate
+from workbench.metrics import COLUMNS, DWELLS, evaluate
 from workbench.metrics.limit_cycle import NONE
 from workbench.metrics.rest import Rest, rest_figures, rests_of
 from workbench.simulation.references import Held
@@ -23,17 +24,16 @@ LONGER = 2.0
 
 def evaluated(resolved: Resolved, run: Run, only: Collection[str] = COLUMNS) -> dict[str, float | str | None]:
     """The figures of a case's run, as `workbench.metrics.evaluate` gives them, run on where its dwell is too short."""
-    figures = evaluate(run, resolved.signal, resolved.transient, resolved.band, only)
-    reference = resolved.setup.reference
-    if figures["limit_cycle"] not in ("too_short", "decaying") or reference is None:
-        return figures
-    *earlier, own = rests_of(run, reference, resolved.transient, resolved.band)
-    if all(one.cycle.settled for one in (*earlier, own)):
+    reference, rests = resolved.setup.reference, list[Rest]()
+    if reference is not None and not run.diverged and not DWELLS.isdisjoint(only):
+        rests = rests_of(run, reference, resolved.transient, resolved.band)
+    figures = evaluate(run, resolved.signal, resolved.transient, resolved.band, only, rests)
+    if all(one.cycle.settled for one in rests):
         return figures
     last = run_on(resolved)
     if last is None:
         return figures
-    known = [replace(one, cycle=NONE) if one.cycle.verdict == "too_short" else one for one in earlier]
+    known = [replace(one, cycle=NONE) if one.cycle.verdict == "too_short" else one for one in rests[:-1]]
     return figures | rest_figures([*known, last])
 
 

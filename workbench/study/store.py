@@ -6,7 +6,8 @@ results.sqlite    one row a finished case, committed as it ends
 results.csv, results.parquet, run.json        written when all cases are done
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
 records/          one Parquet file a case with the signals that the study names under `records`
-fresh/            the finalists of a comparison on machines not drawn before, in a folder of the same form
+fresh/            the finalists of a comparison on machines not drawn before: results.csv and results.parquet of all
+                  rounds, and for each round a folder of the same form as this one
 """
 
 import json
