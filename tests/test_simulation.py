@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 from support import OSCILLATOR, PENDULUM, registered, start
 
 from controllers.interface import Controller, Reference
@@ -18,7 +19,7 @@ from plants.equation import fields, from_array
 from plants.friction_gauge import gauged
 from plants.interface import Measurement, Plant, compile_derivatives
 from plants.non_rotating import NON_ROTATING
-from workbench.simulation import compilation
+from workbench.simulation import compilation, engine
 from workbench.simulation.references import Multisine, Ramp, Recorded, ReferenceSignal, Sine, Steps
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Run, Setup, simulate
@@ -250,6 +251,33 @@ def test_compiled_controller_equals_its_equations(controller: Controller) -> Non
         assert run.time.size == 101
         expected = np.clip(replay(controller, gains, setup, run), -bound, bound)
         assert run.command == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+def test_the_compiled_loop_has_no_array_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has pointers alone; numba would free an array of its own before the last use, under the feet of other threads.
+
+    Each array that is handed in takes one block, for numba's view of it.
+    """
+    allocated, handed = [], []
+
+    def counted(*arguments: Any) -> Any:
+        groups = [item if isinstance(item, tuple) else (item,) for item in arguments]
+        handed.append(sum(isinstance(one, np.ndarray) for group in groups for one in group))
+        before = rtsys.get_allocation_stats().alloc
+        found = run_loop(*arguments)
+        allocated.append(rtsys.get_allocation_stats().alloc - before)
+        return found
+
+    run_loop = engine.run_loop
+    monkeypatch.setattr(engine, "run_loop", counted)
+    enabled = _nrt_python.memsys_stats_enabled()
+    _nrt_python.memsys_enable_stats()
+    try:
+        simulate(start(OSCILLATOR, duration=0.1, loop=proportional(3.0), reference=Sine(1.0, 2.0)))
+    finally:
+        if not enabled:
+            _nrt_python.memsys_disable_stats()
+    assert allocated == handed
 
 
 def test_two_threads_run_the_same_code(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -93,7 +93,8 @@ def write_figures(
             figure = _panels(spec, part, f"{name}: error against paid power", over_power)
             caption = (
                 f"{name}: error against what pump and motor terminals pay together. In colour: who stands for each "
-                f"class (on fresh draws where there are any); grey: all others that hold. {bars}Shaded: below {level}."
+                f"class (on fresh draws where there are any); grey: all others that hold, on the draws of "
+                f"the choice. {bars}Shaded: below {level}."
             )
             drawn.append((f"error_against_power_{scenario}", figure, caption))
         drawn += _hunting(with_all_axes(frame if fresh is None else pd.concat([frame, fresh], ignore_index=True)))

@@ -1,4 +1,6 @@
-"""What the verdicts say together: by machine, between machines, and what follows for power, pump, motor and hunting."""
+"""What the verdicts say together: the answer by machine, between machines, and what follows for power, pump, motor and
+hunting.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -20,14 +22,22 @@ PUMP = "supply_power_W"
 ALIKE_POWER = 0.1
 """Share by which the power of turning differs at most where the friction around the rod is the same."""
 
+MOST_NAMED = 5
+"""Cases named in one sentence."""
+
 CASE = ["scenario", "reference", "controller", "rpm", "draw"]
 
 
+def answer(found: Mapping[Cell, Verdict]) -> list[str]:
+    """The verdicts of each machine in a sentence: what stands above everything."""
+    return [by_machine(machine, found) for machine in dict.fromkeys(cell.machine for cell in found)]
+
+
 def overview(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict]) -> list[str]:
-    """All sentences above the details. Of several machines each other is held against the first, prices told once."""
+    """What follows from the verdicts. Of several machines each other is held against the first, prices told once."""
     frame = with_all_axes(frame)
     machines = list(dict.fromkeys(cell.machine for cell in found))
-    lines = [by_machine(machine, found) for machine in machines]
+    lines = []
     for i, other in enumerate(machines[1:], start=1):
         lines.append(between(machines[0], other, found))
         if not any(turn_alike(known, other, frame) for known in machines[:i]):
@@ -52,11 +62,13 @@ def on(machine: str) -> str:
 
 
 def by_machine(machine: str, found: Mapping[Cell, Verdict]) -> str:
-    """How many cells of a machine have which verdict, and which."""
+    """How many cells of a machine have which verdict, and which; those that ask for more than plain control first."""
     cells = [cell for cell in found if cell.machine == machine]
     kinds: dict[str, list[str]] = {}
-    for cell in cells:
+    for cell in sorted(cells, key=lambda cell: found[cell].kind == "nothing needed"):
         kinds.setdefault(found[cell].kind, []).append(cell_name(cell))
+    if len(kinds) == 1:
+        return f"{on(machine)}: {next(iter(kinds))} in all {len(cells)} cells."
     told = "; ".join(f"{kind} in {len(names)} ({', '.join(names)})" for kind, names in kinds.items())
     return f"{on(machine)}, of {len(cells)} cells: {told}."
 
@@ -226,7 +238,15 @@ def exactness(spec: ComparisonTable, frame: pd.DataFrame) -> str:
     error = np.where(steps, frame["steady_state_max_error_m"], frame["rms_error_m"])
     doubtful = np.where(steps, frame["solver_error_m"], frame["solver_rms_error_m"]) > 0.1 * error
     told = doubtful & (error > spec.negligible)
-    return (
+    words = (
         f"Of {len(frame)} cases whose solver error was found, {doubtful.sum()} have one above 10 % of their error; in "
-        f"{told.sum()} of these the error is above {spec.negligible * MM:g} mm."
+        f"{told.sum()} of these the error is above {spec.negligible * MM:g} mm"
     )
+    rows = frame[told].assign(error=error[told]).sort_values("error", ascending=False)
+    names = [
+        f"{plain_name(str(row.controller))} at {row.rpm:g} rpm, "
+        f"{cell_name(Cell(str(row.machine), str(row.scenario), str(row.reference)), machine=True)}"
+        for row in rows.head(MOST_NAMED).itertuples()
+    ]
+    more = f", and {len(rows) - MOST_NAMED} more" if len(rows) > MOST_NAMED else ""
+    return f"{words}{': ' if names else ''}{'; '.join(names)}{more}."

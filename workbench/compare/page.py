@@ -15,7 +15,7 @@ from workbench.compare.changes import changes
 from workbench.compare.figures import write_figures
 from workbench.compare.intervals import CLOSE
 from workbench.compare.matrix import key, matrices, title_of
-from workbench.compare.overview import cell_name, exactness, hunting, overview
+from workbench.compare.overview import answer, cell_name, exactness, hunting, overview
 from workbench.compare.results import fresh_results
 from workbench.compare.tables import finalist_table, write_tables
 from workbench.compare.templates import HTML, MARKDOWN
@@ -43,6 +43,7 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
         "title": study.file.title,
         "question": study.file.question,
         "scope": scope(frame, fresh),
+        "answer": answer(found),
         "matrices": matrices(spec, found),
         "key": key(),
         "overview": overview(spec, tuned, found),
@@ -142,7 +143,7 @@ def rules(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None
         *(paired if draws > 1 or fresh is not None else [f"{different}."]),
         "What hunts, or may hunt, in any draw never wins in any motion of that scenario; nor does what does not "
         f"complete or is torque-limited. {hunted}",
-        exactness(spec, frame),
+        exactness(spec, with_all_axes(frame)),
     ]
 
 

@@ -5,6 +5,9 @@ MARKDOWN = """\
 
 {{ question }}
 
+{% for line in answer -%}
+- {{ line }}
+{% endfor %}
 {{ scope }}
 {% for matrix in matrices %}
 ## {{ matrix.machine | machine }}
@@ -89,13 +92,16 @@ p, li { max-width: 60em; }
 .key { list-style: none; padding: 0; }
 .key span { display: inline-block; border: 1px solid #666; padding: 0 0.4em; font-weight: bold;
   print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+.answer { font-weight: bold; }
 .wide { overflow-x: auto; }
 .finalists td, .finalists th { text-align: left; }
 {% endblock %}
 {% block body -%}
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>
-{% endif %}<p>{{ scope }}</p>
+{% endif %}<ul class="answer">{% for line in answer %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<p>{{ scope }}</p>
 <div class="matrices">
 {% for matrix in matrices %}
 <table>

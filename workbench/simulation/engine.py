@@ -42,6 +42,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     types.Tuple((_number, _integer, _integer, _number)),  # sample time, method, steps a sample, tolerance
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
+    _vector,  # scratch, of `scratch_size`
 )
 
 
@@ -53,6 +54,15 @@ def _scalar_loops(function: Any) -> Any:
         return njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy")(function)
     finally:
         numba.config.LOOP_VECTORIZE = vectorize
+
+
+def scratch_size(states: int, inputs: int, channels: int, delay_samples: int) -> int:
+    """Numbers that the loop works on beside its arguments: with `states` those of the filters are counted.
+
+    They come from the caller, who keeps them: the loop has pointers alone, and an array of its own would be freed after
+    its last mention, before the last use of its memory.
+    """
+    return 9 * states + 3 * inputs + (4 + delay_samples) * channels
 
 
 @register_jitable
@@ -84,6 +94,7 @@ def run_loop(
     delay: Any,
     clock: Any,
     logs: Any,
+    scratch: Any,
 ) -> tuple[int, int, int]:
     """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
 
@@ -108,31 +119,20 @@ def run_loop(
 
     plant_states = log_states.shape[1]
     n, m, channel_count, memory_count = y.size, base.size, cutoffs.size, state.size
-    readings, work = np.zeros(channel_count), np.zeros(8 * n)
-    system = (
-        derivatives,
-        measure,
-        address(parameters),
-        address(cutoffs),
-        address(readings),
-        (n, plant_states, m, channel_count),
-    )
-    now, initial, slopes = base.copy(), base.copy(), np.zeros(m)
-    measured = np.zeros(channel_count)
-    bounds = DIVERGENCE_BOUND * (scales + np.abs(y))
     samples = log_states.shape[0]
     slots = delay_samples + 1
-    delayed, prompt = np.zeros((slots, channel_count)), np.zeros(channel_count)
-    ramped = np.any(linear > 0.0)
-    erring = np.any(errors != 0.0)
     guess = h
     total_steps = 0
 
     # From here on pointers: an array handed to a function costs a reference count, at every sample.
-    p_y, p_base, p_scales, p_bounds = address(y), address(base), address(scales), address(bounds)
-    p_now, p_initial, p_slopes, p_linear = address(now), address(initial), address(slopes), address(linear)
-    p_measured, p_delayed, p_prompt = address(measured), address(delayed), address(prompt)
-    p_work = address(work)
+    p_y, p_base, p_scales, p_linear = address(y), address(base), address(scales), address(linear)
+    p_work = address(scratch)
+    p_bounds = shift(p_work, 8 * n)
+    p_now = shift(p_bounds, n)
+    p_initial, p_slopes = shift(p_now, m), shift(p_now, 2 * m)
+    p_readings = shift(p_now, 3 * m)
+    p_measured, p_prompt = shift(p_readings, channel_count), shift(p_readings, 2 * channel_count)
+    p_delayed = shift(p_readings, 3 * channel_count)
     p_state, p_gains = address(state), address(gains)
     p_rotary_state, p_rotary_gains = address(rotary_state), address(rotary_gains)
     p_references, p_rotary_references = address(references), address(rotary_references)
@@ -140,7 +140,21 @@ def run_loop(
     p_errors = address(errors)
     p_log_states, p_log_inputs = address(log_states), address(log_inputs)
     p_log_read, p_log_control = address(log_measurements), address(log_control)
+    sizes = (n, plant_states, m, channel_count)
+    system = (derivatives, measure, address(parameters), address(cutoffs), p_readings, sizes)
     inputs = (p_now, p_initial, p_slopes)
+    ramped = erring = False
+    for j in range(m):
+        ramped = ramped or p_linear[j] > 0.0
+    for j in range(errors.size):
+        erring = erring or p_errors[j] != 0.0
+    for i in range(scratch.size):
+        p_work[i] = 0.0
+    for j in range(n):
+        p_bounds[j] = DIVERGENCE_BOUND * (p_scales[j] + abs(p_y[j]))
+    for j in range(m):
+        p_now[j] = p_base[j]
+        p_initial[j] = p_base[j]
     for i in range(slots):
         _read(system, p_y, shift(p_delayed, i * channel_count))
 

@@ -240,6 +240,7 @@ def simulate(setup: Setup) -> Run:
         (delay_samples, delay_rest if delay_rest > DELAY_SLACK * h else 0.0),
         (h, METHODS[integrator.method], int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
         log,
+        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples)),
     )
     states, realised, measurements, remembered = (table[:count] for table in log)
     run = Run(
