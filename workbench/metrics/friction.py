@@ -10,6 +10,9 @@ BINS = 60
 LEAST_SAMPLES = 2
 """Samples that a bin must hold of each branch, accelerating and decelerating."""
 
+ALIKE = 1e-12
+"""Relative to what they scatter, squared: numbers that differ by less are the same, and what tells two apart does not."""
+
 
 def line(velocity: np.ndarray, friction: np.ndarray) -> tuple[float | None, float | None]:
     """Slope b (N s/m) and R^2 of the straight line F = a + b v fitted by least squares (thesis table 3.1).
@@ -35,22 +38,32 @@ def hysteresis(time: np.ndarray, velocity: np.ndarray, friction: np.ndarray) -> 
 
     so that d (N) is half the difference between accelerating and decelerating friction at equal velocity. The
     slope s that both share keeps an uneven spread of the samples within a bin out of d, which is therefore 0 for
-    any smooth F(v), also one that jumps at v = 0. A bin without both branches adds nothing. None where nothing
-    moves faster than `STUCK_SPEED`.
+    any smooth F(v), also one that jumps at v = 0. A bin without both branches adds nothing, nor does one in which each
+    branch has a speed of its own, which s may explain as well. None where nothing moves faster than `STUCK_SPEED`.
     """
     top = float(np.max(np.abs(velocity)))
     if top < STUCK_SPEED:
         return None
-    branch = np.where(np.gradient(velocity, time) > 0.0, 1.0, -1.0)
+    moving = velocity != 0.0
+    speed, force = np.abs(velocity[moving]), friction[moving]
+    branch = np.where(np.gradient(velocity, time)[moving] > 0.0, 1.0, -1.0)
     width = 2.0 * top / BINS
-    bins = np.minimum(np.floor((velocity + top) / width).astype(int), BINS - 1)
-    energy = 0.0
-    for i in np.unique(bins):
-        inside = (bins == i) & (velocity != 0.0)
-        sign, speed = branch[inside], np.abs(velocity[inside])
-        if min(np.sum(sign > 0.0), np.sum(sign < 0.0)) < LEAST_SAMPLES:
-            continue
-        basis = np.column_stack([sign, np.ones_like(sign), (speed - np.mean(speed)) / width])
-        difference = np.linalg.lstsq(basis, friction[inside], rcond=None)[0][0]
-        energy += abs(float(difference)) * float(np.sum(speed))
-    return energy * float(time[1] - time[0])
+    bins = np.minimum(np.floor((velocity[moving] + top) / width).astype(int), BINS - 1)
+
+    def summed(values: np.ndarray) -> np.ndarray:
+        return np.bincount(bins, values, BINS)
+
+    def centred(values: np.ndarray) -> np.ndarray:
+        return values - (summed(values) / np.maximum(count, 1))[bins]
+
+    count = np.bincount(bins, minlength=BINS)
+    rising = summed(branch > 0.0)
+    both = np.minimum(rising, count - rising) >= LEAST_SAMPLES
+    d, s, f = centred(branch), centred(speed / width), centred(force)
+    dd, ds, ss = summed(d * d), summed(d * s), summed(s * s)
+    free = dd * ss - ds**2  # of the two-by-two normal equations; 0 where the speeds of a bin are alike, or tell its branch
+    told = both & (free > ALIKE * dd * ss)
+    difference = np.divide(ss * summed(d * f) - ds * summed(s * f), free, out=np.zeros(BINS), where=told)
+    alike = both & (ss <= ALIKE * count)
+    difference = np.divide(summed(d * f), dd, out=difference, where=alike)
+    return float(np.sum(np.abs(difference) * summed(speed))) * float(time[1] - time[0])
