@@ -11,7 +11,7 @@ LEAST_SAMPLES = 2
 """Samples that a bin must hold of each branch, accelerating and decelerating."""
 
 ALIKE = 1e-12
-"""Relative to what they scatter, squared: numbers that differ by less are the same, and what tells two apart does not."""
+"""Relative, squared: numbers that scatter by less are the same number."""
 
 
 def line(velocity: np.ndarray, friction: np.ndarray) -> tuple[float | None, float | None]:
@@ -61,7 +61,7 @@ def hysteresis(time: np.ndarray, velocity: np.ndarray, friction: np.ndarray) -> 
     both = np.minimum(rising, count - rising) >= LEAST_SAMPLES
     d, s, f = centred(branch), centred(speed / width), centred(force)
     dd, ds, ss = summed(d * d), summed(d * s), summed(s * s)
-    free = dd * ss - ds**2  # of the two-by-two normal equations; 0 where the speeds of a bin are alike, or tell its branch
+    free = dd * ss - ds**2  # of the normal equations; 0 where the speeds of a bin are alike, or tell its branch
     told = both & (free > ALIKE * dd * ss)
     difference = np.divide(ss * summed(d * f) - ds * summed(s * f), free, out=np.zeros(BINS), where=told)
     alike = both & (ss <= ALIKE * count)
