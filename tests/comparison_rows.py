@@ -61,10 +61,12 @@ class Rows:
         raise AssertionError("nobody held still")
 
     def rare(self, cell: Key) -> dict[str, tuple[str, float]]:
-        """Of each class that nobody stands for, the best that may hunt on no more than 5 % of the machines."""
+        """Of each class the best that may hunt on no more than 5 % of the machines, if it is in front of who stands."""
         found = {}
-        for kind in set(CLASSES) - set(self.stands(cell)):
+        for kind in CLASSES:
             for one in self.ranked(cell, kind):
+                if one == self.stands(cell).get(kind):
+                    break
                 count, of = self.hunting(cell, *one)
                 if stats.beta.ppf(0.025, count, of - count + 1) <= 0.05:
                     found.setdefault(kind, one)

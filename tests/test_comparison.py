@@ -114,6 +114,13 @@ def test_what_rests_on_who_hunts_rarely_cannot_be_told() -> None:
     assert said[0].endswith("hunts on 1 of 50 draws, so on 0.0506 to 10.6 % of such machines.")
     often = verdict(search, fresh=hunting_on(fresh, "lugre", 0.0, [15, 20, 25, 30, 35, 40, 45]))
     assert (often.kind, often.otherwise) == ("avoid", None), "at least 5.8 % of such machines hunt"
+    better = cell(errors | {("static_map", 0.0): 2.5e-4}, range(11, 61), reference="steps", noise=0.01, seed=2)
+    found = verdict(
+        cell(errors | {("static_map", 0.0): 2.5e-4}, reference="steps", noise=0.01),
+        fresh=hunting_on(better, "lugre", 0.0, [15]),
+    )
+    assert (found.kind, found.best["compensate"].controller) == ("compensate", "static_map")
+    assert sentences(COUNTS, found)[1].startswith("Of compensation at rest, lugre at rest, 0.2")
     same = verdict(search, fresh=hunting_on(fresh, "p", 0.0, [15]))
     assert (same.kind, same.otherwise) == ("compensate", None), "the verdict does not rest on who hunts rarely"
 
@@ -124,7 +131,7 @@ def test_whoever_stands_behind_what_hunts_is_measured_until_one_holds() -> None:
     measured: list[str] = []
     rounds = []
     for name in ("lugre0", "lugre1", "lugre2", "lugre3", "lugre4"):
-        fresh = hunting_on(fresh, name, 0.0, [15, 30])
+        fresh = hunting_on(fresh, name, 0.0, [15, 20, 25, 30, 35, 40, 45])
     while wanted := finalists(COUNTS, search, fresh[fresh["controller"].isin(measured)] if measured else None):
         rounds.append([str(row["controller"]) for row in wanted if str(row["controller"]) not in measured])
         measured += rounds[-1]

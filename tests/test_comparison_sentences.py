@@ -105,6 +105,13 @@ class Reader:
         for text, value in zip(found[8:], share_interval(count, draws), strict=True):
             assert same(text, 100.0 * value)
 
+    def in_front(self, side: str, *found: str) -> None:
+        one = self.sized(found[:6])
+        assert self.rows.rare(self.cell)[class_of(*one)] == one
+        assert SIDES[class_of(*one)] == side
+        assert found[6:8] == tuple(map(str, self.rows.hunting(self.cell, *one)))
+        assert len(set(self.rows.both_ways(self.cell))) == 1
+
     def against(self, *found: str) -> None:
         bare, rest = self.sized(found[:6]), found[6]
         held = self.rows.stands(self.cell)
@@ -175,6 +182,8 @@ class Reader:
             rf"rarely\. {SIZED}, hunts on (\d+) of (\d+) draws, so on ([\d.]+) to ([\d.]+) % of such machines\.": (
                 self.rarely
             ),
+            rf"Of ([a-z ]+), {SIZED}, would stand in front, but hunts on (\d+) of (\d+) draws, so on [\d.]+ to "
+            r"[\d.]+ % of such machines\.": self.in_front,
             rf"Against {SIZED}: (.*)\.": self.against,
             rf"Price of {CANDIDATE}: {price}": self.price,
             rf"Level with it, the cheapest is {SIZED}: .*\.": self.cheapest,

@@ -134,8 +134,8 @@ def rules(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None
         "alone.",
     ]
     rarely = (
-        "Where a class has nobody that holds, but one that hunts on so few draws that it may be on no more than "
-        f"{100 * RARE:g} % of the machines, a verdict that rests on that one cannot be told."
+        "Where one errs less than whoever holds of its class, but hunts on so few draws that it may be on no more than "
+        f"{100 * RARE:g} % of the machines, a verdict that would be another with that one cannot be told."
     )
     hunted = rarely if fresh is None else f"Whoever stands behind it is then measured, until one holds. {rarely}"
     return [

@@ -32,9 +32,9 @@ class Verdict:
     `best` has the candidate of each class as measured for the verdict, none for a class whose candidates all have a
     flaw; `flawed` has those candidates, as they were measured last; `candidates` all that were measured for the
     verdict, in the order in which they were chosen.
-    `fresh`: whether the draws are ones that no choice has seen. `rare` has of each class without one that holds the
-    best that may hunt rarely; `otherwise` is the verdict if these did hold, where it is another, and the verdict then
-    is that this cannot be told; `strictly` is the one if none of them does.
+    `fresh`: whether the draws are ones that no choice has seen. `rare` has of each class the best that may hunt rarely,
+    where it errs less than whoever holds; `otherwise` is the verdict if these did hold, where it is another, and the
+    verdict then is that this cannot be told; `strictly` is the one if none of them does.
     """
 
     kind: Kind
@@ -93,17 +93,7 @@ def verdicts(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | N
 def _verdict(spec: ComparisonTable, searched: list[Candidate], fresh: list[Candidate] | None) -> Verdict:
     """The verdict of one cell."""
     measured = searched if fresh is None else fresh
-    again = {one.key: one for one in measured}
-    best: dict[Class, Candidate] = {}
-    flawed: dict[Class, list[Candidate]] = {}
-    rare: dict[Class, Candidate] = {}
-    for side, ranked in by_class(searched).items():
-        if one := next(sound(again[one.key] for one in sound(ranked) if one.key in again), None):
-            best[side] = one
-        elif ranked:
-            flawed[side] = [again.get(one.key, one) for one in ranked]
-            if one := next((one for one in flawed[side] if one.rare and one.key in again), None):
-                rare[side] = one
+    best, flawed, rare = _standing(searched, measured)
     places = {one.key: i for i, one in enumerate(sound(sorted(searched, key=order)))}
     measured = sorted(measured, key=lambda one: places.get(one.key, len(places)))
     relations = _relations(spec, best)
@@ -114,6 +104,36 @@ def _verdict(spec: ComparisonTable, searched: list[Candidate], fresh: list[Candi
     if strictly == otherwise:
         return replace(made, kind=strictly)
     return replace(made, kind="cannot be told", strictly=strictly, otherwise=otherwise)
+
+
+def _standing(
+    searched: list[Candidate], measured: list[Candidate]
+) -> tuple[dict[Class, Candidate], dict[Class, list[Candidate]], dict[Class, Candidate]]:
+    """`best`, `flawed` and `rare` of a verdict: by class the first that holds, all where none does, and the first that
+    may hunt rarely in front of it.
+    """
+    again = {one.key: one for one in measured}
+    best: dict[Class, Candidate] = {}
+    flawed: dict[Class, list[Candidate]] = {}
+    rare: dict[Class, Candidate] = {}
+    for side, ranked in by_class(searched).items():
+        known = [_both(one, again[one.key]) for one in ranked if one.key in again]
+        holds = next((i for i, one in enumerate(known) if not one.flaw), len(known))
+        if holds < len(known):
+            best[side] = known[holds]
+        elif ranked:
+            flawed[side] = [again.get(one.key, one) for one in ranked]
+        if (rarely := next((one for one in known[:holds] if one.rare), None)) is not None:
+            rare[side] = rarely
+    return best, flawed, rare
+
+
+def _both(searched: Candidate, measured: Candidate) -> Candidate:
+    """A candidate as it was measured; one that has a flaw on the draws of the search alone keeps it."""
+    if measured is searched or measured.flaw or not searched.flaw:
+        return measured
+    hunting = searched.hunting[0] + measured.hunting[0], searched.hunting[1] + measured.hunting[1]
+    return replace(measured, flaw=searched.flaw, hunting=hunting)
 
 
 def _relations(spec: ComparisonTable, best: Mapping[Class, Candidate]) -> dict[tuple[Class, Class], Relation]:

@@ -60,7 +60,7 @@ def sized(spec: ComparisonTable, one: Candidate) -> str:
 
 def sentences(spec: ComparisonTable, verdict: Verdict) -> list[str]:
     """All that is said of a cell, the verdict first."""
-    lines = [_verdict(spec, verdict), *_flawed(verdict)]
+    lines = [_verdict(spec, verdict), *_flawed(verdict), *_rare(spec, verdict)]
     lines += _against_nothing(spec, verdict)
     lines += _price(spec, verdict)
     lines += _without_model(spec, verdict)
@@ -135,6 +135,17 @@ def _flawed(verdict: Verdict) -> list[str]:
             flaws[flaws.index(HUNTS)] = f"{HUNTS} (least often {least.words}, on {count} of {draws} draws)"
         lines.append(f"No candidate of {SIDES[kind]} holds: {', '.join(flaws)}.")
     return lines if verdict.kind != "none holds" else []
+
+
+def _rare(spec: ComparisonTable, verdict: Verdict) -> list[str]:
+    """Who would stand in front of who holds, but hunts, if rarely; where that changes the verdict, it is told there."""
+    if verdict.otherwise is not None:
+        return []
+    return [
+        f"Of {SIDES[kind]}, {sized(spec, one)}, would stand in front, but {hunts_on(one)}."
+        for kind, one in verdict.rare.items()
+        if kind in verdict.best
+    ]
 
 
 def _against_nothing(spec: ComparisonTable, verdict: Verdict) -> list[str]:
