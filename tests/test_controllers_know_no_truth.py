@@ -12,8 +12,7 @@ from controllers.disturbance_observer import DISTURBANCE_OBSERVER
 from controllers.dither import DITHER
 from controllers.interface import Controller, Reference
 from controllers.nonlinear_pi import NONLINEAR_PI
-from controllers.scheduled_rotation import SCHEDULED_ROTATION
-from controllers.switched_rotation import SWITCHED_ROTATION
+from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
 from plants.equation import to_array
 from plants.interface import Measurement
 from workbench.simulation.references import Sine

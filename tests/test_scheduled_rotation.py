@@ -10,10 +10,10 @@ import pytest
 from position_loops import BELIEF, H, replayed
 from support import registered
 
-from controllers import pid, scheduled_rotation, speed_servo
+from controllers import pid, rotation_on_demand, speed_servo
 from controllers.interface import Reference
 from controllers.pid import PID
-from controllers.scheduled_rotation import SCHEDULED_ROTATION
+from controllers.rotation_on_demand import SCHEDULED_ROTATION
 from plants.interface import Measurement
 from workbench.errors import UserError
 from workbench.simulation.references import Sine
@@ -30,7 +30,7 @@ def turn(
 ) -> tuple[list[float], list[float], Any]:
     """Commands and scheduled speeds over positions (m) for a minimum of 5 rad/s, starting at `turning` (rad/s)."""
     controller = SCHEDULED_ROTATION[input_name]
-    gains = controller.design(scheduled_rotation.Settings(5.0, bias), BELIEF, H)
+    gains = controller.design(rotation_on_demand.Settings(5.0, bias), BELIEF, H)
     state = controller.start(Measurement(positions[0], np.nan, np.nan, turning), gains)
     commands, scheduled = [], []
     for position in positions:
@@ -38,7 +38,7 @@ def turn(
         command, state = controller.step(Reference(5.0, 0.0, 0.0), measured, state, gains, H)
         state = controller.commit(command, state, gains, H)
         commands.append(float(command))
-        scheduled.append(float(state.scheduled))
+        scheduled.append(float(state.demanded))
     return commands, scheduled, gains
 
 
@@ -89,7 +89,7 @@ def scheduled_loop(setup: Setup, surface_acceleration: float = 5.0) -> Loop:
     name = str(setup.plant.rotary_command)
     speed = float(np.nan_to_num(setup.plant.measure(setup.state, setup.parameters).rotation_speed))
     current = getattr(setup.state, "motor_current", 0.0)
-    settings = scheduled_rotation.Settings(speed, current, surface_acceleration)
+    settings = rotation_on_demand.Settings(speed, current, surface_acceleration)
     return Loop(SCHEDULED_ROTATION[name], SCHEDULED_ROTATION[name].design(settings, setup.parameters, H))
 
 
@@ -136,16 +136,16 @@ def test_price_of_a_slow_motor() -> None:
     run = turned("rotating_isotropic_ideal", 0.05, lambda setup: scheduled_loop(setup, 0.3))
     braking = np.pi * np.sqrt((20e-3 * np.pi) ** 2 - 0.05**2)
     lowest = np.min(run.signals["helical_speed"][run.time >= 2.0])
-    expected = scheduled_rotation.MARGIN * 0.05 * np.sqrt(1.0 - (braking / 0.3) ** 2)
+    expected = rotation_on_demand.MARGIN * 0.05 * np.sqrt(1.0 - (braking / 0.3) ** 2)
     assert lowest == pytest.approx(expected, rel=0.02)
     assert lowest < 0.95 * 0.05
 
 
 @pytest.mark.parametrize("setting", ["surface_acceleration", "velocity_time_constant"])
 def test_settings_of_the_schedule(setting: str) -> None:
-    settings = scheduled_rotation.Settings()._replace(**{setting: 0.0})
+    settings = rotation_on_demand.Settings()._replace(**{setting: 0.0})
     with pytest.raises(ValueError, match=f"{setting} is 0, expected a value above 0"):
-        scheduled_rotation.design(settings, BELIEF, H)
+        rotation_on_demand.design(settings, BELIEF, H)
 
 
 @pytest.mark.parametrize("plant", ["rotating_isotropic", "rotating_isotropic_ideal"])

@@ -11,16 +11,16 @@ import pytest
 from command import STUDIES, changed, fails, ran, workbench, write
 from position_loops import BELIEF, H
 
-from controllers import switched_rotation
+from controllers import rotation_on_demand
 from controllers.interface import Reference
-from controllers.switched_rotation import SWITCHED_ROTATION
+from controllers.rotation_on_demand import SWITCHED_ROTATION
 from plants.interface import Measurement
 from workbench.simulation.simulate import simulate
 from workbench.study.document import read_study, unfold
 from workbench.study.resolve import resolve
 
 RADIUS = 19e-3
-SETTINGS = switched_rotation.Settings(switch_speed=0.03)
+SETTINGS = rotation_on_demand.Settings(switch_speed=0.03)
 
 
 def turn(speeds: Sequence[float], samples: int = 100) -> tuple[list[float], list[float]]:
@@ -55,7 +55,7 @@ def test_comes_and_goes_no_faster_than_allowed() -> None:
 @pytest.mark.parametrize("name", ["switch_speed", "surface_acceleration", "velocity_time_constant"])
 def test_settings_that_do_not_serve(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name} is 0, expected a value above 0"):
-        switched_rotation.design(SETTINGS._replace(**{name: 0.0}), BELIEF, H)
+        rotation_on_demand.design(SETTINGS._replace(**{name: 0.0}), BELIEF, H)
 
 
 FAST = (

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from controllers import scheduled_rotation, speed_servo, switched_rotation
+from controllers import rotation_on_demand, speed_servo
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.registry import CONTROLLERS
-from controllers.scheduled_rotation import SCHEDULED_ROTATION
+from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
 from controllers.settings import ANY, Setting, settings_of, usable
-from controllers.switched_rotation import SWITCHED_ROTATION
 from plants.equation import fields
 from plants.friction_gauge import gauged
 from plants.interface import Plant
@@ -174,9 +173,9 @@ def _rotary(
         controller, settings = speed_servo.SPEED_SERVO, speed_servo.Settings(rotation_speed, current)
     elif tables.plant.switch_speed is not None:  # it belongs to "switched"
         controller = SWITCHED_ROTATION[command]
-        settings = switched_rotation.Settings(rotation_speed, current, tables.plant.switch_speed)
+        settings = rotation_on_demand.Settings(rotation_speed, current, switch_speed=tables.plant.switch_speed)
     else:
-        controller, settings = SCHEDULED_ROTATION[command], scheduled_rotation.Settings(rotation_speed, current)
+        controller, settings = SCHEDULED_ROTATION[command], rotation_on_demand.Settings(rotation_speed, current)
     with designing(f'"{rotation}"', plant, belief, ("plant", "rotation")):
         gains = controller.design(settings, belief, tables.simulation.sample_time)
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
