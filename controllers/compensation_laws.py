@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from controllers.settings import DECADES, SHARE, About, Needs, Tuned
-from plants.equation import Scalar, equation
+from plants.equation import Scalar, equation, select
 
 _FEEDBACK, _INVERSION = Needs("law", "acceleration_feedback"), Needs("law", "valve_inversion")
 
@@ -62,7 +62,7 @@ class Wanted(NamedTuple):
 
 
 class LawState(NamedTuple):
-    """The spool and the wanted force of the sample before, and the part of the force's error that is forgotten."""
+    """The spool and the wanted force (0: none yet) of the sample before, and what of the force's error is forgotten."""
 
     previous_spool: Annotated[float, "m"]
     previous_target: Annotated[float, "N"] = 0.0
@@ -127,7 +127,7 @@ def valve_inversion(
     target = g.mass * wanted.reference_acceleration + friction
     missing = target - wanted.applied_force
     lasting = state.lasting - np.expm1(-g.washout * sample_time) * (missing - state.lasting)
-    rise = g.compression * (target - state.previous_target) / sample_time
+    rise = g.compression * select(state.previous_target == 0.0, 0.0, target - state.previous_target) / sample_time
     flow = g.area * (wanted.reference_velocity + g.position_rate * wanted.error) + g.compliance * (
         rise + g.force_rate * (missing - lasting)
     )

@@ -174,6 +174,23 @@ def test_a_cycle_slower_than_the_dwell_is_held_longer_until_it_is_told(period: f
         assert found.verdict == expected, (phase, dwell)
 
 
+@pytest.mark.parametrize("period", [5.0, 8.0, 10.0, 12.0])
+@pytest.mark.parametrize("band", [1e-8, 49e-6])
+def test_slow_stick_slip_under_an_integral_is_never_none(period: float, band: float) -> None:
+    """Half a period at rest on either side, the command an integral that grows until the next slip."""
+    for phase in np.arange(40) / 40:
+        dwell = 6.0
+        while True:
+            time = np.arange(0.0, dwell, 1e-2)
+            error = 4e-4 * np.where((time / period + phase) % 1.0 < 0.5, 1.0, -1.0)
+            command = 500.0 * error + 1000.0 * 1e-2 * np.cumsum(error)
+            found = judge(time, error, np.gradient(error, time), band, command=command)
+            if found.settled or dwell >= 120.0:
+                break
+            dwell = min(2.0 * dwell, 120.0)
+        assert found.verdict == "sustained", (phase, dwell)
+
+
 def test_a_creep_is_run_on_and_none_in_the_end() -> None:
     creep = 1e-3 * np.log1p(TIME)
     found = judge(TIME, creep, np.gradient(creep, TIME), 1e-6)

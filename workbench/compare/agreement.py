@@ -13,9 +13,10 @@ AGAINST: frozenset[frozenset[Kind]] = frozenset({frozenset({"compensate", "avoid
 
 @dataclass(frozen=True)
 class Agreement:
-    """The cells of two comparisons of the same: how many they share, whose verdict moved, whose turned around."""
+    """The cells of two comparisons: how many both have, of how many; whose verdict moved, whose turned around."""
 
     cells: int
+    all_cells: int
     moved: dict[Cell, tuple[Kind, Kind]]
 
     @property
@@ -26,8 +27,9 @@ class Agreement:
     @property
     def words(self) -> list[str]:
         """The counts, then a line for each verdict that moved."""
+        shared = "" if self.cells == self.all_cells else f" ({self.all_cells - self.cells} are in one of the two alone)"
         first = (
-            f"{len(self.turned)} of {self.cells} verdicts turn around, "
+            f"{len(self.turned)} of {self.cells} verdicts{shared} turn around, "
             f"{len(self.moved) - len(self.turned)} move between neighbours."
         )
         return [first, *(f"{cell_name(cell, True)}: {one}, {other}" for cell, (one, other) in self.moved.items())]
@@ -37,4 +39,4 @@ def agreement(one: Mapping[Cell, Verdict], other: Mapping[Cell, Verdict]) -> Agr
     """How the verdicts of two comparisons agree in the cells that both have."""
     common = [cell for cell in one if cell in other]
     moved = {cell: (one[cell].kind, other[cell].kind) for cell in common if one[cell].kind != other[cell].kind}
-    return Agreement(len(common), moved)
+    return Agreement(len(common), len(set(one) | set(other)), moved)

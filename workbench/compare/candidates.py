@@ -186,11 +186,14 @@ def by_class(candidates: list[Candidate]) -> Mapping[Class, list[Candidate]]:
     return {kind: sorted((one for one in candidates if one.kind == kind), key=order) for kind in CLASSES}
 
 
-def order(one: Candidate) -> tuple[int, float]:
-    """The place of a candidate: the least error first, behind them those that hunt rarely, then all other flaws."""
+def order(one: Candidate) -> tuple[int, float, float, str, float]:
+    """The place of a candidate: the least error first, behind them those that hunt rarely, then all other flaws.
+
+    Of errors too small to be told the smaller mean decides, and then the name: never the order of the study.
+    """
     if one.flaw and not one.rare:
-        return 2, 0.0
-    return int(bool(one.flaw)), one.size
+        return 2, 0.0, 0.0, *one.key
+    return int(bool(one.flaw)), one.size, float(np.mean(one.errors)), *one.key
 
 
 def sound(candidates: Iterable[Candidate]) -> Iterator[Candidate]:

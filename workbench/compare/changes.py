@@ -25,7 +25,8 @@ def changes(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Ver
     draws = sorted(frame["draw"].unique())
     if len(draws) > 1:
         first = verdicts(spec, frame[frame["draw"] == draws[0]])
-        lines.append(_told(f"With draw {draws[0]} alone, taken at its word", first, searched))
+        condition = f"With draw {draws[0]} alone in place of all of the choice, taken at its word"
+        lines.append(_told(condition, first, searched))
     if any(verdict.fresh for verdict in found.values()):
         lines.append(_told("With the draws from which the best were chosen", searched, found))
     return lines

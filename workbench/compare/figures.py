@@ -5,6 +5,7 @@ with its interval over the draws and is named in its panel, all others are grey.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,10 +67,13 @@ HIGHEST = 100.0
 def write_figures(
     spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None, found: Mapping[Cell, Verdict], folder: Path
 ) -> list[Picture]:
-    """Write all figures of the comparison; who hunts is that of the fresh draws too."""
+    """Write all figures of the comparison: errors on the draws that all have met; who hunts also on the fresh ones."""
     drawn: list[tuple[str, Figure, str]] = []
-    cells, level = cells_of(spec, frame), f"{spec.negligible * MM:g} mm"
-    bars = f"Bars: {100 * spec.probability:g} % interval of the mean over the draws. "
+    cells = _with_flaws(cells_of(spec, frame), {} if fresh is None else cells_of(spec, fresh))
+    bars = (
+        f"Means over the draws that all have met; bars: their {100 * spec.probability:g} % interval. Shaded: below "
+        f"{spec.negligible * MM:g} mm, not told apart, and drawn in the middle of it."
+    )
     with figure_style():
         for scenario in dict.fromkeys(cell.scenario for cell in cells):
             part = {cell: candidates for cell, candidates in cells.items() if cell.scenario == scenario}
@@ -81,11 +85,11 @@ def write_figures(
             figure = _panels(spec, part, f"{name}: error against real speed of rotation", over_speed)
             caption = (
                 f"{name}: error against the rod's real mean speed. In colour: of each family the controller with the "
-                f"least error that holds; grey: all others; crosses: hunts or does not complete. {bars}Shaded: below "
-                f"{level}, not told apart. Errors above {HIGHEST:g} times the least are cut off."
+                f"least error that holds; grey: all others; crosses: hunts or does not complete on any draw. {bars} "
+                f"Errors above {HIGHEST:g} times the least are cut off."
             )
             drawn.append((f"error_against_rpm_{scenario}", figure, caption))
-            best = {cell: found[cell].best for cell in part}
+            best = {cell: {one.key: kind for kind, one in found[cell].best.items()} for cell in part}
 
             def over_power(axes: Axes, cell: Cell, candidates: list[Candidate], chosen: Any = best) -> None:
                 _over_power(axes, spec, candidates, chosen[cell])
@@ -93,8 +97,7 @@ def write_figures(
             figure = _panels(spec, part, f"{name}: error against paid power", over_power)
             caption = (
                 f"{name}: error against what pump and motor terminals pay together. In colour: who stands for each "
-                f"class (on fresh draws where there are any); grey: all others that hold, on the draws of "
-                f"the choice. {bars}Shaded: below {level}."
+                f"class; grey: all others that hold. {bars}"
             )
             drawn.append((f"error_against_power_{scenario}", figure, caption))
         drawn += _hunting(with_all_axes(frame if fresh is None else pd.concat([frame, fresh], ignore_index=True)))
@@ -103,6 +106,17 @@ def write_figures(
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # laid out once, not once a format
     return [Picture(save(figure, name, folder, ("pdf", "png"))[-1], caption) for name, figure, caption in drawn]
+
+
+def _with_flaws(
+    cells: Mapping[Cell, list[Candidate]], fresh: Mapping[Cell, list[Candidate]]
+) -> dict[Cell, list[Candidate]]:
+    """The candidates, with the flaws that some show on the fresh draws alone."""
+    flaws = {(cell, *one.key): one.flaw for cell, candidates in fresh.items() for one in candidates if one.flaw}
+    return {
+        cell: [replace(one, flaw=one.flaw or flaws.get((cell, *one.key), "")) for one in candidates]
+        for cell, candidates in cells.items()
+    }
 
 
 def _figure(rows: int, columns: int, title: str) -> tuple[Figure, list[Axes]]:
@@ -192,9 +206,9 @@ def _bars(axes: Axes, spec: ComparisonTable, x: list[float], line: list[Candidat
 
 
 def _over_power(
-    axes: Axes, spec: ComparisonTable, candidates: list[Candidate], best: Mapping[Class, Candidate]
+    axes: Axes, spec: ComparisonTable, candidates: list[Candidate], best: Mapping[tuple[str, float], Class]
 ) -> None:
-    """Error against paid power, a point a candidate."""
+    """Error against paid power, a point a candidate; those that stand for a class by controller and rpm in `best`."""
     holding = [one for one in candidates if not one.flaw]
     axes.plot(
         [one.paid for one in holding],
@@ -203,9 +217,10 @@ def _over_power(
         marker=".",
         **{**OTHERS, "markersize": 5.0},
     )
+    standing = {best[one.key]: one for one in candidates if one.key in best}
     for kind in CLASSES:
-        if kind in best:
-            one = best[kind]
+        if kind in standing:
+            one = standing[kind]
             style = {**CLASS_STYLE[kind], "linestyle": "none", "markersize": 6, "label": f"{kind}: {one.words}"}
             _bars(axes, spec, [one.paid], [one], style)
     axes.set_xscale("log")
@@ -223,7 +238,9 @@ def _hunting(frame: pd.DataFrame) -> Iterator[tuple[str, Figure, str]]:
     scenarios, machines = list(judged["scenario"].unique()), list(judged["machine"].unique())
     controllers = list(judged["controller"].unique())
     speeds = sorted(judged["rpm"].unique())
-    figure, panels = _figure(len(scenarios), len(machines), "Share of draws that hunt (up to mm peak to peak)")
+    figure, panels = _figure(
+        len(scenarios), len(machines), "Share of draws that hunt (colour), largest swing in mm (number)"
+    )
     figure.set_figheight((0.17 * len(controllers) + 0.9) * len(scenarios) + 0.6)
     places = ((scenario, machine) for scenario in scenarios for machine in machines)
     for axes, (scenario, machine) in zip(panels, places, strict=True):

@@ -86,7 +86,7 @@ def matrices(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[Matri
 
 
 def _field(spec: ComparisonTable, verdict: Verdict) -> Field:
-    return Field(verdict.kind, _margin(spec, verdict), _price(verdict))
+    return Field(verdict.kind, _margin(spec, verdict), _price(spec, verdict))
 
 
 def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
@@ -104,23 +104,42 @@ def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
     ratio: Interval = relation.ratio
     apart = relation.difference.mean * MM
     told = f"{apart:+.3g} mm" if abs(apart) >= LEAST * MM else f"{millimetres(abs(apart) / MM)} apart"
+    rest = ""
+    if verdict.kind in ("compensate", "avoid") and "both" in verdict.best:
+        both = verdict.best["both"]
+        if verdict.relation("both", pair[0]).word == "cannot be told from":
+            rest = f"; {both.words}, {millimetres(size_of(spec, both).mean)}, cannot be told from it"
     return (
         f"{one.words}: {millimetres(size_of(spec, one).mean)}; {other.words}: x {ratio.mean:.3g}{spread(ratio)}, {told}"
+        f"{rest}"
     )
 
 
-def _price(verdict: Verdict) -> str:
-    """What the rotating side pays where it is, or would be, chosen."""
+def _price(spec: ComparisonTable, verdict: Verdict) -> str:
+    """What the rotating side pays where it is, or would be, chosen, beside what is paid at rest; torque, if much."""
     kind: Class = "both" if verdict.kind == "both" else "avoid"
     if verdict.kind in ("nothing needed", "no comparison", "none holds") or kind not in verdict.best:
         return ""
     one = verdict.best[kind]
-    return f"rotating: {watts(one.mean('motor_electric_power_W'))} at the terminals, {watts(one.paid)} paid"
+    still = verdict.best.get("compensate", verdict.best.get("nothing"))
+    beside = "" if still is None else f" (at rest {watts(still.paid)})"
+    torque = one.mean("motor_torque_rms_N_m")
+    much = f", {torque:.2g} N m rms of a nominal {spec.nominal_torque:g}" if torque > spec.nominal_torque else ""
+    return (
+        f"rotating: {watts(one.mean('motor_electric_power_W'))} at the terminals{much}, {watts(one.paid)} paid{beside}"
+    )
 
 
 def key() -> list[tuple[str, str, str]]:
     """Word, colour and meaning of each verdict."""
     return [(kind, COLOURS[kind], MEANING[kind]) for kind in COLOURS]
+
+
+NOTATION = (
+    "In a field: who stands for the class that is named, with the mean error; then the rival, x by how much its error "
+    "is larger (geometric mean of the ratios on each draw, in brackets its interval), and the difference of the means."
+)
+"""What the numbers of a field are."""
 
 
 def title_of(machine: str) -> str:

@@ -9,11 +9,12 @@ import pandas as pd
 
 from workbench.compare.candidates import MM, TOLD_SPEED, Cell, hunting_draws, with_all_axes
 from workbench.compare.finalists import related
-from workbench.compare.verdicts import Verdict
+from workbench.compare.verdicts import Verdict, within
 from workbench.compare.words import ALIKE, families
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.report.tables import shown_number
 from workbench.report.words import plain_name, watts
+from workbench.simulation.simulate import COMPLETED
 from workbench.study.report_schema import ComparisonTable
 
 POWER = "rotation_power_W"
@@ -28,14 +29,19 @@ MOST_NAMED = 5
 CASE = ["scenario", "reference", "controller", "rpm", "draw"]
 
 
-def answer(found: Mapping[Cell, Verdict]) -> list[str]:
+def answer(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list[str]:
     """The verdicts of each machine in a sentence: what stands above everything."""
-    return [by_machine(machine, found) for machine in dict.fromkeys(cell.machine for cell in found)]
+    return [by_machine(spec, machine, found) for machine in dict.fromkeys(cell.machine for cell in found)]
 
 
-def overview(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict]) -> list[str]:
-    """What follows from the verdicts. Of several machines each other is held against the first, prices told once."""
-    frame = with_all_axes(frame)
+def overview(
+    spec: ComparisonTable, frame: pd.DataFrame, whole: pd.DataFrame, found: Mapping[Cell, Verdict]
+) -> list[str]:
+    """What follows from the verdicts. Of several machines each other is held against the first, prices told once.
+
+    `frame` has the draws that all candidates have met, `whole` the fresh ones too.
+    """
+    frame, whole = with_all_axes(frame), with_all_axes(whole)
     machines = list(dict.fromkeys(cell.machine for cell in found))
     lines = []
     for i, other in enumerate(machines[1:], start=1):
@@ -45,7 +51,7 @@ def overview(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Ve
     lines += friction_model(spec, found)
     lines += pump(frame)
     for machine in machines:
-        part = frame[frame["machine"] == machine]
+        part = whole[whole["machine"] == machine]
         lines += [*real_speed(machine, part), *motor(spec, machine, part)]
     return lines
 
@@ -61,16 +67,24 @@ def on(machine: str) -> str:
     return f"On {plain_name(machine)}" if machine else "Here"
 
 
-def by_machine(machine: str, found: Mapping[Cell, Verdict]) -> str:
-    """How many cells of a machine have which verdict, and which; those that ask for more than plain control first."""
+def by_machine(spec: ComparisonTable, machine: str, found: Mapping[Cell, Verdict]) -> str:
+    """How many cells of a machine have which verdict, and which; those that ask for more than plain control first.
+
+    Where nothing beats plain control at rest it may still err by more than counts: that is told.
+    """
     cells = [cell for cell in found if cell.machine == machine]
     kinds: dict[str, list[str]] = {}
     for cell in sorted(cells, key=lambda cell: found[cell].kind == "nothing needed"):
         kinds.setdefault(found[cell].kind, []).append(cell_name(cell))
-    if len(kinds) == 1:
-        return f"{on(machine)}: {next(iter(kinds))} in all {len(cells)} cells."
     told = "; ".join(f"{kind} in {len(names)} ({', '.join(names)})" for kind, names in kinds.items())
-    return f"{on(machine)}, of {len(cells)} cells: {told}."
+    first = f"{on(machine)}, of {len(cells)} cells: {told}."
+    if len(kinds) == 1:
+        first = f"{on(machine)}: {next(iter(kinds))} in all {len(cells)} cells."
+    needed = [cell for cell in cells if found[cell].kind == "nothing needed"]
+    open_ = [cell_name(cell) for cell in needed if not within(spec, found[cell].best["nothing"])]
+    if not open_:
+        return first
+    return f"{first} Not within {spec.negligible * MM:g} mm, and nothing helps: {', '.join(open_)}."
 
 
 def between(one: str, other: str, found: Mapping[Cell, Verdict]) -> str:
@@ -86,7 +100,7 @@ def between(one: str, other: str, found: Mapping[Cell, Verdict]) -> str:
 
 
 def around_the_rod(one: str, other: str, frame: pd.DataFrame) -> list[str]:
-    """What the friction around the rod alone makes of the price: power at equal command, on the same cases."""
+    """What the friction around the rod makes of the price: power at equal speed, on the same cases."""
     prices = prices_of_turning(one, other, frame)
     parts = [
         f"{rpm:g} rpm: {watts(rod[0])} and {watts(rod[1])} at the rod (ratio {shown_number(rod[0] / rod[1], 2)}), "
@@ -96,14 +110,14 @@ def around_the_rod(one: str, other: str, frame: pd.DataFrame) -> list[str]:
     if not parts:
         return []
     return [
-        f"What follows from the friction around the rod alone is the price of turning it, on {plain_name(one)} and on "
-        f"{plain_name(other)}: {'; '.join(parts)}."
+        f"What the friction around the rod makes of the price of turning it (means over the motions, where the rod "
+        f"turns as told), on {plain_name(one)} and on {plain_name(other)}: {'; '.join(parts)}."
     ]
 
 
 def prices_of_turning(one: str, other: str, frame: pd.DataFrame) -> dict[float, list[tuple[float, float]]]:
     """By rpm the mean power (W) of either machine at the rod and at the terminals, over the cases that both have."""
-    turning = frame[(frame["rpm"] > 0) & frame[POWER].notna()]
+    turning = frame[(frame["rpm"] > 0) & frame[POWER].notna() & frame["outcome"].eq(COMPLETED)]
     first, second = (turning[turning["machine"] == name].set_index(CASE) for name in (one, other))
     common = first.index.intersection(second.index)
     first, second = first.loc[common], second.loc[common]
@@ -130,8 +144,8 @@ def friction_model(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> list
     counts = {word: words.count(word) for word in ("beats", "is level with", "loses to", "cannot be told from")}
     return [
         f"What a friction model is worth at rest: inverting the valve by measured load pressure, without one, beats "
-        f"the best with one in {counts['beats']} of {len(words)} cells, is level in {counts['is level with']}, loses "
-        f"in {counts['loses to']}, cannot be told in {counts['cannot be told from']}."
+        f"the best with one in {counts['beats']} of {len(words)} cells that have both, is level in "
+        f"{counts['is level with']}, loses in {counts['loses to']}, cannot be told in {counts['cannot be told from']}."
     ]
 
 

@@ -14,7 +14,7 @@ from workbench.compare.candidates import MM, RARE, Cell, of_tuned, with_all_axes
 from workbench.compare.changes import changes
 from workbench.compare.figures import write_figures
 from workbench.compare.intervals import CLOSE
-from workbench.compare.matrix import key, matrices, title_of
+from workbench.compare.matrix import NOTATION, key, matrices, title_of
 from workbench.compare.overview import answer, cell_name, exactness, hunting, overview
 from workbench.compare.results import fresh_results
 from workbench.compare.tables import finalist_table, write_tables
@@ -39,14 +39,16 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
     fresh = fresh_results(folder)
     found = verdicts(spec, frame, fresh)
     tuned = of_tuned(spec, frame)
+    whole = tuned if fresh is None else pd.concat([tuned, fresh], ignore_index=True)
     content: dict[str, Any] = {
         "title": study.file.title,
         "question": study.file.question,
-        "scope": scope(frame, fresh),
-        "answer": answer(found),
+        "scope": scope(spec, frame, fresh),
+        "answer": answer(spec, found),
         "matrices": matrices(spec, found),
         "key": key(),
-        "overview": overview(spec, tuned, found),
+        "notation": NOTATION,
+        "overview": overview(spec, tuned, whole, found),
         "finalists": finalist_table(spec, found),
         "changes": changes(spec, frame, found),
         "rules": rules(spec, tuned, fresh),
@@ -87,8 +89,13 @@ def motors(study: Study) -> list[str]:
     return [f"{', '.join(names).capitalize()}: {words}" if all(names) else words for words, names in told.items()]
 
 
-def scope(frame: pd.DataFrame, fresh: pd.DataFrame | None) -> str:
+def scope(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None) -> str:
     """How much was run, and what did not simply complete."""
+    again = ""
+    if fresh is not None:
+        again = f" Measured again: {len(fresh)} cases on {fresh['draw'].nunique()} fresh draws."
+    elif spec.fresh_draws:
+        again = f" Not yet measured again on {spec.fresh_draws} fresh draws, as the study asks: go on with --resume."
     unusual = frame[frame["outcome"] != COMPLETED]["outcome"].value_counts()
     outcomes = "; ".join(f"{count} {outcome}" for outcome, count in unusual.items())
     whole = with_all_axes(frame)
@@ -96,7 +103,7 @@ def scope(frame: pd.DataFrame, fresh: pd.DataFrame | None) -> str:
     return (
         f"{len(frame)} cases: {', '.join(f'{count} {words}' for count, words in counted)}."
         + (f" Not simply completed: {outcomes}." if outcomes else " All completed.")
-        + ("" if fresh is None else f" Measured again: {len(fresh)} cases on {fresh['draw'].nunique()} fresh draws.")
+        + again
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.compare.candidates import MM, TOLD_SPEED, Candidate, Cell, error_column, with_all_axes
+from workbench.compare.candidates import HUNTS, MM, TOLD_SPEED, Candidate, Cell, error_column, with_all_axes
 from workbench.compare.intervals import LEAST
 from workbench.compare.overview import cell_name
 from workbench.compare.verdicts import Verdict, size_of
@@ -34,9 +34,13 @@ def finalist_table(spec: ComparisonTable, found: Mapping[Cell, Verdict]) -> pd.D
         for kind, one in verdict.best.items():
             others = [other for other in verdict.candidates if other.kind == kind and other is not one]
             shown = [one, *(others if verdict.fresh else [])]
-            lines += [_line(spec, cell, verdict, item, item is one) for item in shown if not item.flaw]
+            lines += [_line(spec, cell, verdict, item, item is one) for item in shown]
     table = pd.DataFrame(lines)
     return table if table.empty or table["machine"].any() else table.drop(columns="machine")
+
+
+def _flaw(one: Candidate) -> str:
+    return f"{one.flaw} ({one.hunting[0]} of {one.hunting[1]})" if one.flaw == HUNTS else one.flaw
 
 
 def _line(spec: ComparisonTable, cell: Cell, verdict: Verdict, one: Candidate, stands: bool) -> dict[str, str]:
@@ -49,7 +53,7 @@ def _line(spec: ComparisonTable, cell: Cell, verdict: Verdict, one: Candidate, s
         "class": one.kind,
         "candidate": one.words,
         "family": one.family,
-        "stands for its class": "yes" if stands else "",
+        "stands for its class": "yes" if stands else _flaw(one),
         "draws": str(len(one.rows)),
         "error (mm)": lying(size).replace(" mm", ""),
         "terminals (W)": "" if one.rpm == 0 else _number(one.mean("motor_electric_power_W")),

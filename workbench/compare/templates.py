@@ -24,6 +24,8 @@ MARKDOWN = """\
 - **{{ word }}**: {{ meaning }}
 {%- endfor %}
 
+{{ notation }}
+
 ## In words
 {% for line in overview %}
 - {{ line }}
@@ -70,7 +72,7 @@ MARKDOWN = """\
 *{{ picture.caption }}*
 {% endfor %}
 {%- for scenario in details %}
-## Tables: {{ scenario | plain }}
+## Tables of the draws of the choice: {{ scenario | plain }}
 {% for pivot in pivots if pivot.scenario == scenario %}
 **{{ pivot.title }}**
 
@@ -118,6 +120,7 @@ p, li { max-width: 60em; }
 <ul class="key">{% for word, colour, meaning in key %}
 <li><span style="background: {{ colour }}">{{ word }}</span> {{ meaning }}</li>
 {% endfor %}</ul>
+<p>{{ notation }}</p>
 <h2>In words</h2>
 <ul>{% for line in overview %}<li>{{ line }}</li>
 {% endfor %}</ul>
@@ -154,7 +157,7 @@ p, li { max-width: 60em; }
 <figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
 <figcaption>{{ picture.caption }}</figcaption></figure>
 {% endfor %}
-<h2 id="tables">Tables</h2>
+<h2 id="tables">Tables of the draws of the choice</h2>
 {% for scenario in details %}
 <details><summary>{{ scenario | plain | capitalize }}</summary>
 {% for pivot in pivots if pivot.scenario == scenario %}

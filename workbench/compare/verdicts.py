@@ -123,7 +123,8 @@ def _standing(
             best[side] = known[holds]
         elif ranked:
             flawed[side] = [again.get(one.key, one) for one in ranked]
-        if (rarely := next((one for one in known[:holds] if one.rare), None)) is not None:
+        rarely = next((one for one in known[:holds] if one.rare), None)
+        if rarely is not None and (side not in best or rarely.size < best[side].size):
             rare[side] = rarely
     return best, flawed, rare
 

@@ -62,6 +62,7 @@ def sentences(spec: ComparisonTable, verdict: Verdict) -> list[str]:
     """All that is said of a cell, the verdict first."""
     lines = [_verdict(spec, verdict), *_flawed(verdict), *_rare(spec, verdict)]
     lines += _against_nothing(spec, verdict)
+    lines += _together(spec, verdict)
     lines += _price(spec, verdict)
     lines += _without_model(spec, verdict)
     return lines
@@ -77,8 +78,8 @@ def _verdict(spec: ComparisonTable, verdict: Verdict) -> str:
     if verdict.otherwise is not None:
         told = "; ".join(f"{sized(spec, one)}, {hunts_on(one)}" for one in verdict.rare.values())
         return (
-            f"{word}: {verdict.strictly} if what hunts on any draw does not hold, {verdict.otherwise} if it holds "
-            f"where it hunts rarely. {told}."
+            f"{word}: {verdict.strictly} without what hunts on any draw, {verdict.otherwise} with what hunts rarely: "
+            f"{told}."
         )
     if verdict.kind == "nothing needed" and within(spec, verdict.best["nothing"]):
         return f"{word}: {sized(spec, verdict.best['nothing'])}, is within {millimetres(spec.negligible)}."
@@ -120,7 +121,7 @@ def hunts_on(one: Candidate) -> str:
     """On how many draws a candidate hunts, and on what share of all machines with that."""
     count, draws = one.hunting
     low, high = (_end(100.0 * share) for share in share_interval(count, draws))
-    return f"hunts on {count} of {draws} draws, so on {low} to {high} % of such machines"
+    return f"hunts at a standstill on {count} of {draws} draws, so on {low} to {high} % of such machines"
 
 
 def _flawed(verdict: Verdict) -> list[str]:
@@ -160,6 +161,20 @@ def _against_nothing(spec: ComparisonTable, verdict: Verdict) -> list[str]:
     return [f"Against {sized(spec, verdict.best['nothing'])}: {'; '.join(parts)}."] if parts else []
 
 
+def _together(spec: ComparisonTable, verdict: Verdict) -> list[str]:
+    """How a compensator on a rotating rod does against the one of the two that the verdict names."""
+    sides: dict[Kind, Class] = {"compensate": "compensate", "avoid": "avoid"}
+    if verdict.kind not in sides or "both" not in verdict.best:
+        return []
+    both, named = verdict.best["both"], verdict.best[sides[verdict.kind]]
+    relation = verdict.relation("both", sides[verdict.kind])
+    extra = both.paid - named.paid
+    return [
+        f"Both together, {sized(spec, both)}, {relation.word} it, at {'+' if extra >= 0.0 else '-'}{watts(abs(extra))} "
+        f"paid: {margin(relation)}{needed(relation)}."
+    ]
+
+
 def _price(spec: ComparisonTable, verdict: Verdict) -> list[str]:
     """What the rotating candidates pay beside the ones at rest."""
     if verdict.kind in ("nothing needed", "no comparison", "none holds"):
@@ -194,8 +209,8 @@ def price(spec: ComparisonTable, one: Candidate, still: Candidate | None) -> str
 
 
 def _cheaper(spec: ComparisonTable, verdict: Verdict, best: Candidate) -> Candidate | None:
-    """The candidate of the same class that is level with the best and pays least, if it pays less by what counts."""
-    others = [one for one in sound(verdict.candidates) if one.kind == best.kind and one is not best]
+    """The candidate on a rod that turns that is level with the best and pays least, if it pays less by what counts."""
+    others = [one for one in sound(verdict.candidates) if one.rpm > 0 and one is not best]
     alike = [one for one in others if related(spec, one, best).word in ("is level with", "beats")]
     least = min(alike, key=lambda one: one.paid, default=None)
     return least if least is not None and least.paid < (1.0 - ALIKE) * best.paid else None

@@ -134,7 +134,7 @@ def judge(
     pushed = command is not None and _is_pushed(late, errors, command[start:], swing)
     if pushed or seen.ending == "going on":
         return LimitCycle("too_short", seen.size, seen.period, settled=False)
-    return LimitCycle("none", settled=not _creeps(errors[errors.size // 2 :], swing))
+    return LimitCycle("none", settled=not _creeps(errors[errors.size // 2 :], max(0.5 * band, LEAST_SWING)))
 
 
 def worst(verdicts: list[LimitCycle]) -> LimitCycle:
@@ -185,12 +185,19 @@ def _creeps(error: np.ndarray, least: float) -> bool:
 
 
 def _is_pushed(time: np.ndarray, error: np.ndarray, command: np.ndarray, least: float) -> bool:
-    """Whether the rod is beside its reference, by at least `least` (m), while the command goes on along a line."""
+    """Whether the rod rests beside its reference, by at least `least` (m), while the command grows along a line.
+
+    Judged since it last moved, if that is not long ago; a creep along which the command falls is none.
+    """
+    moved = np.flatnonzero(np.abs(error - error[-1]) > least)
+    begin = min(moved[-1] + 1 if moved.size else 0, error.size // 2)
+    time, error, command = time[begin:], error[begin:], command[begin:]
     half = time.size // 2
-    if half < LEAST_SAMPLES or np.mean(np.abs(error[half:])) < least:
+    beside = float(np.mean(error[half:]))
+    if half < LEAST_SAMPLES or abs(beside) < least:
         return False
     first, second = (_growth(time[part], command[part]) for part in (slice(half), slice(half, None)))
-    return abs(second) > STILL_GROWS * abs(first)
+    return abs(second) > STILL_GROWS * abs(first) and (second > 0.0) == (beside > 0.0)
 
 
 def _growth(time: np.ndarray, command: np.ndarray) -> float:

@@ -19,7 +19,7 @@ from workbench.parameters import FLOW_SHARE
 from workbench.simulation.references import Steps
 from workbench.simulation.simulate import memory_names
 from workbench.study.axis_values import are_names, shown_unit
-from workbench.study.comparison_checks import check_comparison, check_name, one_sided
+from workbench.study.comparison_checks import check_comparison, check_name, misplaced, one_sided
 from workbench.study.document import Case, Study, located, named
 from workbench.study.friction_curves import check_friction_curves
 from workbench.study.layers import MACHINE
@@ -211,7 +211,7 @@ class Checks:
 
     def warnings(self) -> list[str]:
         """What may be meant, and seldom is: far references, too little after the transient, rotations not held."""
-        found = dict.fromkeys(one_sided(self.study, self.cases, self.resolved))
+        found = dict.fromkeys([*one_sided(self.study, self.cases, self.resolved), *misplaced(self.study, self.cases)])
         seen: set[str] = set()
         for case, item in zip(self.cases, self.resolved, strict=True):
             turned = repr((case.tables["plant"], item.setup.rotation_speed, item.belief, item.setup.sample_time))

@@ -56,6 +56,10 @@ def _check_steps(study: Study, spec: ComparisonTable, cases: Sequence[Case], res
             raise study.error(("comparison", "steps"), f'"{name}" does not hold still; leave it out')
 
 
+WITHOUT_MODEL = ("load_pressure", "uncompensated")
+"""Types of compensators that have none."""
+
+
 def one_sided(study: Study, cases: Sequence[Case], resolved: Sequence[Resolved]) -> Iterator[str]:
     """What of a comparison's answer would come from a side that it lacks, in words."""
     spec = study.file.comparison
@@ -74,6 +78,18 @@ def one_sided(study: Study, cases: Sequence[Case], resolved: Sequence[Resolved])
             "PID with feedforward = 1"
         )
         yield _told(study, ("comparison", "plain"), message)
+
+
+def misplaced(study: Study, cases: Sequence[Case]) -> Iterator[str]:
+    """Which controllers without a friction model the page would call ones with one, in words."""
+    spec = study.file.comparison
+    if spec is None:
+        return
+    for name in dict.fromkeys(named(case, "controller") for case in cases):
+        kind = next(case.tables["controllers"][name].get("type") for case in cases if named(case, "controller") == name)
+        if kind in WITHOUT_MODEL and name not in (*spec.plain, *spec.pressure):
+            message = f'"{name}" is of type "{kind}", which has no friction model; add it to pressure = [...]'
+            yield _told(study, ("comparison",), message)
 
 
 def _told(study: Study, key: Key, message: str) -> str:
