@@ -70,7 +70,7 @@ def listed(controller: str) -> dict[str, list[str]]:
 def test_list_shows_of_each_controller_what_it_can_use() -> None:
     adaptive = listed("lugre_adaptive")
     assert adaptive[""] == ["law", "injection", "adaptation", "velocity", "rotation"]
-    assert adaptive["law = valve_inversion"] == ["position_rate", "force_rate"]
+    assert adaptive["law = valve_inversion"] == ["position_rate", "force_rate", "compression"]
     assert adaptive["law = valve_inversion or acceleration_feedback"] == ["lead"]
     assert adaptive["rotation = measured"] == ["rotation_time_constant"]
     assert adaptive["velocity = kalman"] == ["position_noise", "jerk_density"]

@@ -65,13 +65,14 @@ MISTAKES = {
     "idle estimator setting": (
         changed('"pid"\nkp = "500 V/m"', '"lugre_adaptive"\nlaw = "valve_inversion"\nobserver_gain = 1'),
         "@:12: controllers.p.observer_gain: lugre_adaptive has no use for it here; it uses law, position_rate, "
-        "force_rate, lead, injection, sliding_rate, adaptation, velocity, velocity_time_constant, rotation, "
-        "rotation_time_constant",
+        "force_rate, compression, lead, injection, sliding_rate, adaptation, velocity, velocity_time_constant, "
+        "rotation, rotation_time_constant",
     ),
     "idle adaptation": (
         changed('"pid"\nkp = "500 V/m"', '"friedland_park"\nadaptation = 1'),
         "@:11: controllers.p.adaptation: friedland_park has no use for it here; it uses law, position_rate, "
-        "force_rate, lead, observer_gain, exponent, velocity, velocity_time_constant, rotation, rotation_time_constant",
+        "force_rate, compression, lead, observer_gain, exponent, velocity, velocity_time_constant, rotation, "
+        "rotation_time_constant",
     ),
     "idle density of a filter": (
         changed('"pid"\nkp = "500 V/m"', '"lugre"\njerk_density = 1\nvelocity = "filter"'),

@@ -187,9 +187,10 @@ def _creeps(error: np.ndarray, least: float) -> bool:
 def _is_pushed(time: np.ndarray, error: np.ndarray, command: np.ndarray, least: float) -> bool:
     """Whether the rod rests beside its reference, by at least `least` (m), while the command grows along a line.
 
-    Judged since it last moved, if that is not long ago; a creep along which the command falls is none.
+    Judged since it last slipped, by more than what is left, if that is not just now. A creep along which the command
+    falls, or grows ever more slowly, is none.
     """
-    moved = np.flatnonzero(np.abs(error - error[-1]) > least)
+    moved = np.flatnonzero(np.abs(error - error[-1]) > max(least, abs(error[-1])))
     begin = min(moved[-1] + 1 if moved.size else 0, error.size // 2)
     time, error, command = time[begin:], error[begin:], command[begin:]
     half = time.size // 2
