@@ -148,11 +148,10 @@ def cells_of(spec: ComparisonTable, frame: pd.DataFrame) -> dict[Cell, list[Cand
     hunting = hunting_draws(frame)
     found: dict[Cell, list[Candidate]] = {}
     names = ["machine", "scenario", "reference", "controller", "rpm"]
-    for key, rows in frame.groupby(names, sort=False):
+    for key, rows in frame.set_index("draw").sort_index(kind="stable").groupby(names, sort=False):
         machine, scenario, reference, controller = map(str, key[:-1])
         rpm = float(str(key[-1]))
         column = error_column(spec, reference)
-        rows = rows.set_index("draw").sort_index()
         hunts = hunting.get((machine, scenario, controller, rpm), (0, 0))
         flaw = _flaw(rows, column, hunts[0] > 0)
         candidate = Candidate(controller, rpm, family_of(spec, controller), rows, column, flaw, hunts)
@@ -173,12 +172,12 @@ def hunting_draws(frame: pd.DataFrame) -> dict[tuple[str, str, str, float], tupl
 
 def _flaw(rows: pd.DataFrame, error: str, hunts: bool) -> str:
     """Why a candidate cannot win; empty if it can. What does not complete has that flaw, whether it hunts or not."""
-    unusual = rows.loc[rows["outcome"] != COMPLETED, "outcome"]
-    if not unusual.empty:
-        return str(unusual.iloc[0])
+    unusual = [outcome for outcome in rows["outcome"].to_numpy() if outcome != COMPLETED]
+    if unusual:
+        return str(unusual[0])
     if hunts:
         return HUNTS
-    return "has no error" if rows[error].isna().any() else ""
+    return "has no error" if np.isnan(rows[error].to_numpy(float)).any() else ""
 
 
 def by_class(candidates: list[Candidate]) -> Mapping[Class, list[Candidate]]:
