@@ -65,11 +65,14 @@ HIGHEST = 100.0
 
 
 def write_figures(
-    spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None, found: Mapping[Cell, Verdict], folder: Path
+    spec: ComparisonTable, frame: pd.DataFrame, whole: pd.DataFrame, found: Mapping[Cell, Verdict], folder: Path
 ) -> list[Picture]:
-    """Write all figures of the comparison: errors on the draws that all have met; who hunts also on the fresh ones."""
+    """Write all figures of the comparison: errors on the draws of `frame`, that all have met; who hunts on any draw.
+
+    `whole` has the fresh draws too.
+    """
     drawn: list[tuple[str, Figure, str]] = []
-    cells = _with_flaws(cells_of(spec, frame), {} if fresh is None else cells_of(spec, fresh))
+    cells = _with_flaws(cells_of(spec, frame), found)
     bars = (
         f"Means over the draws that all have met; bars: their {100 * spec.probability:g} % interval. Shaded: below "
         f"{spec.negligible * MM:g} mm, not told apart, and drawn in the middle of it."
@@ -100,7 +103,7 @@ def write_figures(
                 f"class; grey: all others that hold. {bars}"
             )
             drawn.append((f"error_against_power_{scenario}", figure, caption))
-        drawn += _hunting(with_all_axes(frame if fresh is None else pd.concat([frame, fresh], ignore_index=True)))
+        drawn += _hunting(with_all_axes(whole))
         for _, figure, _ in drawn:
             figure.set_dpi(mpl.rcParams["savefig.dpi"])
             figure.draw_without_rendering()
@@ -108,11 +111,9 @@ def write_figures(
     return [Picture(save(figure, name, folder, ("pdf", "png"))[-1], caption) for name, figure, caption in drawn]
 
 
-def _with_flaws(
-    cells: Mapping[Cell, list[Candidate]], fresh: Mapping[Cell, list[Candidate]]
-) -> dict[Cell, list[Candidate]]:
-    """The candidates, with the flaws that some show on the fresh draws alone."""
-    flaws = {(cell, *one.key): one.flaw for cell, candidates in fresh.items() for one in candidates if one.flaw}
+def _with_flaws(cells: Mapping[Cell, list[Candidate]], found: Mapping[Cell, Verdict]) -> dict[Cell, list[Candidate]]:
+    """The candidates, with the flaws that some show only where they were measured for the verdict."""
+    flaws = {(cell, *one.key): one.flaw for cell, verdict in found.items() for one in verdict.candidates}
     return {
         cell: [replace(one, flaw=one.flaw or flaws.get((cell, *one.key), "")) for one in candidates]
         for cell, candidates in cells.items()

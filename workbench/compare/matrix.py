@@ -6,7 +6,7 @@ Colours survive print and colour blindness: Okabe and Ito's, lightened, and each
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from workbench.compare.candidates import MM, Cell, Class
+from workbench.compare.candidates import MM, Cell
 from workbench.compare.intervals import LEAST, Interval
 from workbench.compare.verdicts import Kind, Verdict, size_of, within
 from workbench.compare.words import millimetres, spread
@@ -105,10 +105,9 @@ def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
     apart = relation.difference.mean * MM
     told = f"{apart:+.3g} mm" if abs(apart) >= LEAST * MM else f"{millimetres(abs(apart) / MM)} apart"
     rest = ""
-    if verdict.kind in ("compensate", "avoid") and "both" in verdict.best:
+    if verdict.together is not None and verdict.together.word == "cannot be told from":
         both = verdict.best["both"]
-        if verdict.relation("both", pair[0]).word == "cannot be told from":
-            rest = f"; {both.words}, {millimetres(size_of(spec, both).mean)}, cannot be told from it"
+        rest = f"; {both.words}, {millimetres(size_of(spec, both).mean)}, cannot be told from it"
     return (
         f"{one.words}: {millimetres(size_of(spec, one).mean)}; {other.words}: x {ratio.mean:.3g}{spread(ratio)}, {told}"
         f"{rest}"
@@ -117,11 +116,9 @@ def _margin(spec: ComparisonTable, verdict: Verdict) -> str:
 
 def _price(spec: ComparisonTable, verdict: Verdict) -> str:
     """What the rotating side pays where it is, or would be, chosen, beside what is paid at rest; torque, if much."""
-    kind: Class = "both" if verdict.kind == "both" else "avoid"
-    if verdict.kind in ("nothing needed", "no comparison", "none holds") or kind not in verdict.best:
+    one, still = verdict.turning, verdict.still
+    if one is None:
         return ""
-    one = verdict.best[kind]
-    still = verdict.best.get("compensate", verdict.best.get("nothing"))
     beside = "" if still is None else f" (at rest {watts(still.paid)})"
     torque = one.mean("motor_torque_rms_N_m")
     much = f", {torque:.2g} N m rms of a nominal {spec.nominal_torque:g}" if torque > spec.nominal_torque else ""

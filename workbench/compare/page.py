@@ -59,8 +59,8 @@ def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Pa
             for (section, name), (path, _) in study.sources.items()
             if section == SCENARIO.section
         },
-        "details": details(spec, tuned, fresh, found),
-        "pictures": write_figures(spec, tuned, fresh, found, folder / "figures"),
+        "details": details(spec, tuned, whole, found),
+        "pictures": write_figures(spec, tuned, whole, found, folder / "figures"),
         "pivots": write_tables(spec, tuned, found, folder / "tables"),
     }
     pages = []
@@ -155,14 +155,14 @@ def rules(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None
 
 
 def details(
-    spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None, found: Mapping[Cell, Verdict]
+    spec: ComparisonTable, frame: pd.DataFrame, whole: pd.DataFrame, found: Mapping[Cell, Verdict]
 ) -> dict[str, list[str]]:
-    """By scenario, what is said of each of its cells, and who hunts on any draw."""
+    """By scenario, what is said of each of its cells, and who hunts on any draw; `whole` has the fresh ones too."""
     told: dict[str, list[str]] = {}
     for cell, verdict in found.items():
         name = cell_name(cell, machine=True)
         source = "" if verdict.fresh or len(with_all_axes(frame)["draw"].unique()) == 1 else " (draws of the choice)"
         lines = " ".join(sentences(spec, verdict))
         told.setdefault(cell.scenario, []).append(f"{name[:1].upper()}{name[1:]}{source}: {lines}")
-    whole = with_all_axes(frame if fresh is None else pd.concat([frame, fresh], ignore_index=True))
+    whole = with_all_axes(whole)
     return {scenario: [*lines, *hunting(whole[whole["scenario"] == scenario])] for scenario, lines in told.items()}

@@ -25,6 +25,15 @@ COMPARISONS = len(list(combinations(CLASSES, 2)))
 """Pairs of classes that a verdict may rest on."""
 
 
+NAMED: Mapping[Kind, Class] = {
+    "nothing needed": "nothing",
+    "compensate": "compensate",
+    "avoid": "avoid",
+    "both": "both",
+}
+"""The class that a verdict names, where it names one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What is said of one cell.
@@ -59,18 +68,31 @@ class Verdict:
             return self._first("is level with")
         if self.kind == "cannot be told":
             return None if self.otherwise else self._first("cannot be told from")
-        named: dict[Kind, Class] = {
-            "nothing needed": "nothing",
-            "compensate": "compensate",
-            "avoid": "avoid",
-            "both": "both",
-        }
-        if self.kind not in named:
+        if self.kind not in NAMED:
             return None
-        one = named[self.kind]
+        one = NAMED[self.kind]
         rivals = CLASSES[1:] if one == "nothing" else ("compensate", "avoid")
         there = [kind for kind in rivals if kind in self.best and kind != one]
         return (one, min(there, key=lambda kind: self.best[kind].size)) if there else None
+
+    @property
+    def turning(self) -> Candidate | None:
+        """The rotating candidate that is, or would be, chosen; None where there is none or nothing is to be chosen."""
+        if self.kind in ("nothing needed", "no comparison", "none holds"):
+            return None
+        return self.best.get("both" if self.kind == "both" else "avoid")
+
+    @property
+    def still(self) -> Candidate | None:
+        """The candidate at rest beside which it has its price."""
+        return self.best.get("compensate", self.best.get("nothing"))
+
+    @property
+    def together(self) -> Relation | None:
+        """How compensation with rotation does against the one of the two that the verdict names."""
+        if self.kind not in ("compensate", "avoid") or "both" not in self.best:
+            return None
+        return self.relation("both", NAMED[self.kind])
 
     def _first(self, word: Word) -> tuple[Class, Class]:
         """The first pair with this relation, compensation against rotation in front."""

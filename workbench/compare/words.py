@@ -9,7 +9,7 @@ import pandas as pd
 from workbench.compare.candidates import HUNTS, MM, Candidate, Class, sound
 from workbench.compare.finalists import related
 from workbench.compare.intervals import LEAST, MOST_DRAWS, Interval, Relation
-from workbench.compare.verdicts import Kind, Verdict, size_of, within
+from workbench.compare.verdicts import NAMED, Verdict, size_of, within
 from workbench.metrics.statistics import share_interval
 from workbench.report.words import watts
 from workbench.study.report_schema import ComparisonTable
@@ -85,15 +85,11 @@ def _verdict(spec: ComparisonTable, verdict: Verdict) -> str:
         return f"{word}: {sized(spec, verdict.best['nothing'])}, is within {millimetres(spec.negligible)}."
     pair = verdict.pair
     if pair is None:
-        (only,) = verdict.best.values() if len(verdict.best) == 1 else [verdict.best[_named(verdict.kind)]]
+        (only,) = verdict.best.values() if len(verdict.best) == 1 else [verdict.best[NAMED.get(verdict.kind, "avoid")]]
         return f"{word}: {sized(spec, only)}; no other class has a candidate that holds."
     one, other = (verdict.best[kind] for kind in pair)
     relation = verdict.relation(*pair)
     return f"{word}: {sized(spec, one)}, {relation.word} {sized(spec, other)}: {margin(relation)}{needed(relation)}."
-
-
-def _named(kind: Kind) -> Class:
-    return "compensate" if kind == "compensate" else "both" if kind == "both" else "avoid"
 
 
 def _absent(verdict: Verdict) -> str:
@@ -163,11 +159,10 @@ def _against_nothing(spec: ComparisonTable, verdict: Verdict) -> list[str]:
 
 def _together(spec: ComparisonTable, verdict: Verdict) -> list[str]:
     """How a compensator on a rotating rod does against the one of the two that the verdict names."""
-    sides: dict[Kind, Class] = {"compensate": "compensate", "avoid": "avoid"}
-    if verdict.kind not in sides or "both" not in verdict.best:
+    relation = verdict.together
+    if relation is None:
         return []
-    both, named = verdict.best["both"], verdict.best[sides[verdict.kind]]
-    relation = verdict.relation("both", sides[verdict.kind])
+    both, named = verdict.best["both"], verdict.best[NAMED[verdict.kind]]
     extra = both.paid - named.paid
     return [
         f"Both together, {sized(spec, both)}, {relation.word} it, at {'+' if extra >= 0.0 else '-'}{watts(abs(extra))} "
@@ -176,19 +171,13 @@ def _together(spec: ComparisonTable, verdict: Verdict) -> list[str]:
 
 
 def _price(spec: ComparisonTable, verdict: Verdict) -> list[str]:
-    """What the rotating candidates pay beside the ones at rest."""
-    if verdict.kind in ("nothing needed", "no comparison", "none holds"):
+    """What the rotating candidate pays beside the one at rest."""
+    one, still = verdict.turning, verdict.still
+    if one is None:
         return []
-    kinds: tuple[Class, ...] = ("both",) if verdict.kind == "both" else ("avoid",)
-    lines = []
-    for kind in kinds:
-        if kind not in verdict.best:
-            continue
-        one = verdict.best[kind]
-        still = verdict.best.get("compensate", verdict.best.get("nothing"))
-        lines.append(f"Price of {one.words}: {price(spec, one, still)}.")
-        if cheapest := _cheaper(spec, verdict, one):
-            lines.append(f"Level with it, the cheapest is {sized(spec, cheapest)}: {price(spec, cheapest, still)}.")
+    lines = [f"Price of {one.words}: {price(spec, one, still)}."]
+    if cheapest := _cheaper(spec, verdict, one):
+        lines.append(f"Level with it, the cheapest is {sized(spec, cheapest)}: {price(spec, cheapest, still)}.")
     return lines
 
 
