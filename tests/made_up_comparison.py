@@ -6,11 +6,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from workbench.compare.verdicts import Verdict, verdicts
 from workbench.study.report_schema import ComparisonTable
 
 SPEC = ComparisonTable(
     plain=["p", "pi"], pressure=["load_pressure"], steps=["steps"], negligible=1e-6, fresh_draws=10, left_out=["Ramps."]
 )
+
+COUNTS = SPEC.model_copy(update={"negligible": 1e-6})
 
 Errors = Mapping[tuple[str, float], float]
 """Mean error (m) by controller and rpm."""
@@ -99,3 +102,9 @@ def whole(seed: int = 1, draws: Sequence[int] = range(1, 11), noise: float = 0.1
                     part.loc[hunts, ["limit_cycle", "limit_cycle_amplitude_m"]] = ["sustained", 1.4e-3]
                 frames.append(part)
     return pd.concat(frames, ignore_index=True)
+
+
+def verdict(frame: pd.DataFrame, spec: ComparisonTable = COUNTS, fresh: pd.DataFrame | None = None) -> Verdict:
+    """The verdict of a study of one cell."""
+    (found,) = verdicts(spec, frame, fresh).values()
+    return found
