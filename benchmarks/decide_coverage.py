@@ -19,7 +19,7 @@ from workbench.decide.decision import decide
 from workbench.decide.judged import judge
 from workbench.decide.machines import batches, run_batches
 from workbench.decide.plan import Plan, plan_decision
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 
 MACHINES = ("thesis_simulation", "thesis_rig")
 

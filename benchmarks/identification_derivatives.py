@@ -13,8 +13,8 @@ import numpy as np
 
 from plants.equation import fields, to_array
 from plants.non_rotating import NON_ROTATING, Inputs
-from workbench.linear import symbolic
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.linear.linearise import symbolic
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
 

@@ -13,7 +13,6 @@ import contextlib
 import os
 import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -21,11 +20,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.optimize import NonlinearConstraint, differential_evolution
 
-from workbench.study.document import Study, read_study
-from workbench.tune.bench import SEARCHED, Bench
-from workbench.tune.goal import margins_of
+from workbench.study.reading import read_study
+from workbench.study.study import Study
+from workbench.tune.evaluator import SEARCHED, Bench
+from workbench.tune.objective import margins_of
 from workbench.tune.study import bench_of, prepared, tune_all
-from workbench.tune.task import task_for
+from workbench.tune.task import task_for, tune_table
 
 TIMES, SEEDS = 10, 5
 MEMBERS = 10
@@ -87,9 +87,7 @@ def compared(study: Study, name: str) -> str:
         found = tune_all(study, [name], Path(folder) / "trials.sqlite").found[0]
     took = time.process_time() - began
     assert found.score is not None
-    table = study.file.tune
-    assert table is not None
-    least, _ = evolved(bench_of(task_for(study, name)), TIMES * table.trials)
+    least, _ = evolved(bench_of(task_for(study, name)), TIMES * tune_table(study).trials)
     above = 100.0 * (found.score.value / least - 1.0)
     differ = 100.0 * (found.seeds_differ or 0.0)
     return f"| {name} | {found.score.value:.6g} | {least:.6g} | {above:+.2f} | {differ:.2f} | {took:.1f} |"
@@ -103,9 +101,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=None, help="of each seed; default: what [tune] says")
     options = parser.parse_args()
     study = read_study(options.study)
-    assert study.file.tune is not None
-    table = study.file.tune.model_copy(update={"seeds": SEEDS, "fresh_draws": 0})
-    study = replace(study, file=study.file.model_copy(update={"tune": table}))
+    study = study.with_section("tune", tune_table(study).model_copy(update={"seeds": SEEDS, "fresh_draws": 0}))
     print("| controller | tuned | differential evolution | above it, % | five seeds differ by, % | tuning CPU, s |")
     print("|---|---|---|---|---|---|")
     for name in options.controller:

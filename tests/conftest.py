@@ -12,7 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; 
 
 from plants.interface import Plant
 from plants.registry import plants
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 
 pytest.register_assert_rewrite("command", "mistakes")
 

@@ -11,7 +11,7 @@ from experiments import CHANNELS, TRUTH, save_record
 from plants.non_rotating import Inputs
 from plants.two_chamber import TWO_CHAMBER
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.parameters import build
+from workbench.parameters.sets import build
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Setup, simulate
 

@@ -8,8 +8,8 @@ import pandas as pd
 from command import Answer, workbench, write
 
 from plants.non_rotating import NON_ROTATING, Inputs
-from workbench.identify import thesis_method
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.identify.thesis import method as thesis_method
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
 

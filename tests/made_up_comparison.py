@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, verdicts
-from workbench.study.report_schema import ComparisonTable
 
 SPEC = ComparisonTable(
     plain=["p", "pi"], pressure=["load_pressure"], steps=["steps"], negligible=1e-6, fresh_draws=10, left_out=["Ramps."]

@@ -4,8 +4,9 @@ from pathlib import Path
 
 from command import STUDIES
 
-from workbench.study.document import read_study, unfold
+from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved, resolve
+from workbench.study.unfold import unfold
 
 FOLDER = STUDIES / "scenarios"
 FILE_HEAD = 'title = "t"\nsource = "s"\n'

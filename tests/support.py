@@ -12,7 +12,7 @@ from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Measurement, Plant
 from plants.motor import LIMITS
 from plants.registry import plants
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.simulate import Loop, Setup
 
 

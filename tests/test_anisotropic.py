@@ -16,11 +16,12 @@ from plants.anisotropic import Film, Guide, anisotropic_levels, level_fall, lugr
 from plants.bristles import ANISOTROPIC, GuidedBristle
 from plants.friction import Friction, LuGre, lugre, lugre_isotropic, steady_friction, stribeck_level
 from plants.registry import plants
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine, Steps
 from workbench.simulation.simulate import Feed, Loop, Setup, simulate, solver_error
-from workbench.study.document import read_study, unfold
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
+from workbench.study.unfold import unfold
 
 SET = read_parameters(named_sets()["owen2001_experiment"])
 MEASURED = build(ANISOTROPIC.Parameters, SET)

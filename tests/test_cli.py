@@ -12,7 +12,7 @@ from command import PROCESS, STUDIES, STUDY, changed, ran, workbench, write
 from controllers.registry import controllers
 from plants.registry import plants
 from workbench.metrics import COLUMNS
-from workbench.parameters import named_sets
+from workbench.parameters.sets import named_sets
 from workbench.study.reference_tables import KINDS
 
 HEAVY = ("numba", "numpy", "scipy", "pandas", "matplotlib", "pydantic", "pint", "casadi", "control")

@@ -17,10 +17,11 @@ from controllers.settings import settings_of
 from plants.equation import fields, to_array
 from plants.interface import Measurement, Plant
 from plants.registry import plants
-from workbench.parameters import FLOW_SHARE, SIGNED
+from workbench.parameters.sets import FLOW_SHARE, SIGNED
 from workbench.simulation.simulate import Loop, Setup
-from workbench.study.document import read_study, unfold
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
+from workbench.study.unfold import unfold
 
 PLANTS = {
     "rotating_helical": "owen2001_simulation",

@@ -18,8 +18,8 @@ from workbench.compare.page import write_comparison
 from workbench.compare.tables import pivots
 from workbench.compare.verdicts import Kind, Verdict, verdicts
 from workbench.compare.words import sentences
-from workbench.study.document import Study
 from workbench.study.schema import StudyFile
+from workbench.study.study import Study
 
 
 @pytest.mark.parametrize(
@@ -122,10 +122,10 @@ def test_what_tuning_and_draws_change_is_told() -> None:
 
 def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path: Path) -> None:
     frame = whole(draws=range(1, 4))
-    study = Study(tmp_path / "a.toml", "", StudyFile(title="A < B", question="which?", comparison=SPEC))
+    study = Study(tmp_path / "a.toml", "", StudyFile(title="A < B", question="which?"))
     texts = []
     for name in ("one", "two"):
-        markdown, html = write_comparison(study, frame, tmp_path / name)
+        markdown, html = write_comparison(SPEC, study, frame, tmp_path / name)
         texts.append((markdown.read_bytes(), html.read_bytes()))
         pictures = {picture.stem for picture in (tmp_path / name / "figures").glob("*.png")}
         assert pictures == {
@@ -144,8 +144,8 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
 
 def test_a_comparison_of_steps_alone_makes_its_page(tmp_path: Path) -> None:
     frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, reference="steps")
-    study = Study(tmp_path / "a.toml", "", StudyFile(title="t", comparison=SPEC))
-    assert len(write_comparison(study, frame, tmp_path)) == 2
+    study = Study(tmp_path / "a.toml", "", StudyFile(title="t"))
+    assert len(write_comparison(SPEC, study, frame, tmp_path)) == 2
 
 
 def test_pivots_rank_nothing_and_show_small_numbers_as_such() -> None:

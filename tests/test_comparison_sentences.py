@@ -12,8 +12,8 @@ from made_up_comparison import SPEC, whole
 
 from workbench.compare.finalists import finalists
 from workbench.compare.page import write_comparison
-from workbench.study.document import Study
 from workbench.study.schema import StudyFile
+from workbench.study.study import Study
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +25,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Rows]:
     fresh = fresh.merge(chosen, on=list(chosen.columns))
     (folder / "fresh").mkdir()
     fresh.to_parquet(folder / "fresh" / "results.parquet")
-    study = Study(folder / "a.toml", "", StudyFile(title="Which", question="compensate or avoid?", comparison=SPEC))
-    markdown = write_comparison(study, search, folder)[0].read_text(encoding="utf-8")
+    study = Study(folder / "a.toml", "", StudyFile(title="Which", question="compensate or avoid?"))
+    markdown = write_comparison(SPEC, study, search, folder)[0].read_text(encoding="utf-8")
     return markdown.splitlines(), Rows(search, fresh)
 
 

@@ -20,7 +20,7 @@ from plants.friction import LuGre, steady_friction
 from plants.hydraulics import oil_volume, piston_area
 from plants.interface import Measurement
 from plants.registry import plants
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Loop, Run, Setup, simulate
 

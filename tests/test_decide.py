@@ -12,6 +12,7 @@ from workbench.decide.confirm import sureness
 from workbench.decide.judged import Judged, Kind, judge
 from workbench.decide.order import non_dominated, ordered
 from workbench.decide.results import results
+from workbench.decide.schema import DecideTable
 from workbench.metrics.statistics import (
     deciding_counts,
     least_draws,
@@ -21,7 +22,6 @@ from workbench.metrics.statistics import (
     share_interval,
     sign_test,
 )
-from workbench.study.decide_schema import DecideTable
 
 TABLE = DecideTable.model_validate(
     {"accuracy": 1e-5, "speed": 8e-3, "amplitude": 5e-3, "power": 80.0, "rpm": [0, 25], "plain": ["feed"]}
@@ -164,6 +164,7 @@ def test_what_cannot_be_told_is_said() -> None:
     cell.measured += [replace(judged("feed", 25.0, 1e-6, 30.0, 200, 200), stage="fresh")]
     given = cell.answer()
     assert (given.kind, given.settled, [row.rpm for row in given.open]) == ("rotation", False, [0.0])
+    assert given.doubtful == ("plain",)
 
 
 def test_what_hunts_never_wins() -> None:

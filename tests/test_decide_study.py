@@ -10,11 +10,11 @@ from workbench.decide.decision import Decision, decide
 from workbench.decide.judged import judge
 from workbench.decide.machines import batches, run_batches
 from workbench.decide.plan import Plan, plan_decision
-from workbench.report.decision_answer import paragraph
-from workbench.report.decision_map import failing
-from workbench.report.decision_names import millimetres, watts
-from workbench.report.decision_words import assumptions, price, question
-from workbench.study.document import read_study
+from workbench.decide.report.answer import paragraph
+from workbench.decide.report.map import failing
+from workbench.decide.report.names import millimetres, watts
+from workbench.decide.report.words import assumptions, price, question
+from workbench.study.reading import read_study
 
 STUDY = """\
 title = "a decision, for tests"

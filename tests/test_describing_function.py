@@ -12,7 +12,7 @@ from support import registered
 
 from controllers.pid import PID
 from plants.friction import LuGre
-from workbench.describing_function import SteadyFriction, friction_loop, intersections, predict
+from workbench.linear.describing_function import SteadyFriction, friction_loop, intersections, predict
 
 STRIBECK = LuGre(370.0, 217.0, 2318.0, 0.032, 5.77e6, 2.28e4)
 

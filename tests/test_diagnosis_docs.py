@@ -8,8 +8,8 @@ import pytest
 from command import ROOT, workbench, write
 
 from plants.effects import EFFECTS
-from workbench.identify.experiment import read_experiment
-from workbench.identify.records import read_records
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
 
 DOCS = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
 

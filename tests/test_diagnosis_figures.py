@@ -7,9 +7,9 @@ import pytest
 from deadband import doubting
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.report.diagnosis_figures import pictures_of
-from workbench.report.diagnosis_parameter_figure import parameters_figure
-from workbench.report.diagnosis_series import autocorrelation, binned, parts_of, shown_signals
+from workbench.diagnose.report.figures import pictures_of
+from workbench.diagnose.report.parameter_figure import parameters_figure
+from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
 
 
 def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_is(found: Diagnosis) -> None:

@@ -20,9 +20,9 @@ from diagnosis.generator import (
 from diagnosis.physics import POSITION, PRESSURE_1, PRESSURE_2, SUBSTEPS, run
 
 from plants.non_rotating import NON_ROTATING, Inputs
-from workbench.identify.experiment import read_experiment
-from workbench.identify.records import read_records
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Setup
 from workbench.simulation.simulate import simulate as simulate_plant

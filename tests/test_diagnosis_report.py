@@ -13,9 +13,9 @@ from deadband import OVERLAP
 from experiments import TRUTH
 
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.parameters import read_deviations, read_parameters
-from workbench.report import diagnosis
-from workbench.report.figures import save
+from workbench.diagnose.report import folder as diagnosis
+from workbench.parameters.sets import read_deviations, read_parameters
+from workbench.publish.pictures import save
 
 STUDY = changed(
     'model = "by_rpm"\nparameters = "owen2001_simulation"\n\n[axes]\nrpm = [0, 460]\n',

@@ -11,13 +11,13 @@ from deadband import doubting
 from plants.drive import DRIVE_FORCE
 from plants.effects import EFFECTS
 from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.unexplained import Dependence
-from workbench.parameters import read_deviations, read_parameters
-from workbench.report import diagnosis
-from workbench.report.diagnosis_names import PLAIN, interval, percent, quantity
-from workbench.report.diagnosis_reasons import why_none
-from workbench.report.diagnosis_tables import error_table, evidence_table, parameter_table
-from workbench.report.diagnosis_words import sureness, verdict_sentence
+from workbench.diagnose.report import folder as diagnosis
+from workbench.diagnose.report.names import PLAIN, interval, percent, quantity
+from workbench.diagnose.report.reasons import why_none
+from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
+from workbench.diagnose.report.words import sureness, verdict_sentence
+from workbench.diagnose.selection.unexplained import Dependence
+from workbench.parameters.sets import read_deviations, read_parameters
 
 
 def other(one: Diagnosis, verdict: str, **changes: Any) -> Diagnosis:

@@ -9,10 +9,10 @@ import pytest
 from command import STUDY, changed, fails, ran, workbench, write
 
 from workbench.errors import UserError
-from workbench.report.figures import draw, write_figure
-from workbench.report.quick_plot import quick_plot
-from workbench.study.document import read_study
-from workbench.study.report_schema import FigureSpec
+from workbench.study.reading import read_study
+from workbench.study.report.figures import draw, write_figure
+from workbench.study.report.quick_plot import quick_plot
+from workbench.study.report.schema import FigureSpec
 from workbench.study.store import read_results, trajectory_path
 
 FRAME = pd.DataFrame(
@@ -267,7 +267,7 @@ def test_one_curve_for_each_value_of_the_other_axes(tmp_path: Path, monkeypatch:
         drawn.append(spec)
         return draw(spec, *rest)
 
-    monkeypatch.setattr("workbench.report.quick_plot.draw", watched)
+    monkeypatch.setattr("workbench.study.report.quick_plot.draw", watched)
     quick_plot(tmp_path, frame, "rpm", ["rms_error_m"], {}, tmp_path / "a.png")
     panel = drawn[-1].panels[0]
     assert (panel.y_label, panel.y_unit, panel.legend) == ("rms error", "mm", "outside")

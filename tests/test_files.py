@@ -7,7 +7,7 @@ import pytest
 from pydantic import Field, field_validator
 
 from workbench.errors import UserError, nearest
-from workbench.files import Key, Strict, line_of, read_toml, validate
+from workbench.toml.reading import Key, Strict, line_of, read_toml, validate
 
 TEXT = """\
 title = "several shapes"

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from workbench.tune.frequency_margins import Response, is_stable, margins_of
+from workbench.linear.margins import Response, is_stable, margins_of
 
 H, LAG = 1e-3, 12e-3
 SPEED = 0.03

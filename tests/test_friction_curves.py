@@ -11,7 +11,12 @@ from command import STUDIES
 
 from plants.anisotropic import Guide
 from workbench.errors import UserError
-from workbench.identify.friction_curves import (
+from workbench.friction_curves.comparison import Comparison, compare
+from workbench.friction_curves.figures import curves_figure, static_figure
+from workbench.friction_curves.folder import TABLES
+from workbench.friction_curves.measured import Curve, read_curves, without_rotation
+from workbench.friction_curves.power import power_table
+from workbench.friction_curves.predicted import (
     CANDIDATES,
     FILM,
     GUIDE,
@@ -22,16 +27,12 @@ from workbench.identify.friction_curves import (
     rms,
     supported,
 )
-from workbench.identify.measured_curves import Curve, read_curves, without_rotation
-from workbench.parameters import named_sets, read_parameters
-from workbench.report.break_even import break_even_table
-from workbench.report.friction_curve_comparison import Comparison, compare
-from workbench.report.friction_curve_figures import curves_figure, static_figure
-from workbench.report.friction_curve_power import power_table
-from workbench.report.friction_curve_tables import effect_table, error_table, slope_table, verdict
-from workbench.report.friction_curves import TABLES
-from workbench.study.document import read_study
-from workbench.study.report_schema import BreakEvenTable
+from workbench.friction_curves.schema import FrictionCurvesTable
+from workbench.friction_curves.tables import effect_table, error_table, slope_table, verdict
+from workbench.parameters.sets import named_sets, read_parameters
+from workbench.study.reading import read_study
+from workbench.study.report.break_even import break_even_table
+from workbench.study.report.schema import BreakEvenTable
 
 MEASURED = STUDIES / "measured" / "owen2001_friction.toml"
 VALUES = read_parameters(named_sets()["owen2001_experiment"])
@@ -103,16 +104,14 @@ def test_a_number_that_nothing_depends_on_has_no_finite_deviation() -> None:
 
 
 def test_the_study_simulates_the_numbers_that_it_fits() -> None:
-    study = read_study(STUDIES / "thesis_chapter5.toml")
-    numbers = compare(study, study.file.friction_curves).added.numbers
-    declared = study.file.cases["corrected"]["plant"]["set"]
+    found = compared()
+    numbers, declared = found.added.numbers, found.study.file.cases["corrected"]["plant"]["set"]
     assert declared["film_share"] == pytest.approx(numbers["film_share"][0], abs=5e-4)
     assert declared["guide_coulomb"] == f"{numbers['guide_coulomb'][0]:.1f} N"
 
 
 def test_tables_say_what_was_found() -> None:
-    study = read_study(STUDIES / "thesis_chapter5.toml")
-    found = compare(study, study.file.friction_curves)
+    found = compared()
     made = (table(found) for table in TABLES)
     tables = {name: cells for name, _, cells, _ in made}
     errors = tables["friction_curve_error"].set_index("law")["check / best bare law"]
@@ -128,7 +127,7 @@ def test_tables_say_what_was_found() -> None:
 def compared(**changes: Any) -> Comparison:
     """The study of chapter 5 with another [friction_curves]."""
     study = read_study(STUDIES / "thesis_chapter5.toml")
-    spec = study.file.friction_curves
+    spec = study.section(FrictionCurvesTable)
     assert spec is not None
     return compare(study, spec.model_copy(update=changes))
 

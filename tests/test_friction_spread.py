@@ -7,7 +7,7 @@ import pytest
 from scenario_study import FILE_HEAD, FOLDER, resolved, study_file
 from support import registered
 
-from workbench.parameters import LEAST_SHARE, drawn, named_sets, read_deviations, read_parameters
+from workbench.parameters.sets import LEAST_SHARE, drawn, named_sets, read_deviations, read_parameters
 
 
 @pytest.mark.parametrize(("name", "mean", "deviation"), [("coulomb", 330.0, 30.0), ("bristle_stiffness", 2.6e6, 0.6e6)])

@@ -11,12 +11,13 @@ from command import workbench, write
 from experiments import TRUTH, experiment_text, make_record
 
 from plants.non_rotating import NON_ROTATING, Inputs
-from workbench.identify import covariance, thesis_method
-from workbench.identify.experiment import read_experiment
-from workbench.identify.records import read_records
-from workbench.identify.simulation_method import SimulationFit, identify_by_simulation
-from workbench.identify.thesis_method import Slow
-from workbench.parameters import build, read_parameters
+from workbench.fitting import covariance
+from workbench.identify.simulation.method import SimulationFit, identify_by_simulation
+from workbench.identify.thesis import method as thesis_method
+from workbench.parameters.sets import build, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.friction import Slow, from_position, slower
+from workbench.records.reading import read_records
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Setup, simulate
 
@@ -57,7 +58,7 @@ def test_the_thesis_rule_for_damping() -> None:
 
 def test_a_slow_ramp_is_differentiated_exactly() -> None:
     time = 1e-3 * np.arange(4000)
-    data = thesis_method.slower(thesis_method.from_position(time, 0.01 * time, np.zeros(4000)))
+    data = slower(from_position(time, 0.01 * time, np.zeros(4000)))
     assert data.sample_time == pytest.approx(0.1)
     inside = np.isfinite(data.velocity)
     assert 30 < np.sum(inside) < 40

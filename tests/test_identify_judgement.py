@@ -9,11 +9,11 @@ import pytest
 from command import STUDY, Answer, fails, workbench, write
 from experiments import AXIAL, CURVE, LINE, axial_record, experiment_text, identify, make_record
 
-from workbench.identify import thesis_method
-from workbench.identify.experiment import read_experiment
 from workbench.identify.identification import identify as run_identification
-from workbench.identify.thesis_method import Estimate
-from workbench.parameters import read_parameters
+from workbench.identify.thesis import method as thesis_method
+from workbench.identify.thesis.method import Estimate
+from workbench.parameters.sets import read_parameters
+from workbench.records.experiment import read_experiment
 
 
 def test_a_single_parameter_without_effect(tmp_path: Path) -> None:
@@ -265,7 +265,7 @@ def test_an_interrupted_identification_leaves_nothing(tmp_path: Path, monkeypatc
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patched:
-        patched.setattr("workbench.report.identification.as_data", stopped)
+        patched.setattr("workbench.identify.report.folder.as_data", stopped)
         path = write(tmp_path, text, "experiment.toml")
         assert workbench("identify", path, "--out", tmp_path / "out").code == 2
     assert sorted(item.name for item in tmp_path.rglob("*") if item.is_file()) == [

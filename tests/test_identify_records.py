@@ -12,8 +12,8 @@ from experiments import identify
 from scipy.io import savemat
 
 from workbench.errors import UserError
-from workbench.identify.experiment import read_experiment
-from workbench.identify.records import Record, read_records
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import Record, read_records
 
 EXPERIMENT = """\
 title = "a short record"

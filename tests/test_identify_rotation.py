@@ -10,11 +10,11 @@ import pytest
 from command import STUDIES, fails, workbench
 from experiments import AXIAL, CURVE, LINE, TIME, axial_record, identify
 
-from workbench.identify import thesis_method
-from workbench.identify.nuisance import columns
-from workbench.identify.thesis_method import Slow
+from workbench.identify.simulation.nuisance import columns
+from workbench.identify.thesis import method as thesis_method
+from workbench.records.friction import Slow
 from workbench.simulation.simulate import simulate
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 from workbench.study.runner import plan
 
 RADIUS, TORQUE = 31.75e-3, 0.77

@@ -15,8 +15,15 @@ from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
 from plants.rotating import HELICAL, HelicalState, Inputs
 from workbench.errors import UserError
-from workbench.linear import jacobians, linearise, measurement_jacobian, nonlinear_system, output_jacobians, symbolic
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.linear.linearise import (
+    jacobians,
+    linearise,
+    measurement_jacobian,
+    nonlinear_system,
+    output_jacobians,
+    symbolic,
+)
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
 

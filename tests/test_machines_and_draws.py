@@ -9,7 +9,7 @@ from command import workbench
 
 from plants.equation import to_array
 from workbench.errors import UserError
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 from workbench.study.runner import again, plan
 
 STUDY = """\

@@ -11,11 +11,11 @@ import pytest
 from command import write
 
 from workbench.diagnose.diagnose import Diagnosis, diagnose
-from workbench.diagnose.motion import motion_of
-from workbench.identify.records import read_records
-from workbench.report.diagnosis import summary
-from workbench.report.diagnosis_series import parts_of, shown_signals
-from workbench.report.diagnosis_words import sureness
+from workbench.diagnose.report.folder import summary
+from workbench.diagnose.report.series import parts_of, shown_signals
+from workbench.diagnose.report.words import sureness
+from workbench.diagnose.residuals.motion import motion_of
+from workbench.records.reading import read_records
 
 MEASURED = Path(__file__).parents[1] / "studies" / "measured"
 DATA = Path(__file__).parents[2] / "shared" / "data"

@@ -7,10 +7,10 @@ from command import STUDY, write
 
 from plants.motor import LIMITS, Motor
 from plants.registry import plants
+from workbench.compare.motor_words import motor_in_words
 from workbench.compare.page import motors
-from workbench.parameters import build, named_sets, read_parameters
-from workbench.report.motor_words import motor_in_words
-from workbench.study.document import read_study
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.study.reading import read_study
 
 VALUES = read_parameters(named_sets()["owen2001_experiment"])
 

@@ -10,7 +10,7 @@ from plants.equation import fields, from_array
 from plants.hydraulics import valve_opening
 from plants.interface import Plant
 from plants.registry import plants
-from workbench.parameters import named_sets, read_parameters
+from workbench.parameters.sets import named_sets, read_parameters
 from workbench.simulation.references import Steps
 from workbench.simulation.simulate import Integrator, simulate
 

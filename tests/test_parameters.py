@@ -7,9 +7,9 @@ import pytest
 from plants.equation import fields
 from plants.registry import plants
 from workbench.errors import UserError
-from workbench.files import read_toml
-from workbench.parameters import build, known_units, named_sets, parameter_path, parameter_value, read_parameters
-from workbench.units import QuantityError
+from workbench.parameters.sets import build, known_units, named_sets, parameter_path, parameter_value, read_parameters
+from workbench.toml.reading import read_toml
+from workbench.toml.units import QuantityError
 
 SETS = ["canudas1995", "owen2001_experiment", "owen2001_simulation"]
 

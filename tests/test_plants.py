@@ -18,8 +18,8 @@ from plants.motor import LIMITS
 from plants.non_rotating import NON_ROTATING
 from plants.registry import plants
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
-from workbench.linear import symbolic
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.linear.linearise import symbolic
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup, simulate
 

@@ -8,8 +8,8 @@ import pytest
 from command import DRIVE, FIGURE, STUDY, changed, write
 
 from workbench.errors import UserError
-from workbench.study.document import read_study
 from workbench.study.names import matches
+from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved
 from workbench.study.runner import Plan, needed_trajectories, plan
 

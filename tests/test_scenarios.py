@@ -9,7 +9,7 @@ from support import registered
 
 from plants.equation import to_array
 from workbench.errors import UserError
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 from workbench.study.runner import plan, run_case
 
 FILES = sorted(FOLDER.glob("*.toml"))

@@ -19,8 +19,9 @@ from workbench.errors import UserError
 from workbench.simulation.references import Sine
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Loop, Run, Setup, simulate
-from workbench.study.document import read_study, unfold
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
+from workbench.study.unfold import unfold
 
 RADIUS = 19e-3
 

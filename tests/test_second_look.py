@@ -12,8 +12,8 @@ from diagnosis.generator import make_experiment
 from workbench.diagnose.diagnose import diagnose
 from workbench.diagnose.readiness import motions_of
 from workbench.errors import UserError
-from workbench.identify.experiment import read_experiment
-from workbench.identify.records import read_records
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
 
 SEED = 5
 

@@ -16,8 +16,9 @@ from controllers.interface import Reference
 from controllers.rotation_on_demand import SWITCHED_ROTATION
 from plants.interface import Measurement
 from workbench.simulation.simulate import simulate
-from workbench.study.document import read_study, unfold
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
+from workbench.study.unfold import unfold
 
 RADIUS = 19e-3
 SETTINGS = rotation_on_demand.Settings(switch_speed=0.03)

@@ -8,8 +8,9 @@ import pytest
 from command import STUDY, changed, fails, ran, workbench, write
 
 from workbench.errors import UserError
-from workbench.report.tables import make_table, shown_number, write_table
-from workbench.study.report_schema import TableSpec
+from workbench.publish.tables import shown_number
+from workbench.study.report.schema import TableSpec
+from workbench.study.report.tables import make_table, write_table
 
 FRAME = pd.DataFrame(
     {

@@ -18,12 +18,13 @@ from tuned_study import HUNTING, STUDY, ready, robust, tuned
 from controllers.settings import usable
 from plants.equation import to_array
 from workbench.errors import UserError
+from workbench.linear.open_loop import open_loop
 from workbench.metrics.statistics import quantile
-from workbench.study.document import read_study, unfold
-from workbench.study.gain_file import read_gain_file
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
+from workbench.study.unfold import unfold
+from workbench.toml.gain_file import read_gain_file
 from workbench.tune.gains import gain_file
-from workbench.tune.loop import open_loop
 from workbench.tune.study import Tuning
 from workbench.tune.task import task_for
 from workbench.tune.tuning import classic_points, infeasible, interval

@@ -13,13 +13,13 @@ from controllers.pid import PID
 from controllers.relay import RELAY
 from plants.registry import plants
 from workbench.errors import UserError
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.linear.open_loop import margins
+from workbench.linear.slow_model import SlowModel, slow_model
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Loop, Setup
 from workbench.tune.classic import lqr, pole_placement, starting_points, ziegler_nichols
-from workbench.tune.loop import margins
 from workbench.tune.relay_experiment import relay_test
-from workbench.tune.slow_model import SlowModel, slow_model
 
 SPEED = 0.03
 VALVE = SlowModel(0.0, 1.0 / 12e-3, NO_LOAD_GAIN / 12e-3)

@@ -21,12 +21,12 @@ from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING, State
 from workbench.errors import UserError
-from workbench.linear import linearise
+from workbench.linear.linearise import linearise
+from workbench.linear.open_loop import linear_controller, margins, open_loop
+from workbench.linear.operating_point import slide
 from workbench.simulation.references import Ramp, Steps
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup, simulate
-from workbench.tune.loop import linear_controller, margins, open_loop
-from workbench.tune.sliding import slide
 
 SPEED = 0.03
 FREQUENCIES = np.geomspace(0.1, 3000.0, 300)

@@ -10,16 +10,17 @@ from command import workbench, write
 from scipy.optimize import brentq
 from tuned_study import STUDY, ready, tuned
 
+from workbench.diagnose.report.reasons import of_term
 from workbench.errors import UserError
-from workbench.report.diagnosis_reasons import of_term
-from workbench.report.tuning_places import place_lines, seeds_line
-from workbench.report.tuning_tables import number
-from workbench.study.document import read_study, unfold
-from workbench.study.gain_file import entry_at, read_gain_file
+from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
-from workbench.tune.descent import descend
+from workbench.study.unfold import unfold
+from workbench.toml.gain_file import entry_at, read_gain_file
 from workbench.tune.gains import gain_files
-from workbench.tune.goal import margins_of
+from workbench.tune.objective import margins_of
+from workbench.tune.refine import descend
+from workbench.tune.report.places import place_lines, seeds_line
+from workbench.tune.report.tables import number
 from workbench.tune.task import task_for, tasks_for, tune_table
 from workbench.tune.trials import key_of
 

@@ -14,17 +14,17 @@ import pandas as pd
 import pytest
 from command import Answer, changed, workbench, write
 
-from workbench.report import tuning as report
-from workbench.report.figures import save
-from workbench.report.tuning_bode import curve_of, lowest_frequency
-from workbench.report.tuning_rows import end_of
-from workbench.report.tuning_search import history_picture, importance, importance_picture
-from workbench.report.tuning_tables import differ_words, margin, number, with_interval
-from workbench.report.tuning_traces import SIDES, largest_jump
-from workbench.report.tuning_words import first_lines
-from workbench.study.document import read_study
-from workbench.tune.frequency_margins import Margins
-from workbench.tune.loop import margins
+from workbench.linear.margins import Margins
+from workbench.linear.open_loop import margins
+from workbench.publish.pictures import save
+from workbench.study.reading import read_study
+from workbench.tune.report import folder as report
+from workbench.tune.report.bode import curve_of, lowest_frequency
+from workbench.tune.report.rows import end_of
+from workbench.tune.report.search import history_picture, importance, importance_picture
+from workbench.tune.report.tables import differ_words, margin, number, with_interval
+from workbench.tune.report.traces import SIDES, largest_jump
+from workbench.tune.report.words import first_lines
 from workbench.tune.space import Dimension
 from workbench.tune.study import Tuning, prepared, tune_all
 from workbench.tune.task import task_for
@@ -366,7 +366,7 @@ def test_the_best_so_far_falls_to_the_best(found: Tuning) -> None:
 def test_importance_is_told_of_enough_feasible_trials(found: Tuning) -> None:
     """The same trials give the same shares, which make a whole."""
     assert importance(found.found[0]) == "kp is the only gain"
-    with mock.patch("workbench.report.tuning_search.FEWEST", 4):
+    with mock.patch("workbench.tune.report.search.FEWEST", 4):
         shares = importance(found.found[1])
         assert isinstance(shares, dict)
         assert sum(shares.values()) == pytest.approx(1.0)

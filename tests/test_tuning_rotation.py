@@ -6,7 +6,7 @@ import numpy as np
 from command import write
 from tuned_study import STUDY, tuned
 
-from workbench.study.gain_file import read_gain_file
+from workbench.toml.gain_file import read_gain_file
 from workbench.tune.gains import gain_file
 
 

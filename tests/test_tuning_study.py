@@ -6,7 +6,7 @@ import pytest
 from command import DRIVE, STUDIES, workbench, write
 from tuned_study import STUDY, robust, tuned
 
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 from workbench.tune.study import prepared, tune_all
 
 # --- mistakes ---

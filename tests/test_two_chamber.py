@@ -9,7 +9,7 @@ from support import registered
 from plants.effects import EFFECTS
 from plants.equation import fields
 from plants.registry import plants
-from workbench.parameters import build, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Run, simulate
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.units import QuantityError, factor, si
+from workbench.toml.units import QuantityError, factor, si
 
 
 @pytest.mark.parametrize(

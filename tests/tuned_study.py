@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from workbench.study.document import Study, read_study
+from workbench.study.reading import read_study
+from workbench.study.study import Study
 from workbench.tune.study import Tuning, prepared, tune_all
 
 STUDY = """\

@@ -9,14 +9,14 @@ from controllers.settings import ANY, Setting, usable
 from plants.effects import EFFECTS
 from plants.plugins import Registry
 from plants.registry import PLANTS
-from workbench.files import read_toml
+from workbench.diagnose.report.names import PLAIN
 from workbench.metrics import COLUMNS
-from workbench.parameters import named_sets
-from workbench.report.diagnosis_names import PLAIN
+from workbench.parameters.sets import named_sets
 from workbench.simulation.simulate import METHODS, memory_names
 from workbench.study.layers import LAYERS
 from workbench.study.reference_tables import KINDS
 from workbench.study.resolve import MODELS
+from workbench.toml.reading import read_toml
 
 
 def catalogue() -> dict[str, list[str]]:

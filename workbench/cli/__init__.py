@@ -1,6 +1,5 @@
-"""The command line."""
+"""The command line: a file a command."""
 
-from workbench.cli import answers
-from workbench.cli.commands import main
+from workbench.cli.app import main
 
-__all__ = ["answers", "main"]
+__all__ = ["main"]

@@ -1,62 +1,84 @@
-"""What a file would do, in words, once it is known to be in order."""
+"""workbench check: any file, checked to the last key, and what it would do."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from workbench.cli.check_experiment import check_experiment
-from workbench.cli.plan import say_decision, say_plan, say_tuning_plan
-from workbench.decide.plan import plan_decision
-from workbench.files import read_toml
-from workbench.identify.experiment import is_experiment
-from workbench.parameters import read_parameters, serves
-from workbench.study.document import layer_trial, only_decides, read_study
-from workbench.study.gain_file import is_gain_file, read_gain_file
-from workbench.study.layers import layer_of
-from workbench.study.runner import plan
-from workbench.tune.study import tasks_of
+import typer
+
+from workbench.cli.options import print_warnings
+
+if TYPE_CHECKING:
+    from workbench.study.layers import Layer
 
 
-def check_file(file: Path) -> None:
-    """Check a study, machine, scenario, experiment or parameter set to the last key, and print what it would do.
+def command(
+    file: Annotated[Path, typer.Argument(help="A study, machine, scenario, experiment or parameters.", metavar="FILE")],
+) -> None:
+    """Check a file to the last key and say what it would do. Nothing is run or written."""
+    from workbench.records.experiment import is_experiment
+    from workbench.study.layers import layer_of
+    from workbench.toml.gain_file import is_gain_file
+    from workbench.toml.reading import read_toml
 
-    Raises:
-        UserError: a mistake in it.
-    """
     data, _ = read_toml(file)
     if "parameters" in data:
-        values = read_parameters(file)
-        print(f"{file}: a parameter set of {len(values)} values, all in order")
-        for line in serves(values):
-            print(f"  {line}")
-        return
-    if is_gain_file(data):
+        _check_parameters(file)
+    elif is_gain_file(data):
         _check_gains(file)
-        return
-    if is_experiment(data):
+    elif is_experiment(data):
+        from workbench.cli.check_experiment import check_experiment
+
         check_experiment(file)
-        return
-    if (layer := layer_of(file)) is not None:
-        trial = plan(layer_trial(layer, file)).study
-        tables = ", ".join(f"[{name}]" for name in getattr(trial.file, layer.section)[file.stem]) or "nothing"
-        print(f"{file}: a {layer.axis}, in order; it changes {tables}")
-        return
-    study = read_study(file)
-    planned = None if only_decides(study) else plan(study)
-    decision = None if study.file.decide is None else plan_decision(study)
-    tasks = tasks_of(study) if study.file.tune is not None else []
-    print(f"{file}: a study, in order")
-    if planned is not None:
-        say_plan(planned)
-    if decision is not None:
-        say_decision(decision)
-    if tasks:
-        say_tuning_plan(tasks)
+    elif (layer := layer_of(file)) is not None:
+        _check_layer(layer, file)
+    else:
+        _check_study(file)
+
+
+def _check_parameters(file: Path) -> None:
+    """Say which plants a parameter set serves."""
+    from workbench.parameters.sets import read_parameters, serves
+
+    values = read_parameters(file)
+    print(f"{file}: a parameter set of {len(values)} values, all in order")
+    for line in serves(values):
+        print(f"  {line}")
 
 
 def _check_gains(file: Path) -> None:
     """Say what a gain file holds."""
+    from workbench.toml.gain_file import read_gain_file
+
     found = read_gain_file(file)
     print(f"{file}: tuned gains of {found.type}, in order")
     for entry in found.at:
         settings = ", ".join(f"{name} {value}" for name, value in entry.settings.items())
         print(f"  {'any speed' if entry.rpm is None else f'{entry.rpm:g} rpm'}: {settings}")
     print(found.source)
+
+
+def _check_layer(layer: "Layer", file: Path) -> None:
+    """Say what a machine or scenario changes."""
+    from workbench.study.reading import layer_trial
+    from workbench.study.runner import plan
+
+    trial = plan(layer_trial(layer, file)).study
+    tables = ", ".join(f"[{name}]" for name in getattr(trial.file, layer.section)[file.stem]) or "nothing"
+    print(f"{file}: a {layer.axis}, in order; it changes {tables}")
+
+
+def _check_study(file: Path) -> None:
+    """Say what a study would run, and what other commands would do with it."""
+    from workbench.study.description import description
+    from workbench.study.reading import read_study
+    from workbench.study.runner import plan
+    from workbench.study.sections import other_command, sections_of
+
+    study = read_study(file)
+    planned = None if other_command(study) is not None else plan(study)
+    lines = [] if planned is None else description(planned)
+    for section, table in sections_of(study):
+        lines += section.describe(table, study)
+    print("\n".join([f"{file}: a study, in order", *lines]))
+    if planned is not None:
+        print_warnings(planned.warnings)

@@ -7,9 +7,9 @@ from pathlib import Path
 from workbench.diagnose import readiness as diagnosis
 from workbench.errors import UserError
 from workbench.identify import readiness as identification
-from workbench.identify.experiment import Experiment, RecordSpec, read_experiment
-from workbench.identify.records import Record, read_record
-from workbench.identify.schema import METHODS
+from workbench.records.experiment import Experiment, RecordSpec, read_experiment
+from workbench.records.reading import Record, read_record
+from workbench.records.schema import METHODS
 
 LIKE = 0.6
 """Likeness of a file's name from which it may be the one that was meant."""

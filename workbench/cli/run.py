@@ -1,107 +1,140 @@
-"""A study from end to end: every case, then once more those that may win its comparison, on fresh draws."""
+"""workbench run: every case of a study, then its tables, figures and pages."""
 
 import sys
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 from itertools import count
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-import pandas as pd
 import typer
 
-from workbench.cli.progress import ProgressBar
-from workbench.compare.finalists import finalists
+from workbench.cli.options import Out, Overwrite, StudyFile, print_tables, print_warnings
 from workbench.errors import UserError
-from workbench.files import read_toml
-from workbench.identify.experiment import is_experiment
-from workbench.study.document import Study, only_decides, read_study
-from workbench.study.report_schema import ComparisonTable
-from workbench.study.runner import Plan, again, plan, run_study
-from workbench.study.store import DATABASE, FRESH, export, read_results
+
+if TYPE_CHECKING:
+    from workbench.study.runner import Plan
+    from workbench.study.study import Study
+
+MADE = ("results.csv", "tables", "figures", "comparison.html")
+"""What a folder of results is told to hold, where it does."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """How a study is run; as `run_study` has them."""
+def command(
+    study: StudyFile,
+    out: Out,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Cases at a time; default: one a core.")] = None,
+    cluster: Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the results in DIR.")] = False,
+    overwrite: Overwrite = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
+    keep_trajectories: Annotated[
+        bool, typer.Option("--keep-trajectories", help="Keep every case's signals, not only those of figures.")
+    ] = False,
+    draws: Annotated[int | None, typer.Option(min=0, help="Draws of machines, instead of the study's number.")] = None,
+    fresh_draws: Annotated[
+        int | None, typer.Option(min=0, help="Draws on which the best of a comparison are measured again.")
+    ] = None,
+) -> None:
+    """Run a study: every case of it, then its tables and figures."""
+    from workbench.cli.progress import ProgressBar
+    from workbench.study.description import description
+    from workbench.study.runner import run_study
 
-    jobs: int | None
-    cluster: str | None
-    resume: bool
-    overwrite: bool
-    keep_all: bool
+    if resume and overwrite:
+        raise UserError("--resume and --overwrite: choose one")
+    planned = _planned(study, out, draws, fresh_draws)
+    print("\n".join(description(planned)))
+    print_warnings(planned.warnings)
+    if dry_run:
+        return
+
+    def run(plan: "Plan", folder: Path, resume: bool, overwrite: bool) -> None:
+        with ProgressBar(len(plan.cases)) as progress:
+            run_study(
+                plan,
+                folder,
+                jobs=jobs,
+                cluster=cluster,
+                resume=resume,
+                overwrite=overwrite,
+                keep_all=keep_trajectories,
+                progress=progress,
+            )
+
+    try:
+        run(planned, out, resume, overwrite)
+        _again(planned, out, resume, run)
+    except KeyboardInterrupt:
+        print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
+        raise typer.Exit(130) from None
+    _report(planned, out)
 
 
-def planned_study(path: Path, out: Path, draws: int | None, fresh_draws: int | None) -> Plan:
+def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) -> "Plan":
     """The plan of a study file, with other numbers of draws than it says where these are given.
 
     Raises:
         UserError: it is no study for `run`, or what it says is wrong, or it draws nothing.
     """
+    from workbench.records.experiment import is_experiment
+    from workbench.study.reading import read_study
+    from workbench.study.runner import plan
+    from workbench.study.sections import other_command
+    from workbench.toml.reading import read_toml
+
     if is_experiment(read_toml(path)[0]):
         raise UserError(f"{path}: this is an experiment; use workbench identify {path} --out {out}")
     study = read_study(path)
-    if only_decides(study):
-        raise UserError(f"{path}: has [decide] and no [references]; use workbench decide {path} --out {out}")
-    return plan(_with_draws(study, draws, fresh_draws))
+    if (other := other_command(study)) is not None:
+        use = f"use workbench {other.command} {path} --out {out}"
+        raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")
+    study = _with_draws(study, "--draws", draws, "uncertainty", "draws")
+    return plan(_with_draws(study, "--fresh-draws", fresh_draws, "comparison", "fresh_draws"))
 
 
-def _with_draws(study: Study, draws: int | None, fresh_draws: int | None) -> Study:
-    """The study with these numbers of draws."""
-    changed = {}
-    for option, number, key, section in (
-        ("--draws", draws, "draws", "uncertainty"),
-        ("--fresh-draws", fresh_draws, "fresh_draws", "comparison"),
-    ):
-        if number is None:
-            continue
-        table = getattr(study.file, section)
-        if table is None:
-            raise UserError(f"{study.path}: {option} needs a table [{section}]; leave it out")
-        changed[section] = table.model_copy(update={key: number})
-    return replace(study, file=study.file.model_copy(update=changed))
+def _with_draws(study: "Study", option: str, number: int | None, section: str, key: str) -> "Study":
+    """The study with this number of draws in a table of its own."""
+    if number is None:
+        return study
+    table = getattr(study.file, section)
+    if table is None:
+        raise UserError(f"{study.path}: {option} needs a table [{section}]; leave it out")
+    return study.with_section(section, table.model_copy(update={key: number}))
 
 
-def run_all(planned: Plan, out: Path, options: Options) -> None:
-    """Run the cases of a plan into `out`, then those of its finalists into the folder `fresh` there, round by round.
+def _again(planned: "Plan", out: Path, resume: bool, run: Callable[["Plan", Path, bool, bool], None]) -> None:
+    """Run once more what the study's questions ask for, round by round, into folders of `out`."""
+    import pandas as pd
 
-    Raises:
-        UserError: a folder does not serve.
-    """
-    try:
-        _run(planned, out, options)
-        spec = planned.study.file.comparison
-        if spec is not None and spec.fresh_draws:
-            _again(planned, spec, out, options)
-    except KeyboardInterrupt:
-        print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
-        raise typer.Exit(130) from None
+    from workbench.study.runner import again
+    from workbench.study.sections import sections_of
+    from workbench.study.store import DATABASE, FRESH, export, read_results
 
-
-def _again(planned: Plan, spec: ComparisonTable, out: Path, options: Options) -> None:
-    """Measure the best of each class on fresh draws; where they hunt there, those behind them, until one holds."""
-    searched, rounds = read_results(out), count(1)
-    fresh: pd.DataFrame | None = None
-    while wanted := finalists(spec, searched, fresh):
-        number = next(rounds)
-        measured = again(planned, wanted, spec.fresh_draws)
-        who = "the best of each class" if number == 1 else "those behind whom hunting has taken out"
-        print(f"{who} again, on {spec.fresh_draws} fresh draws: {len(measured.cases)} cases")
-        folder = out / FRESH / f"round_{number}"
-        resume = options.resume and (folder / DATABASE).exists()
-        _run(measured, folder, replace(options, resume=resume, overwrite=not resume))
-        fresh = pd.concat([fresh, read_results(folder)], ignore_index=True)
-    if fresh is not None:
-        export(fresh, out / FRESH)
+    for section, table in sections_of(planned.study):
+        fresh: pd.DataFrame | None = None
+        rounds = count(1)
+        while (more := section.again(table, read_results(out), fresh)) is not None:
+            measured = again(planned, more.wanted, more.draws)
+            print(f"{more.said} again, on {more.draws} fresh draws: {len(measured.cases)} cases")
+            folder = out / FRESH / f"round_{next(rounds)}"
+            going_on = resume and (folder / DATABASE).exists()
+            run(measured, folder, going_on, not going_on)
+            fresh = pd.concat([fresh, read_results(folder)], ignore_index=True)
+        if fresh is not None:
+            export(fresh, out / FRESH)
 
 
-def _run(planned: Plan, folder: Path, options: Options) -> None:
-    with ProgressBar(len(planned.cases)) as progress:
-        run_study(
-            planned,
-            folder,
-            jobs=options.jobs,
-            cluster=options.cluster,
-            resume=options.resume,
-            overwrite=options.overwrite,
-            keep_all=options.keep_all,
-            progress=progress,
-        )
+def _report(planned: "Plan", folder: Path) -> None:
+    """Tables, figures and pages of finished results, and which cases did not simply complete."""
+    from workbench.study.report.folder import write_cycles, write_figures, write_pages, write_tables
+    from workbench.study.store import read_results
+
+    frame, study = read_results(folder), planned.study
+    print_tables(write_tables(study, frame, folder) + write_cycles(planned, frame, folder))
+    write_figures(study, frame, folder)
+    for page in write_pages(study, frame, folder):
+        print(f"wrote {page}")
+    unusual = frame[frame["outcome"] != "completed"]
+    for outcome, number in unusual["outcome"].value_counts().items():
+        print(f"{number} of {len(frame)} cases: {outcome}")
+    print(f"results in {folder}: {', '.join(name for name in MADE if (folder / name).exists())}")

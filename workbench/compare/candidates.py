@@ -15,11 +15,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from workbench.compare.intervals import LEAST
+from workbench.compare.schema import ComparisonTable
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.metrics.statistics import share_interval
-from workbench.report.words import plain_name
+from workbench.publish.words import plain_name
 from workbench.simulation.simulate import COMPLETED
-from workbench.study.report_schema import ComparisonTable
 
 MM = 1e3
 

@@ -6,8 +6,8 @@ import pandas as pd
 
 from workbench.compare.candidates import Cell, of_tuned, with_all_axes
 from workbench.compare.overview import cell_name
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, verdicts
-from workbench.study.report_schema import ComparisonTable
 
 
 def changes(spec: ComparisonTable, frame: pd.DataFrame, found: Mapping[Cell, Verdict]) -> list[str]:

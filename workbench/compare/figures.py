@@ -28,13 +28,12 @@ from workbench.compare.candidates import (
     order,
     with_all_axes,
 )
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, size_of
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.report.figures import save
-from workbench.report.pictures import Picture
-from workbench.report.style import COLOURS, figure_style, plain_numbers
-from workbench.report.words import plain_name
-from workbench.study.report_schema import ComparisonTable
+from workbench.publish.pictures import Picture, save
+from workbench.publish.style import COLOURS, figure_style, plain_numbers
+from workbench.publish.words import plain_name
 
 FAMILY_STYLE: dict[Family, dict[str, Any]] = {
     "plain": {"color": COLOURS[0], "marker": "o", "linestyle": "-"},

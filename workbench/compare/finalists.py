@@ -19,7 +19,7 @@ from workbench.compare.candidates import (
     sound,
 )
 from workbench.compare.intervals import CLOSE, Relation, paired
-from workbench.study.report_schema import ComparisonTable
+from workbench.compare.schema import ComparisonTable
 
 ROUND = 3
 """At most so many of a class are measured in a further round."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from workbench.compare.candidates import MM, Cell
 from workbench.compare.intervals import LEAST, Interval
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Kind, Verdict, size_of, within
 from workbench.compare.words import millimetres, spread
-from workbench.report.words import plain_name, watts
-from workbench.study.report_schema import ComparisonTable
+from workbench.publish.words import plain_name, watts
 
 COLOURS: dict[Kind, str] = {
     "compensate": "#9fc6e6",

@@ -9,13 +9,13 @@ import pandas as pd
 
 from workbench.compare.candidates import MM, TOLD_SPEED, Cell, hunting_draws, with_all_axes
 from workbench.compare.finalists import related
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, within
 from workbench.compare.words import ALIKE, families
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.report.tables import shown_number
-from workbench.report.words import plain_name, watts
+from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name, watts
 from workbench.simulation.simulate import COMPLETED
-from workbench.study.report_schema import ComparisonTable
 
 POWER = "rotation_power_W"
 TERMINALS = "motor_electric_power_W"

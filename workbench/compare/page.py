@@ -15,27 +15,25 @@ from workbench.compare.changes import changes
 from workbench.compare.figures import write_figures
 from workbench.compare.intervals import CLOSE
 from workbench.compare.matrix import NOTATION, key, matrices, title_of
+from workbench.compare.motor_words import motor_in_words
 from workbench.compare.overview import answer, cell_name, exactness, hunting, overview
 from workbench.compare.results import fresh_results
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.tables import finalist_table, write_tables
 from workbench.compare.templates import HTML, MARKDOWN
 from workbench.compare.verdicts import COMPARISONS, Verdict, verdicts
 from workbench.compare.words import sentences
-from workbench.report.html import html_environment
-from workbench.report.motor_words import motor_in_words
-from workbench.report.words import plain_name
+from workbench.publish.html import html_environment
+from workbench.publish.words import plain_name
 from workbench.simulation.simulate import COMPLETED
-from workbench.study.document import Study, unfold
 from workbench.study.layers import MACHINE, SCENARIO
-from workbench.study.report_schema import ComparisonTable
 from workbench.study.resolve import resolve
+from workbench.study.study import Study
+from workbench.study.unfold import unfold
 
 
-def write_comparison(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
-    """Write tables, figures, comparison.md and comparison.html; returns the pages. None without a [comparison]."""
-    spec = study.file.comparison
-    if spec is None:
-        return []
+def write_comparison(spec: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write tables, figures, comparison.md and comparison.html; returns the pages."""
     fresh = fresh_results(folder)
     found = verdicts(spec, frame, fresh)
     tuned = of_tuned(spec, frame)

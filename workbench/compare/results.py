@@ -5,9 +5,10 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.compare.candidates import Cell
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, verdicts
 from workbench.errors import UserError
-from workbench.study.document import read_study
+from workbench.study.reading import read_study
 from workbench.study.store import FRESH, STUDY_COPY, read_results
 
 
@@ -23,7 +24,7 @@ def verdicts_of(folder: Path) -> dict[Cell, Verdict]:
         UserError: it holds no results, or its study has no [comparison].
     """
     frame = read_results(folder)
-    spec = read_study(folder / STUDY_COPY).file.comparison
+    spec = read_study(folder / STUDY_COPY).section(ComparisonTable)
     if spec is None:
         raise UserError(f"{folder}: its study has no [comparison], so it has no verdicts")
     return verdicts(spec, frame, fresh_results(folder))

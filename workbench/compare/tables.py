@@ -9,11 +9,11 @@ import pandas as pd
 from workbench.compare.candidates import HUNTS, MM, TOLD_SPEED, Candidate, Cell, error_column, with_all_axes
 from workbench.compare.intervals import LEAST
 from workbench.compare.overview import cell_name
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import Verdict, size_of
 from workbench.compare.words import lying
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.report.words import plain_name
-from workbench.study.report_schema import ComparisonTable
+from workbench.publish.words import plain_name
 
 
 @dataclass(frozen=True)

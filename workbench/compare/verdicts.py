@@ -15,7 +15,7 @@ import pandas as pd
 from workbench.compare.candidates import CLASSES, Candidate, Cell, Class, by_class, cells_of, of_tuned, order, sound
 from workbench.compare.finalists import related
 from workbench.compare.intervals import Interval, Relation, Word, interval_of_mean
-from workbench.study.report_schema import ComparisonTable
+from workbench.compare.schema import ComparisonTable
 
 Kind = Literal[
     "compensate", "avoid", "both", "nothing needed", "level", "cannot be told", "none holds", "no comparison"

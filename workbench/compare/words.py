@@ -9,10 +9,10 @@ import pandas as pd
 from workbench.compare.candidates import HUNTS, MM, Candidate, Class, sound
 from workbench.compare.finalists import related
 from workbench.compare.intervals import LEAST, MOST_DRAWS, Interval, Relation
+from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import NAMED, Verdict, size_of, within
 from workbench.metrics.statistics import share_interval
-from workbench.report.words import watts
-from workbench.study.report_schema import ComparisonTable
+from workbench.publish.words import watts
 
 ALIKE = 0.02
 """Powers that differ by less than this share of the larger are told as one."""

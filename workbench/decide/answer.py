@@ -1,11 +1,11 @@
 """What suffices at a speed and a spread: the candidates of the search, those measured again, and the choice."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from workbench.decide.judged import KINDS, Judged, Kind
 from workbench.decide.order import contenders, ordered, possible
-from workbench.study.decide_schema import DecideTable
+from workbench.decide.schema import DecideTable
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,12 @@ class Answer:
     best: Judged
     open: tuple[Judged, ...]
     settled: bool
+
+    @property
+    def doubtful(self) -> tuple[Kind, ...]:
+        """The kinds simpler than that of the choice of which the draws cannot tell."""
+        last = 0 if self.kind is None else KINDS.index(self.kind)
+        return tuple(kind for kind in KINDS[:last] if any(row.kind == kind for row in self.open))
 
 
 @dataclass(eq=False)
@@ -75,7 +81,7 @@ class Cell:
         told_not = tuple(row for row in before if standing[row.candidate] == "open")
         unmeasured = len(possible(self.search, self.table)) > len(self.measured) and sure is None
         if sure is not None:
-            simpler = [row for row in told_not if KINDS.index(row.kind) < KINDS.index(sure.kind)]
-            return Answer(sure.kind, sure, told_not, not simpler)
+            given = Answer(sure.kind, sure, told_not, True)
+            return replace(given, settled=not given.doubtful)
         nearest = max(told_not, key=lambda row: row.probability) if told_not else ordered(self.rows, self.table)[0]
         return Answer(None, nearest, told_not, not told_not and not unmeasured)

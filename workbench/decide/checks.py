@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 from plants.equation import fields
 from plants.interface import Plant
-from workbench.files import Key
-from workbench.study.decide_schema import HYDRAULIC, POWERS, DecideTable
-from workbench.study.document import Study
+from workbench.decide.schema import HYDRAULIC, POWERS, DecideTable
 from workbench.study.resolve import Resolved
 from workbench.study.schema import MOST_SAMPLES
+from workbench.study.study import Study
+from workbench.toml.reading import Key
 
 LEAST_SAMPLES = 20
 """Samples of a period below which a sampled controller no longer sees a sine."""

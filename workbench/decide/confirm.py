@@ -18,7 +18,7 @@ from workbench.decide.answer import Cell
 from workbench.decide.judged import Judged, judge
 from workbench.decide.machines import batches, in_order, run_batches
 from workbench.decide.plan import Plan
-from workbench.metrics.statistics import SURE
+from workbench.metrics.statistics import SURE, deciding_counts, least_draws
 
 Tell = Callable[[str, float], None]
 """Called with what is being done, and the share of it that is."""
@@ -67,3 +67,20 @@ def _round(plan: Plan, wanted: dict[Cell, Judged], jobs: int | None, tell: Tell,
         ]
         cell.measured += judge(own, plan.table, sureness(len(cell.measured) + 1))
     return frame
+
+
+def enough(probability: float, fresh_draws: int) -> str:
+    """How many fresh draws settle a probability: for the plan and for the page."""
+    sure = sureness(1)
+    met, missed = deciding_counts(probability, fresh_draws, sure)
+    least = least_draws(probability, sure)
+    if met is None:
+        return (
+            f"{fresh_draws} fresh draws cannot show a probability above {probability:g}, not even {fresh_draws} of "
+            f"{fresh_draws}: at least {least} are needed"
+        )
+    below = "nothing shows that it is not" if missed is None else f"{missed} or fewer that it is not"
+    return (
+        f"of {fresh_draws} fresh draws {met} or more show a probability above {probability:g}, {below}; in between it "
+        f"cannot be told. The least number that can show it is {least}"
+    )

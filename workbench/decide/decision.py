@@ -10,7 +10,7 @@ from workbench.decide.confirm import confirm
 from workbench.decide.judged import judge
 from workbench.decide.machines import batches, run_batches
 from workbench.decide.plan import Plan
-from workbench.study.decide_schema import DecideTable
+from workbench.decide.schema import DecideTable
 
 Tell = Callable[[str, float], None]
 """Called with what is being done, and the share of everything that is."""

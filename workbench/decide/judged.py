@@ -9,9 +9,9 @@ from typing import Literal
 import pandas as pd
 
 from workbench.decide.plan import Candidate, Stage
+from workbench.decide.schema import MOTOR, PUMP, REAL_SPEED, DecideTable
 from workbench.metrics.statistics import SURE, quantile, quantile_interval, share_interval
 from workbench.simulation.simulate import COMPLETED
-from workbench.study.decide_schema import MOTOR, PUMP, REAL_SPEED, DecideTable
 
 Kind = Literal["plain", "compensation", "rotation", "both"]
 """Plain control of a rod at rest, compensation of its friction, plain control of one that rotates, both together."""

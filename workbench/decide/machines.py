@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import pandas as pd
 
 from workbench.decide.plan import Candidate, Plan, Stage
+from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.metrics import evaluate
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.simulation.simulate import COMPLETED, simulate
-from workbench.study.decide_schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.study.hold import HOLD_SHARE, held
 from workbench.study.resolve import Resolved
 from workbench.study.run_on import evaluated

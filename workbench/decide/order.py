@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from workbench.decide.judged import KINDS, Judged, Kind
-from workbench.study.decide_schema import DecideTable
+from workbench.decide.schema import DecideTable
 
 ALIKE = 0.05
 """Powers that differ by less than this share are one power: which of them is less does not decide."""

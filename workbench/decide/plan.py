@@ -6,17 +6,19 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
+from workbench.decide.schema import DecideTable
 from workbench.errors import UserError, nearest
-from workbench.files import SchemaError, conform
 from workbench.metrics import COLUMNS
 from workbench.simulation.simulate import Loop
-from workbench.study.checks import Checks
-from workbench.study.decide_schema import DecideTable
-from workbench.study.document import Case, Study, unfold
+from workbench.study.checks.checks import Checks
 from workbench.study.layers import MACHINE
+from workbench.study.reading import with_files
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.schema import SimulationTable
+from workbench.study.study import Case, Study
 from workbench.study.uncertainty import check_scales, drawn_case
+from workbench.study.unfold import unfold
+from workbench.toml.reading import SchemaError, conform
 
 Stage = Literal["search", "fresh"]
 """Draws on which candidates are looked for, and draws on which those that may be chosen are measured."""
@@ -77,17 +79,21 @@ class Plan:
         return resolve(self.study, case)
 
 
-def plan_decision(study: Study) -> Plan:
-    """Check a study's [decide] and [uncertainty], and build every candidate once.
+def plan_decision(study: Study, machine: str | None = None) -> Plan:
+    """Check a study's [decide] and [uncertainty], and build every candidate once; on that `machine`, if it is given.
 
     Raises:
         UserError: the first mistake.
     """
-    table = study.file.decide
+    table = study.section(DecideTable)
     if table is None:
         raise UserError(
             f"{study.path}: has no [decide]; expected one with accuracy, speed, amplitude, power, rpm, plain"
         )
+    if machine is not None:
+        table = table.model_copy(update={"machine": machine})
+    if table.machine is not None:
+        study = _with_machine(study, table.machine)
     speeds = sorted({*(table.speeds or []), table.speed})
     names = _controllers(study, table)
     _check_uncertainty(study, table)
@@ -113,6 +119,15 @@ def plan_decision(study: Study) -> Plan:
     )
     _check_draws(planned)
     return planned
+
+
+def _with_machine(study: Study, machine: str) -> Study:
+    """The study with the machine of that name, whose file is read where the study has no such table."""
+    beside = MACHINE.files(study.path.parent)
+    known = {**study.file.machines, **beside}
+    if machine not in known:
+        raise study.error(("decide", "machine"), f'unknown machine "{machine}"; {nearest(machine, sorted(known))}')
+    return study if machine in study.file.machines else with_files(study, MACHINE, {machine: beside[machine]})
 
 
 def _controllers(study: Study, table: DecideTable) -> list[str]:

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from workbench.diagnose.fitting import fit
-from workbench.diagnose.flow import pump_speed_errors
-from workbench.diagnose.motion import Motion
-from workbench.diagnose.selection import BalanceResult
-from workbench.diagnose.shooting import Shooting, free_run, set_up, simulation_balance
-from workbench.diagnose.simulated import SEARCH, Simulated
-from workbench.diagnose.unknowns import Values
-from workbench.identify.experiment import Experiment
+from workbench.diagnose.residuals.fitting import fit
+from workbench.diagnose.residuals.flow import pump_speed_errors
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.simulation.shooting import Shooting, free_run, set_up, simulation_balance
+from workbench.diagnose.simulation.simulated import SEARCH, Simulated
+from workbench.records.experiment import Experiment
 
 DRIFTS = 2.0
 """Times the error on the fit records beyond which a free run of held-out ones is looked at closer."""

@@ -6,9 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from workbench.diagnose.balances import balances_of
 from workbench.diagnose.before_after import KEYS, behind_backlash, errors_of
-from workbench.diagnose.findings import (
+from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
+from workbench.diagnose.residuals.balances import balances_of
+from workbench.diagnose.residuals.fitting import Balance, Fit, fit
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.null import floored
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.result import (
     IDENTIFIED,
     Found,
     fitted_data,
@@ -16,18 +21,13 @@ from workbench.diagnose.findings import (
     found_on,
     sensor_offset,
 )
-from workbench.diagnose.fitting import Balance, Fit, fit
-from workbench.diagnose.motion import Motion
-from workbench.diagnose.null import floored
-from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.selection import BalanceResult, Step, is_circular, select
-from workbench.diagnose.simulated import FirstLook, Simulated, second_look
+from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular, select
+from workbench.diagnose.selection.unexplained import Dependence, data_driven_term, dependence, strongest
+from workbench.diagnose.simulation.simulated import FirstLook, Simulated, second_look
 from workbench.diagnose.stages import Tell
-from workbench.diagnose.unexplained import Dependence, data_driven_term, dependence, strongest
-from workbench.diagnose.unknowns import Values
-from workbench.identify.experiment import Experiment, read_experiment
-from workbench.identify.records import read_records
-from workbench.parameters import SIGNED
+from workbench.parameters.sets import SIGNED
+from workbench.records.experiment import Experiment, read_experiment
+from workbench.records.reading import read_records
 
 WORSE = 1.02
 """Held-out error, after over before, beyond which what was found is rejected."""

@@ -5,15 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.balances import allowed, own_parameters
-from workbench.diagnose.motion import Motion, motion_of
-from workbench.diagnose.unknowns import Values
+from workbench.diagnose.residuals.balances import allowed, own_parameters
+from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.errors import UserError
-from workbench.identify.experiment import Experiment
-from workbench.identify.friction_records import parameter_values
-from workbench.identify.motion import check_opposes
-from workbench.identify.records import Record
-from workbench.parameters import SIGNED
+from workbench.parameters.sets import SIGNED
+from workbench.records.experiment import Experiment
+from workbench.records.reading import Record
+from workbench.records.sliding import check_opposes
 
 SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
 """s of a record, s between its samples, and noise deviations of the position's range, from which it can be used."""
@@ -21,7 +20,7 @@ SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
 
 def declared_values(experiment: Experiment) -> dict[str, float]:
     """The declared parameters (SI); a direction that is not declared apart has no value of its own."""
-    declared: dict[str, float] = {**parameter_values(experiment), **experiment.values}
+    declared: dict[str, float] = {**experiment.known_values(), **experiment.values}
     for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
         del declared[name]
     return declared

@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.identify.experiment import Experiment
-from workbench.identify.friction_records import ThesisFit, identify_by_thesis
 from workbench.identify.readiness import check_experiment, check_records
-from workbench.identify.records import Record, read_records
-from workbench.identify.schema import FRICTION
-from workbench.identify.simulation_method import SimulationFit, identify_by_simulation
-from workbench.identify.thesis_method import Estimate
-from workbench.parameters import known_units
+from workbench.identify.simulation.method import SimulationFit, identify_by_simulation
+from workbench.identify.thesis.method import Estimate
+from workbench.identify.thesis.records import ThesisFit, identify_by_thesis
+from workbench.parameters.sets import known_units
+from workbench.records.experiment import Experiment
+from workbench.records.reading import Record, read_records
+from workbench.records.schema import FRICTION
 
 
 @dataclass(frozen=True)

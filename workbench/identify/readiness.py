@@ -5,16 +5,15 @@ from collections.abc import Sequence
 from plants.equation import fields
 from plants.interface import SENSORS
 from workbench.errors import UserError
-from workbench.identify import thesis_method
-from workbench.identify.experiment import Experiment
-from workbench.identify.friction_records import AXIAL, ROTARY
-from workbench.identify.motion import check_opposes, check_slides
-from workbench.identify.records import Record
+from workbench.records.experiment import Experiment
+from workbench.records.friction import AVERAGED, AXIAL, ROTARY
+from workbench.records.reading import Record
+from workbench.records.sliding import check_opposes, check_slides
 
 MARKS = "*?["
 """What makes a file's name a pattern."""
 
-FEWEST = thesis_method.AVERAGED**2 * 18
+FEWEST = AVERAGED**2 * 18
 """Samples that the thesis's averaging needs."""
 
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from workbench.study.names import unit_of_column
-from workbench.study.quantities import rpm_si
-from workbench.units import QuantityError, factor, si, unit_written
+from workbench.toml.quantities import rpm_si
+from workbench.toml.units import QuantityError, factor, si, unit_written
 
 RPM = "rpm"
 

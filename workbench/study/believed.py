@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from plants.interface import Plant
-from workbench.files import Key, SchemaError
+from workbench.toml.reading import Key, SchemaError
 
 
 @contextmanager

@@ -11,8 +11,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from workbench import files
-from workbench.files import Strict
+from workbench.toml import reading as files
+from workbench.toml.reading import Strict
 
 
 class ScenarioFile(Strict):

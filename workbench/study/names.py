@@ -10,7 +10,7 @@ from plants.equation import fields
 from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
 from workbench.simulation.simulate import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE, memory_names
-from workbench.units import COMMAND, factor
+from workbench.toml.units import COMMAND, factor
 
 TRACKING = ("reference_position", "reference_velocity", "error")
 """Signals of runs that have a reference."""

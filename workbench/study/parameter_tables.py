@@ -9,11 +9,11 @@ from plants import motor
 from plants.equation import NEGATIVE
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
-from workbench.files import SchemaError
-from workbench.parameters import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
-from workbench.study.document import Case
+from workbench.parameters.sets import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
 from workbench.study.schema import CaseTables
-from workbench.units import QuantityError
+from workbench.study.study import Case
+from workbench.toml.reading import SchemaError
+from workbench.toml.units import QuantityError
 
 
 def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:

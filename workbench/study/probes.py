@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from workbench.simulation.simulate import Run
-from workbench.study.report_schema import Probe
+from workbench.study.report.schema import Probe
 
 
 def crossings(time: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 from pydantic import Field, model_validator
 
-from workbench import files
 from workbench.errors import UserError, nearest
 from workbench.simulation import references as signals
-from workbench.study.quantities import Hertz, Radian, Raw, Second
-from workbench.units import QuantityError, factor, si
+from workbench.toml import reading as files
+from workbench.toml.quantities import Hertz, Radian, Raw, Second
+from workbench.toml.units import QuantityError, factor, si
 
 
 class ReferenceTable(files.Strict, ABC):

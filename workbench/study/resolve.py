@@ -17,18 +17,18 @@ from plants.interface import Plant
 from plants.motor import current_limit
 from plants.plugins import Registry
 from plants.registry import PLANTS
-from workbench import files
 from workbench.errors import UserError, nearest
-from workbench.files import SchemaError
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
-from workbench.study.document import Case, Study, located
 from workbench.study.parameter_tables import build_belief, build_truth
 from workbench.study.reference_tables import KINDS
 from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
-from workbench.units import QuantityError, si
+from workbench.study.study import Case, Study, located
+from workbench.toml import reading as files
+from workbench.toml.reading import SchemaError
+from workbench.toml.units import QuantityError, si
 
 T = TypeVar("T")
 

@@ -22,8 +22,7 @@ from plants.registry import PLANTS
 from workbench.errors import UserError
 from workbench.metrics import COLUMNS, SOLVER, evaluate
 from workbench.simulation.simulate import Run, finer, largest_distance, simulate
-from workbench.study.checks import Checks
-from workbench.study.document import Case, Study, unfold
+from workbench.study.checks.checks import Checks
 from workbench.study.names import matches
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
@@ -38,7 +37,9 @@ from workbench.study.store import (
     write_study,
     write_trajectory,
 )
+from workbench.study.study import Case, Study
 from workbench.study.uncertainty import DRAW, on_drawn_machines
+from workbench.study.unfold import unfold
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""

@@ -4,19 +4,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from workbench.files import Strict
 from workbench.simulation.simulate import DEFAULT_TOLERANCE, Method
-from workbench.study.decide_schema import DecideTable
-from workbench.study.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
-from workbench.study.report_schema import (
-    BreakEvenTable,
-    ComparisonTable,
-    FigureSpec,
-    FrictionCurvesTable,
-    Probe,
-    TableSpec,
-)
-from workbench.study.tune_schema import TuneTable, UncertaintyTable
+from workbench.study.report.schema import BreakEvenTable, FigureSpec, Probe, TableSpec
+from workbench.study.uncertainty_schema import UncertaintyTable
+from workbench.toml.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
+from workbench.toml.reading import Strict
 
 MOST_SAMPLES = 2e7
 """Samples of one run: more would not fit into the memory of a small machine."""
@@ -147,7 +139,7 @@ OVERRIDES = ("plant", "belief", "sensors", "simulation", "controllers", "referen
 
 
 class StudyFile(Strict):
-    """A whole study file. What cases fill in is checked in each case, not here.
+    """A study file without the sections of other questions. What cases fill in is checked in each case, not here.
 
     `records` names signals that every case writes into a file of its own, as a rig would.
     """
@@ -170,8 +162,4 @@ class StudyFile(Strict):
     tables: list[TableSpec] = []
     figures: list[FigureSpec] = []
     break_even: list[BreakEvenTable] = []
-    comparison: ComparisonTable | None = None
-    friction_curves: FrictionCurvesTable | None = None
     uncertainty: UncertaintyTable | None = None
-    tune: TuneTable | None = None
-    decide: DecideTable | None = None

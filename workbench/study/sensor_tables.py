@@ -2,10 +2,10 @@
 
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement
-from workbench.files import SchemaError
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.study.schema import ChannelTable, SensorsTable
-from workbench.units import QuantityError, si
+from workbench.toml.reading import SchemaError
+from workbench.toml.units import QuantityError, si
 
 
 def build_sensors(table: SensorsTable) -> Sensors:

@@ -20,10 +20,10 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.folders import held, remove, write_whole
+from workbench.publish.folders import held, remove, write_whole
 from workbench.simulation.simulate import Run
-from workbench.study.document import Case, Study
 from workbench.study.layers import LAYERS
+from workbench.study.study import Case, Study
 
 DATABASE = "results.sqlite"
 INDEX = "case_index"

@@ -13,12 +13,12 @@ import numpy as np
 from plants.equation import NEGATIVE, fields
 from plants.interface import SENSORS, Measurement
 from workbench.errors import nearest
-from workbench.files import SchemaError
-from workbench.identify.schema import FRICTION
-from workbench.parameters import parameter_path, read_deviations, read_parameters
-from workbench.study.document import Case, Study
-from workbench.study.tune_schema import FactorTable, UncertaintyTable
-from workbench.units import QuantityError, si
+from workbench.parameters.sets import parameter_path, read_deviations, read_parameters
+from workbench.records.schema import FRICTION
+from workbench.study.study import Case, Study
+from workbench.study.uncertainty_schema import FactorTable, UncertaintyTable
+from workbench.toml.reading import SchemaError
+from workbench.toml.units import QuantityError, si
 
 CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement) if item.name in SENSORS}
 

@@ -16,11 +16,11 @@ import numpy as np
 from controllers.pid import PID
 from controllers.pid import Settings as PidSettings
 from workbench.errors import UserError
+from workbench.linear.margins import Margins
+from workbench.linear.open_loop import margins
+from workbench.linear.slow_model import SlowModel, slow_model
 from workbench.simulation.simulate import Loop, Setup
-from workbench.tune.frequency_margins import Margins
-from workbench.tune.loop import margins
 from workbench.tune.relay_experiment import relay_test
-from workbench.tune.slow_model import SlowModel, slow_model
 
 PidGains = dict[str, float]
 

@@ -9,9 +9,9 @@ from typing import Any
 import control
 import numpy as np
 
-from workbench.study.gain_file import KEY
-from workbench.tune.goal import margin_speed
-from workbench.tune.loop import open_loop
+from workbench.linear.open_loop import open_loop
+from workbench.toml.gain_file import KEY
+from workbench.tune.objective import margin_speed
 from workbench.tune.space import RPM, THRESHOLD
 from workbench.tune.task import in_user_units, tune_table
 from workbench.tune.tuning import Tuned
@@ -27,7 +27,7 @@ DIGITS = 6
 
 
 def gain_file(tunings: Sequence[Tuned]) -> str:
-    """The text of the gain file of a controller with feasible gains, as `workbench.study.gain_file` reads it: an entry
+    """The text of the gain file of a controller with feasible gains, as `workbench.toml.gain_file` reads it: an entry
     for each of these tunings of it.
     """
     task = tunings[0].task

@@ -8,9 +8,9 @@ import numpy as np
 from controllers import relay
 from controllers.relay import RELAY
 from workbench.errors import UserError
+from workbench.linear.operating_point import USED_TRAVEL, along_ramp, without_end_stops
 from workbench.simulation.references import Steps
 from workbench.simulation.simulate import Feed, Loop, Run, Setup, simulate
-from workbench.tune.sliding import USED_TRAVEL, along_ramp, without_end_stops
 
 DURATION = 2.0
 """s. Of one run; its second half is judged, so that it finds periods up to 0.2 s."""
@@ -55,7 +55,7 @@ def relay_test(setup: Setup, amplitude: float, speed: float, hysteresis: float =
     The reference is a ramp, not the textbook's standing one. About rest friction spoils the experiment: a small
     amplitude only bends the bristles, so that the loop of a spring is measured, a larger one breaks away and sticks in
     each cycle. On a ramp faster than the oscillation's own velocity, a 2 pi / T_u, the rod never reverses, friction
-    keeps its side, and the loop measured is the sliding one of `workbench.tune.loop`. The slide needs a constant
+    keeps its side, and the loop measured is the sliding one of `workbench.linear.open_loop`. The slide needs a constant
     command of its own, without which the halves of the oscillation are uneven: a bias, found by repeating the run with
     the mean of the relay's command added. A speed of 0 gives the textbook's experiment, with what friction makes of it.
 

@@ -2,7 +2,7 @@
 
 1. everywhere: the given starts, then optuna's TPE sampler. Margins come first; a point that does not keep them is
    not run.
-2. along the constraints: COBYQA (`workbench.tune.descent`) on the declared machine, from the best and from others
+2. along the constraints: COBYQA (`workbench.tune.refine`) on the declared machine, from the best and from others
    that lie apart from it, until its share of the trials is spent.
 3. on drawn machines, where there are any: COBYQA again, from the best of the declared machine.
 
@@ -21,9 +21,9 @@ from optuna.distributions import FloatDistribution
 from optuna.samplers import TPESampler
 from optuna.trial import FrozenTrial, TrialState, create_trial
 
-from workbench.tune.bench import SEARCHED, Bench
-from workbench.tune.descent import descend
-from workbench.tune.goal import Score
+from workbench.tune.evaluator import SEARCHED, Bench
+from workbench.tune.objective import Score
+from workbench.tune.refine import descend
 from workbench.tune.space import Dimension, Point
 from workbench.tune.trials import ON_DRAWS, Trial, key_of
 

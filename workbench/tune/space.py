@@ -8,9 +8,9 @@ from typing import Any
 from controllers.interface import Controller
 from controllers.settings import Setting, Tuned, idle, settings_of
 from workbench.errors import nearest
-from workbench.files import SchemaError
-from workbench.study.tune_schema import BoundTable, TuneTable
-from workbench.units import QuantityError, si
+from workbench.toml.reading import SchemaError
+from workbench.toml.units import QuantityError, si
+from workbench.tune.schema import BoundTable, TuneTable
 
 RPM, THRESHOLD = "rpm", "minimum_helical_speed"
 """Names of what is tuned of the rotation (rad/s, m/s); all others are settings of the controller."""

@@ -11,13 +11,14 @@ from pathlib import Path
 
 from plants.equation import source_hash
 from workbench.errors import UserError, nearest
-from workbench.study.document import Case, Study, unfold
 from workbench.study.resolve import resolve
 from workbench.study.runner import PROGRAM_FOLDERS
-from workbench.study.tune_schema import TuneTable
-from workbench.tune.bench import Bench
+from workbench.study.study import Case, Study
+from workbench.study.unfold import unfold
 from workbench.tune.classic import StartingPoint
-from workbench.tune.goal import Goal, Score, run
+from workbench.tune.evaluator import Bench
+from workbench.tune.objective import Goal, Score, run
+from workbench.tune.schema import TuneTable
 from workbench.tune.search import Search
 from workbench.tune.task import Task, cases_for, task_for, tasks_for, tune_table
 from workbench.tune.trials import Trial, TrialStore, trials_in

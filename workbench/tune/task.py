@@ -11,12 +11,14 @@ from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import settings_of
 from workbench.errors import UserError
-from workbench.files import SchemaError
-from workbench.study.document import Case, Study, named, unfold
 from workbench.study.names import in_words, matches
 from workbench.study.resolve import Resolved, resolve
-from workbench.study.tune_schema import TuneTable, UncertaintyTable
+from workbench.study.study import Case, Study, named
 from workbench.study.uncertainty import check_scales, drawn_case
+from workbench.study.uncertainty_schema import UncertaintyTable
+from workbench.study.unfold import unfold
+from workbench.toml.reading import SchemaError
+from workbench.tune.schema import TuneTable
 from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, rotation_of, space_of
 
 MACHINES = 4096
@@ -200,11 +202,12 @@ def tune_table(study: Study) -> TuneTable:
     Raises:
         UserError: it has none.
     """
-    if study.file.tune is None:
+    table = study.section(TuneTable)
+    if table is None:
         raise UserError(
             f"{study.path}: has no [tune]; expected at least [tune.objective] with a weight, such as rms_error = 1"
         )
-    return study.file.tune
+    return table
 
 
 def in_user_units(task: Task, point: Point) -> Mapping[str, float | str]:

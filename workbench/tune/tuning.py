@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.metrics.statistics import quantile, quantile_interval
-from workbench.tune.bench import FRESH, SEARCHED, Bench
 from workbench.tune.classic import StartingPoint, starting_points
-from workbench.tune.goal import Score, margin_speed
+from workbench.tune.evaluator import FRESH, SEARCHED, Bench
+from workbench.tune.objective import Score, margin_speed
 from workbench.tune.space import Point
 from workbench.tune.task import Task, tune_table
 from workbench.tune.trials import Trial

@@ -1,0 +1,42 @@
+"""workbench decide: which controllers meet an accuracy."""
+
+import sys
+import time
+from typing import Annotated
+
+import typer
+
+from workbench.cli.options import Out, Overwrite, StudyFile, print_contents
+from workbench.cli.progress import ProgressLine
+
+
+def command(
+    study: StudyFile,
+    out: Out,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    overwrite: Overwrite = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
+    machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
+) -> None:
+    """Say which controllers meet an accuracy, and how probably."""
+    from workbench.decide.decision import decide
+    from workbench.decide.plan import plan_decision
+    from workbench.decide.report.folder import check_folder, summary, write_decision
+    from workbench.decide.section import description
+    from workbench.study.reading import read_study
+
+    began, planned = time.time(), plan_decision(read_study(study), machine)
+    if dry_run:
+        print("\n".join(description(planned)))
+        return
+    check_folder(out, overwrite)
+    try:
+        with ProgressLine() as tell:
+            found = decide(planned, jobs, tell)
+            tell("tables, figures, page", 1.0)
+            write_decision(found, out, began, jobs)
+    except KeyboardInterrupt:
+        print("stopped; nothing is written", file=sys.stderr)
+        raise typer.Exit(130) from None
+    print(summary(found) + "\n")
+    print_contents(out)

@@ -1,0 +1,18 @@
+"""workbench diagnose: what a plant lacks, by its records."""
+
+from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
+from workbench.cli.progress import ProgressLine
+
+
+def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) -> None:
+    """Say what the plant of an experiment lacks, and how sure that is."""
+    from workbench.diagnose.diagnose import diagnose
+    from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
+
+    check_folder(out, overwrite)
+    with ProgressLine() as tell:
+        found = diagnose(experiment, tell)
+        tell("tables, figures, page", 0.93)
+        write_diagnosis(found, out)
+    print(summary(found) + "\n")
+    print_contents(out)

@@ -1,0 +1,41 @@
+"""workbench identify: a plant's parameters from records."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
+from workbench.cli.progress import ProgressLine
+from workbench.errors import UserError, nearest
+
+
+def command(
+    experiment: ExperimentFile,
+    out: Out,
+    method: Annotated[str | None, typer.Option(help="thesis, simulation or both.")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Find friction and other parameters of a plant in records."""
+    from workbench.identify.identification import identify
+    from workbench.identify.report.folder import check_folder, write_identification
+    from workbench.records.experiment import is_experiment, read_experiment
+    from workbench.records.schema import METHODS
+    from workbench.toml.reading import read_toml
+
+    if method is not None and method not in METHODS:
+        raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
+    data, _ = read_toml(experiment)
+    if not is_experiment(data) and "controllers" in data:
+        raise UserError(f"{experiment}: this is a study; use workbench run {experiment} --out {out}")
+    content = read_experiment(experiment)
+    check_folder(out, overwrite)
+    try:
+        with ProgressLine() as said:
+            paths = write_identification(identify(content, method, said), out)
+    except KeyboardInterrupt:
+        print("stopped; nothing is written", file=sys.stderr)
+        raise typer.Exit(130) from None
+    for path in paths:
+        print(path.read_text(encoding="utf-8"))
+    print_contents(out)

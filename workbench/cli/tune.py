@@ -1,0 +1,41 @@
+"""workbench tune: gains for the controllers of a study."""
+
+import sys
+import time
+from typing import Annotated
+
+import typer
+
+from workbench.cli.options import Out, StudyFile
+from workbench.cli.progress import ProgressLine
+
+
+def command(
+    study: StudyFile,
+    out: Out,
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(help="A controller of the study; several: once each. Default: all.", metavar="NAME"),
+    ] = None,
+    trials: Annotated[int | None, typer.Option(min=1, help="Trials of each seed; default: what [tune] says.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Searches at a time; default: one a core.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
+) -> None:
+    """Find gains, with the same budget and objective for all."""
+    from workbench.study.reading import read_study
+    from workbench.tune.report.folder import open_folder, say_tuning, write_tuning
+    from workbench.tune.study import prepared, tune_all
+
+    ready, names = prepared(read_study(study), controller or ["all"], trials)
+    database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
+    try:
+        with ProgressLine() as tell:
+            found = tune_all(ready, names, database, jobs, tell)
+            written = write_tuning(found, out, began=began, jobs=jobs, tell=tell)
+    except KeyboardInterrupt:
+        print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
+        raise typer.Exit(130) from None
+    say_tuning(written)
+    if not any(one.best for one in found.found):
+        raise typer.Exit(1)

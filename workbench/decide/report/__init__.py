@@ -1,0 +1,1 @@
+"""A finished decision as a page, tables and figures."""

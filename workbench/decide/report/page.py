@@ -1,0 +1,81 @@
+"""The page of a decision: what was asked, the answer, the matrix, what rotating costs, figures, tables, assumptions."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from workbench.decide.decision import Decision
+from workbench.decide.report.answer import paragraph
+from workbench.decide.report.map import fields, heads, key
+from workbench.decide.report.words import assumptions, price, question
+from workbench.publish.html import html_environment
+from workbench.publish.pictures import Picture
+from workbench.publish.words import plain_name
+
+_HTML = """\
+{% extends "frame" %}
+{% block style -%}
+th:first-child, td:first-child { text-align: left; }
+.answer { border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
+.wide { overflow-x: auto; }
+.matrix td { text-align: left; vertical-align: top; border: 1px solid #fff; padding: 0.4em 0.6em; min-width: 10em; }
+.matrix td.asked { outline: 3px solid #000; outline-offset: -3px; }
+.matrix th { text-align: left; }
+.key span { padding: 0.1em 0.5em; border: 1px solid #ccc; }
+{% endblock %}
+{% block body -%}
+<h1>{{ title }}</h1>
+{% if question %}<p>{{ question }}</p>
+{% endif %}<p>{{ asked }}</p>
+<p class="answer">{{ answer }}</p>
+<div class="wide"><table class="matrix">
+<caption>What suffices, over speed and spread of friction{% if boxed %} (framed: what was asked){% endif %}</caption>
+<tr><th>spread</th>{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr>
+{% for name, row in matrix.items() %}<tr><th>{{ name }}</th>
+{%- for field in row %}<td style="background: {{ field.colour }}"{% if field.asked %} class="asked"{% endif %}>
+<b>{{ field.word }}</b>{% for line in field.lines %}<br>{{ line }}{% endfor %}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+<p class="key">{% for word, colour, meaning in key %}<span style="background: {{ colour }}">{{ word }}</span>
+{{ meaning }}{% if not loop.last %}; {% endif %}{% endfor %}.</p>
+{% if price %}<h2>What rotating costs</h2>
+<p>{{ price }}</p>
+{% endif %}<h2>Figures</h2>
+{% for picture in pictures %}
+<figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
+<figcaption>{{ picture.caption }} (<a href="figures/{{ picture.path.stem }}.pdf">PDF</a>)</figcaption></figure>
+{% endfor %}
+<h2>Tables</h2>
+{% for title, cells in tables %}
+<div class="wide"><table>
+<caption>{{ title }}</caption>
+<tr>{% for name in cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{% endfor %}
+<h2>Assumed</h2>
+<ul>{% for line in assumptions %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<p>Files: results.csv (each candidate at each speed and spread, SI), draws.parquet (every run), tables/, figures/,
+<a href="study.toml">study.toml</a>.</p>
+{% endblock %}
+"""
+
+
+def page(found: Decision, pictures: Sequence[Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
+    """The page as HTML; it names the figures in `figures/` beside it."""
+    environment = html_environment()
+    environment.filters["plain"] = plain_name
+    return environment.from_string(_HTML).render(
+        title=found.plan.study.file.title,
+        question=found.plan.study.file.question,
+        asked=question(found),
+        answer=paragraph(found),
+        matrix=fields(found),
+        heads=heads(found),
+        boxed=len(found.cells) > 1,
+        key=key(found),
+        price=price(found),
+        assumptions=assumptions(found),
+        pictures=pictures,
+        tables=tables,
+    )

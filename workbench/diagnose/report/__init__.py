@@ -1,0 +1,1 @@
+"""A finished diagnosis as report.json, a page, tables and figures."""

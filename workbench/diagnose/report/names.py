@@ -1,0 +1,113 @@
+"""What a diagnosis is told with: names and units for a reader, numbers with as many digits as say something."""
+
+import math
+
+from workbench.parameters.sets import known_units
+from workbench.publish.tables import shown_number
+from workbench.toml.units import factor
+
+REJECTED = "rejected_on_held_out"
+
+PLAIN = {
+    "direction_asymmetry": "friction differs between the two directions",
+    "position_dependent_friction": "friction changes along the stroke",
+    "pressure_dependent_friction": "friction grows with the load pressure, as of a seal that is pressed by it",
+    "frictional_memory": "friction follows the velocity late",
+    "rising_static_friction": "break-away friction grows with the time at rest",
+    "quadratic_drag": "a resistance grows with the square of the velocity",
+    "viscous_drift": "viscous friction changes along the record, as of oil that warms up",
+    "constant_load": "a constant force acts on the rod",
+    "spring_load": "a force grows with the position, as of a hose or cable that bends",
+    "rotation_periodic_force": "a force repeats with every turn of the rod",
+    "valve_deadband": "the spool has to move by its overlap before oil flows",
+    "internal_leakage": "oil leaks from one chamber into the other",
+    "supply_droop": "the supply pressure falls when much oil is taken",
+    "entrained_air": "air makes the oil soft at low pressure",
+    "unequal_areas": "the second chamber's piston area is not the declared one",
+    "command_delay": "the valve gets its command late",
+    "backlash": "the position sensor is coupled loosely to the rod",
+    "pressure_sensor_offset": "the first pressure sensor is off by a constant",
+}
+"""What each effect is, for a reader who does not know its name."""
+
+ERRORS = {
+    "force_rms_N": ("residual of the force balance", "N", "N"),
+    "flow_rms_m3_per_s": ("residual of the flow balance", "m^3/s", "cm^3/s"),
+    "pump_speed_rms_rad_per_s": ("pump speed on plateaus", "rad/s", "rpm"),
+    "position_rms_m": ("position, simulated against measured", "m", "mm"),
+    "load_pressure_rms_Pa": ("load pressure, simulated against measured", "Pa", "kPa"),
+}
+"""Figures of the error: in words, the unit that they have, the unit that is shown."""
+
+MOST_DECIMALS, READABLE = 6, 1e7
+"""Decimals, and a size, up to which a number is written out."""
+
+_COARSE = {"m": 1e-4, "Pa": 1e6, "s": 0.1}
+
+
+def plain(name: str) -> str:
+    """A name without its underscores."""
+    return name.replace("_", " ")
+
+
+def shown_unit(unit: str, value: float) -> str:
+    """The unit in which a parameter of this size is read most easily."""
+    large = abs(value) >= _COARSE.get(unit, 0.0)
+    units = {
+        "m": "mm" if large else "µm",
+        "Pa": "MPa" if large else "kPa",
+        "s": "s" if large else "ms",
+        "m/s": "mm/s",
+        "m^3/s": "cm^3/s",
+        "m^2": "cm^2",
+        "m^3": "cm^3",
+        "m^3/rad": "cm^3/rad",
+        "m^3/(s Pa)": "cm^3/(s bar)",
+        "Pa s/m^3": "kPa s/cm^3",
+        "N/Pa": "N/bar",
+        "N/m": "N/mm",
+    }
+    return units.get(unit, unit)
+
+
+def quantity(name: str, value: float, std: float | None = None) -> str:
+    """A parameter's value with its unit, and its standard deviation in the same unit."""
+    unit = known_units().get(name, "1")
+    shown = shown_unit(unit, value)
+    scale = factor(unit, shown)
+    text = shown_number(scale * value, 4)
+    if std is not None:
+        decimals = _decimals(scale * std)
+        if len(text.partition(".")[2]) < decimals <= MOST_DECIMALS and "e" not in text:
+            text = f"{scale * value:.{decimals}f}"
+        text += f" ± {shown_number(scale * std, 2)}"
+    return text if shown == "1" else f"{text} {shown}"
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """A share in per cent, with more digits where fewer would make 100 % of nearly all."""
+    text = f"{100.0 * share:.{digits}f}"
+    while abs(float(text)) == 100.0 != abs(100.0 * share) and digits < MOST_DECIMALS:
+        digits += 1
+        text = f"{100.0 * share:.{digits}f}"
+    return f"{'0' if float(text) == 0.0 else text} %"
+
+
+def _decimals(spread: float) -> int:
+    """Decimals with which two digits of a spread are shown."""
+    return max(1 - math.floor(math.log10(spread)), 0) if math.isfinite(spread) and spread > 0.0 else 0
+
+
+def interval(value: float, half: float) -> str:
+    """From `value - half` to `value + half`, with two digits of the half width at least."""
+    if not (math.isfinite(half) and half > 0.0):
+        return ""
+    decimals = _decimals(half)
+    if decimals > MOST_DECIMALS or abs(value) + half >= READABLE:
+        return f"{shown_number(value - half, 4)} to {shown_number(value + half, 4)}"
+    return f"{value - half:.{decimals}f} to {value + half:.{decimals}f}"
+
+
+def listed(names: list[str], last: str = "and") -> str:
+    """Words in a row: a, b and c."""
+    return f" {last} ".join(part for part in (", ".join(names[:-1]), names[-1]) if part) if names else ""

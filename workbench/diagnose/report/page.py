@@ -1,0 +1,118 @@
+"""The page of a diagnosis: what was found, how sure it is, and the figures and tables by which to check it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.report.evidence import Picture
+from workbench.diagnose.report.series import title_of
+from workbench.diagnose.report.words import sureness, verdict_sentence
+from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.publish.html import html_environment
+
+_HTML = """\
+{% extends "frame" %}
+{% block title %}Diagnosis: {{ title }}{% endblock %}
+{% block gap %}0.6em{% endblock %}
+{% block style -%}
+td { white-space: nowrap; }
+.wide { overflow-x: auto; }
+th:first-child, td:first-child { text-align: left; }
+.verdict { font-size: 1.2em; font-weight: bold; border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
+{% endblock %}
+{% block body %}
+{%- macro show(table) %}
+<div class="wide"><table>
+<caption>{{ table.title }}</caption>
+<tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{%- endmacro %}
+{%- macro draw(name) %}
+<figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">
+<figcaption>{{ pictures[name].caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
+{%- endmacro -%}
+<h1>{{ title }}</h1>
+<p class="verdict">{{ verdict }}</p>
+<p>{{ scope }} <a href="plant.toml">plant.toml</a> is {{ plant }}.</p>
+<h2>How sure</h2>
+<ul>
+{% for line in sureness %}<li>{{ line }}</li>
+{% endfor %}</ul>
+{% if "effects" in tables %}{{ show(tables["effects"]) }}{% endif %}
+{{ show(tables["error"]) }}
+{% if "effects" in tables %}<p><em>Before</em> is the declared plant with its own parameters fitted first, so that
+nothing is called an effect that better parameters remove. <em>After</em> is the same plant with the effects that were
+{{ "tried" if rejected else "found" }}, all refitted together.
+{%- else %}<p>The errors are those of the declared plant with its own parameters fitted: nothing was added to it.
+{%- endif %} The noise floor is what the sensors' noise alone leaves.</p>
+{% for balance in balances %}
+<h2>{{ balance.title }}</h2>
+<p>{{ balance.words }}</p>
+{% for name in balance.names %}{{ draw(name) }}{% endfor %}
+{% endfor %}
+<h2>Parameters</h2>
+{% if "parameters" in pictures %}{{ draw("parameters") }}{% endif %}
+{{ show(tables["parameters"]) }}
+<details><summary>Every candidate in numbers</summary>
+{{ show(tables["evidence"]) }}
+</details>
+<p>Files: <a href="report.json">report.json</a> (SI, for programs), <a href="plant.toml">plant.toml</a>, tables/,
+figures/.</p>
+{% endblock %}
+"""
+
+BALANCES = {
+    "flow": "What the valve (or the pump) delivers, less what the piston and the compressed oil take up.",
+    "force": "What drives the mass, less its inertia and the friction of the plant along the measured motion.",
+    SIMULATION: "What the sensors would have shown of the plant, driven by the measured input alone. Nothing is "
+    "smoothed here: where the plant lacks nothing, the sensors' noise is all that is left.",
+}
+"""Each balance for a reader who has not met it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table of text with its title."""
+
+    title: str
+    cells: pd.DataFrame
+
+
+def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
+    """The page as HTML; it names the figures in `figures/` beside it."""
+    balances = [
+        {
+            "title": title_of(result.balance),
+            "words": BALANCES.get(result.balance.name, ""),
+            "names": [name for name, picture in pictures.items() if picture.balance == result.balance.name],
+        }
+        for result in found.rounds
+    ]
+    template = html_environment().from_string(_HTML)
+    return template.render(
+        title=found.experiment.title,
+        verdict=verdict_sentence(found),
+        scope=_scope(found),
+        sureness=sureness(found),
+        rejected=found.report["verdict"] == "rejected_on_held_out",
+        balances=balances,
+        pictures=pictures,
+        tables=tables,
+        plant=plant,
+    )
+
+
+def _scope(found: Diagnosis) -> str:
+    experiment = found.experiment
+    records = found.results[0].balance.motions
+    seconds = sum(float(motion.time[-1] - motion.time[0]) for motion in records)
+    held_out = sum(spec.use == "held_out" for spec in experiment.records)
+    tested = {0: "no record is held out", 1: "one is held out"}.get(held_out, f"{held_out} are held out")
+    return (
+        f"Declared plant: {experiment.plant.name}, {experiment.declared}. {len(records)} "
+        f"record{'s' * (len(records) > 1)} of {seconds:.0f} s in all for the fit; {tested}. "
+        f"Channels: {', '.join(name.replace('_', ' ') for name in experiment.channels)}."
+    )

@@ -1,0 +1,167 @@
+"""Residuals of a diagnosis as figures show them: before and after, over time or a signal, and how white they are."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.residuals.fitting import Balance
+from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.toml.units import factor
+
+BINS = 24
+"""Of equal count, over a signal."""
+
+FEWEST = 8
+"""Values in a bin that is shown."""
+
+LONGEST_LAG = 1.0
+"""s of the autocorrelation that is shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One residual of a balance on one record, in `unit`: time (s), before and after, NaN where it is not known.
+
+    `moving` is True where the contact is known to slide; `number` counts the balance's residuals: a flow has two.
+    """
+
+    label: str
+    use: str
+    number: int
+    motion: Motion
+    time: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    moving: np.ndarray
+
+    def signal(self, name: str) -> np.ndarray | None:
+        """A signal at the residual's times, as it is shown; None where it was not measured."""
+        values = signals_of(self.motion.thinned).get(name)
+        return None if values is None else SIGNALS[name].scale * values
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal that a residual may depend on, in words, with what SI values are to be multiplied with."""
+
+    label: str
+    scale: float
+
+
+SIGNALS: Mapping[str, Signal] = {
+    "position": Signal("position (mm)", 1e3),
+    "velocity": Signal("velocity (mm/s)", 1e3),
+    "acceleration": Signal("acceleration (m/s^2)", 1.0),
+    "load_pressure": Signal("load pressure (kPa)", 1e-3),
+    "pressure_1": Signal("pressure 1 (kPa)", 1e-3),
+    "pressure_2": Signal("pressure 2 (kPa)", 1e-3),
+    "valve_voltage": Signal("valve voltage (V)", 1.0),
+    "rotation_angle": Signal("angle (rad)", 1.0),
+    "time": Signal("time (s)", 1.0),
+}
+
+ALWAYS = ("position", "velocity", "load_pressure", "valve_voltage", "rotation_angle", "time")
+"""Signals that are always shown where they were measured."""
+
+ACTS_ON: Mapping[str, tuple[str, ...]] = {
+    "frictional_memory": ("acceleration",),
+    "entrained_air": ("pressure_1", "pressure_2"),
+    "pressure_sensor_offset": ("pressure_1",),
+}
+"""What effects act on, beyond the signals that are always shown."""
+
+
+def shown_signals(found: Diagnosis, balance: Balance, part: "Part") -> list[str]:
+    """The signals over which a balance is shown: the usual ones, those on which what was found acts, and those on which
+    depends what is not explained.
+    """
+    wanted = set(ALWAYS)
+    if part.signal("load_pressure") is None:
+        wanted |= {"pressure_1", "pressure_2"}
+    for one in found.found:
+        wanted |= set(ACTS_ON.get(one.name, ()))
+    if found.unexplained is not None and found.unexplained.balance == balance.name:
+        wanted |= set(found.unexplained.signals)
+    return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]
+
+
+NOISE = "standard deviations of the sensors' noise"
+
+
+def title_of(balance: Balance) -> str:
+    """What a balance is called at the top of a figure."""
+    return "Simulated plant" if balance.name == SIMULATION else f"{balance.name.capitalize()} balance"
+
+
+def unit_of(balance: Balance) -> str:
+    """The unit in which a balance is shown."""
+    return {"m^3/s": "cm^3/s", "1": NOISE}.get(balance.unit, balance.unit)
+
+
+def scale_of(balance: Balance) -> float:
+    """What to multiply a balance's residual over its floor with."""
+    return balance.floor * (1.0 if balance.unit == "1" else factor(balance.unit, unit_of(balance)))
+
+
+def parts_of(found: Diagnosis, balance: Balance) -> list[Part]:
+    """Every residual of a balance on every record, the fit's first."""
+    parts = []
+    for use, motions in (("fit", balance.motions), ("held-out", found.held_out)):
+        for motion in motions:
+            thin, label = motion.thinned, motion.record.label
+            moving = ~thin.resting if balance.sharp else np.ones(thin.time.size, dtype=bool)
+            sides = [_residuals(balance, motion, values) for values in (found.baseline, found.corrected)]
+            for number, (before, after) in enumerate(zip(*sides, strict=True)):
+                parts.append(Part(label, use, number, motion, thin.time, before, after, moving))
+    return parts
+
+
+def _residuals(balance: Balance, motion: Motion, values: Values) -> list[np.ndarray]:
+    scale = factor(balance.unit, unit_of(balance))
+    return [np.where(balance.known(motion), scale * one, np.nan) for one in balance.residuals(motion, values)]
+
+
+def is_changed(parts: Sequence[Part]) -> bool:
+    """Whether what was found changes the residual at all."""
+    return not all(np.allclose(part.before, part.after, rtol=1e-9, equal_nan=True) for part in parts)
+
+
+def binned(signal: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean signal, mean residual and its standard deviation in bins of equal count; what is NaN is left out."""
+    known = np.isfinite(signal) & np.isfinite(residual)
+    signal, residual = signal[known], residual[known]
+    if signal.size < FEWEST:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, signal)
+    rows = [
+        (np.mean(signal[place == i]), np.mean(residual[place == i]), np.std(residual[place == i]))
+        for i in range(edges.size + 1)
+        if np.sum(place == i) >= FEWEST
+    ]
+    centre, mean, spread = np.array(rows).reshape(-1, 3).T
+    return centre, mean, spread
+
+
+def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Lags (s), autocorrelation over all series, and what white noise of that many values keeps to in 95 %.
+
+    Values that are NaN take no part. A series is sampled every `THINNED` seconds.
+    """
+    series = [one for one in series if np.isfinite(one).any()]
+    shortest = min(one.size for one in series)
+    count = min(round(LONGEST_LAG / THINNED), shortest // 2)
+    filled = [np.where(np.isfinite(one), one - np.nanmean(one), 0.0) for one in series]
+    known = [np.isfinite(one).astype(float) for one in series]
+    means = []
+    for lag in range(count + 1):
+        products = sum(float(one[: one.size - lag] @ one[lag:]) for one in filled)
+        pairs = sum(float(one[: one.size - lag] @ one[lag:]) for one in known)
+        means.append(products / max(pairs, 1.0))
+    total = sum(float(np.sum(one)) for one in known)
+    values = np.array(means)
+    return THINNED * np.arange(count + 1), values / max(values[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))

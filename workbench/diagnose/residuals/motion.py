@@ -1,0 +1,246 @@
+"""A record as the balances see it: every channel smoothed alike, the position differentiated twice.
+
+All channels pass one filter, a Hann window, and derivatives are differences of what it leaves: none is late or sharper
+than another, and a linear balance that holds for the raw signals holds for these too. Local polynomials (Savitzky and
+Golay 1964) do not do that: their second derivative and their mean pass different frequencies, and a measured drive's
+mass comes out 6.6 % too large.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.ndimage import convolve1d, maximum_filter1d
+from scipy.signal import lfilter
+
+from workbench.records.reading import Record
+
+WINDOW = 0.06
+"""s over which channels are smoothed: 61 points at 1 kHz."""
+
+THINNED = 0.01
+"""s between the samples that a fit sees: smoothed channels hold no more."""
+
+CREEP = 3.0
+"""Standard deviations of the velocity's noise below which nothing is known to move."""
+
+CROSSING = 0.1
+"""s in which a rod that turns back crosses a backlash, at most: it does so just before the sensor moves."""
+
+SHARP = 6.0
+"""Standard deviations of noise by which half the window has to differ from the whole for a channel to be blurred."""
+
+FEWEST = 7
+"""Points of the shortest window."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A record's smoothed channels (SI) over time; `valid` is False near its ends and gaps.
+
+    `resting` is True where the noise of the velocity hides any motion, `blurred` where something happened too fast
+    for the smoothing: a contact that breaks away in a few milliseconds. `slack` is the side of a backlash on which
+    the rod is, from -1/2 to 1/2 of its width, with two derivatives: it changes at reversals, while the sensor rests.
+    `measured` are the channels as they were, gaps bridged, and `voltage` is the valve's (V), which is held from sample
+    to sample: both at every instant of the record.
+
+    `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
+    the position's derivatives: factors in 1, 1/s, 1/s^2.
+    """
+
+    record: Record
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    channels: Mapping[str, np.ndarray]
+    rates: Mapping[str, np.ndarray]
+    measured: Mapping[str, np.ndarray]
+    valid: np.ndarray
+    resting: np.ndarray
+    blurred: np.ndarray
+    noise: Mapping[str, float]
+    smooth: tuple[float, float, float]
+    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
+    voltage: np.ndarray | None
+
+    @property
+    def creep(self) -> float:
+        """Velocity (m/s) below which nothing is known to move."""
+        return CREEP * self.smooth[1] * self.noise.get("position", 0.0)
+
+    @property
+    def sample_time(self) -> float:
+        """Time (s) between the instants of the arrays."""
+        return float(self.time[1] - self.time[0])
+
+    @property
+    def thinning(self) -> int:
+        """Every how many samples a fit looks at."""
+        return max(round(THINNED / self.record.sample_time), 1)
+
+    @cached_property
+    def thinned(self) -> "Motion":
+        """The motion at the instants at which a fit looks; the voltage keeps all. A thinned one stays as it is."""
+        if self.time.size < self.record.time.size:
+            return self
+        every = self.thinning
+        return replace(
+            self,
+            time=self.time[::every],
+            position=self.position[::every],
+            velocity=self.velocity[::every],
+            acceleration=self.acceleration[::every],
+            channels={name: values[::every] for name, values in self.channels.items()},
+            rates={name: values[::every] for name, values in self.rates.items()},
+            valid=self.valid[::every],
+            resting=self.resting[::every],
+            blurred=self.blurred[::every],
+            slack=(self.slack[0][::every], self.slack[1][::every], self.slack[2][::every]),
+        )
+
+    def has(self, *names: str) -> bool:
+        """Whether these channels were measured; position is one of them."""
+        return all(name in self.channels for name in names)
+
+
+def load_pressure(motion: Motion) -> np.ndarray:
+    """P1 - P2 (Pa); the one pressure where there is one; 0 without any."""
+    zeros = np.zeros(motion.time.size)
+    return np.asarray(motion.channels.get("pressure_1", zeros) - motion.channels.get("pressure_2", zeros))
+
+
+def signals_of(motion: Motion) -> dict[str, np.ndarray]:
+    """All on which a residual may depend, by name (SI)."""
+    signals = {name: getattr(motion, name) for name in ("position", "velocity", "acceleration", "time")}
+    for name in ("pressure_1", "pressure_2", "valve_voltage", "rotation_angle"):
+        if name in motion.channels:
+            signals[name] = motion.channels[name]
+    if motion.has("pressure_1", "pressure_2"):
+        signals["load_pressure"] = load_pressure(motion)
+    return signals
+
+
+def with_backlash(motion: Motion, width: float) -> Motion:
+    """The motion of the rod behind a backlash of a `width` (m): position and velocity with what the sensor
+    does not see.
+    """
+    if width == 0.0:
+        return motion
+    hidden, rate, bend = motion.slack
+    return replace(
+        motion,
+        position=motion.position + width * hidden,
+        velocity=motion.velocity + width * rate,
+        acceleration=motion.acceleration + width * bend,
+    )
+
+
+def with_slack(motion: Motion, slack: np.ndarray) -> Motion:
+    """The motion with another side of its backlash, from -1/2 to 1/2 at every sample of the record."""
+    step = motion.record.sample_time
+    return replace(motion, slack=_with_rates(slack, window_points(step), step))
+
+
+def _with_rates(values: np.ndarray, points: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return smoothed(values, points), smoothed(values, points, 1, step), smoothed(values, points, 2, step)
+
+
+def window_points(sample_time: float) -> int:
+    """Points of the smoothing window, odd."""
+    return max(2 * round(0.5 * WINDOW / sample_time) + 1, FEWEST)
+
+
+def smoothed(values: np.ndarray, points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
+    """Values smoothed over a window, or a derivative of them."""
+    return np.asarray(convolve1d(values, _kernel(points, order, sample_time), mode="nearest"))
+
+
+def _kernel(points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
+    """Weights of a Hann window, or what central differences of order 1 or 2 make of them (1/s, 1/s^2)."""
+    weights = np.sin(np.pi * np.arange(1, points + 1) / (points + 1)) ** 2
+    kernel = np.pad(weights / np.sum(weights), order + 1)
+    for _ in range(order):
+        kernel = np.gradient(kernel, sample_time)
+    return kernel
+
+
+def white_noise(values: np.ndarray) -> float:
+    """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks.
+
+    It is at least that of the steps in which a converter counts, uniform over one step: a slow signal rests on them.
+    """
+    known = values[np.isfinite(values)]
+    third, levels = np.diff(known, 3), np.diff(np.unique(known))
+    step = float(np.min(levels)) if levels.size else 0.0
+    return max(float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)), step / np.sqrt(12.0)) if third.size else 0.0
+
+
+def motion_of(record: Record) -> Motion:
+    """Smooth and differentiate a record. A gap is bridged for the filter alone, and what it touches is not valid."""
+    step, points = record.sample_time, window_points(record.sample_time)
+    places = np.arange(record.time.size)
+    bridged = {}
+    for name, values in record.channels.items():
+        known = np.isfinite(values)
+        bridged[name] = np.interp(places, places[known], values[known])
+    valid = lfilter(np.ones(points), 1.0, (~record.valid).astype(float))
+    whole = np.concatenate([valid[points // 2 :], np.ones(points // 2)]) == 0.0
+    whole[: points // 2] = False
+    zeros = np.zeros(record.time.size)
+    position = bridged.get("position", zeros)
+    channels = {name: smoothed(values, points) for name, values in bridged.items()}
+    rates: dict[str, np.ndarray] = {
+        name: smoothed(values, points, 1, step) for name, values in bridged.items() if name.startswith("pressure")
+    }
+    smooth = tuple(float(np.linalg.norm(_kernel(points, order, step))) for order in range(3))
+    noise = {name: white_noise(values) for name, values in record.channels.items()}
+    velocity = smoothed(position, points, 1, step)
+    creep = CREEP * smooth[1] * noise.get("position", 0.0)
+    slack = _slack(velocity, creep, step)
+    return Motion(
+        record,
+        record.time,
+        smoothed(position, points),
+        velocity,
+        smoothed(position, points, 2, step),
+        channels,
+        rates,
+        bridged,
+        whole,
+        np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
+        _blurred(bridged, noise, points),
+        noise,
+        (smooth[0], smooth[1], smooth[2]),
+        _with_rates(slack, points, step),
+        bridged.get("valve_voltage"),
+    )
+
+
+def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int) -> np.ndarray:
+    """Where a pressure or a force differs between the window and half of it by more than noise, and a window around."""
+    half = max(2 * (points // 4) + 1, FEWEST - 2)
+    found = np.zeros(next(iter(channels.values())).size)
+    for name in ("pressure_1", "pressure_2", "force"):
+        if name in channels:
+            limit = SHARP * noise[name] * float(np.linalg.norm(_kernel(half)))
+            found += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
+    return np.asarray(maximum_filter1d((found > 0).astype(float), points) > 0)
+
+
+def _slack(velocity: np.ndarray, creep: float, step: float) -> np.ndarray:
+    """Where the rod is in a backlash: with the side that it pushes while it moves, crossing before it pushes
+    the other.
+    """
+    moving = np.flatnonzero(np.abs(velocity) > creep)
+    if moving.size == 0:
+        return np.zeros(velocity.size)
+    sides = 0.5 * np.sign(velocity[moving])
+    turns = np.flatnonzero(np.diff(sides) != 0.0)
+    places, values = [0.0], [float(sides[0])]
+    for turn in turns.tolist():
+        end, begin = float(moving[turn]), float(moving[turn + 1])
+        places += [max(end, begin - CROSSING / step), begin]
+        values += [float(sides[turn]), float(sides[turn + 1])]
+    return np.interp(np.arange(velocity.size), places, values)

@@ -1,0 +1,63 @@
+"""Parameters as a search sees them: logarithms of what is positive, multiples of a size of what has either sign."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from plants.effects import EFFECTS, FREE
+from plants.equation import NEGATIVE, fields
+from plants.two_chamber import TWO_CHAMBER
+from workbench.parameters.sets import SIGNED
+
+WIDEST = 10.0
+"""A positive parameter stays within this factor of its start."""
+
+NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
+"""Values of the effects' parameters at which they do nothing."""
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A parameter as a search sees it: log(value / start), or value / size."""
+
+    name: str
+    start: float
+    size: float
+    logarithmic: bool
+    low: float
+    high: float
+
+    def value(self, x: float) -> float:
+        return self.start * float(np.exp(x)) if self.logarithmic else self.size * x
+
+    def slope(self, x: float) -> float:
+        return self.value(x) if self.logarithmic else self.size
+
+    def place(self, value: float) -> float:
+        """Where a value is, as the search sees it."""
+        return float(np.log(value / self.start)) if self.logarithmic else value / self.size
+
+    @property
+    def first(self) -> float:
+        return self.place(self.start)
+
+
+def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
+    known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
+    plain = name.removesuffix(f"_{NEGATIVE}")
+    start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
+    low, high = bounds.get(name, (-np.inf, np.inf))
+    if name in known and known[name][2]:
+        least, most, size = known[name]
+        if start == NEUTRAL.get(name, 0.0) or name not in values:
+            start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
+        return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
+    if start > 0.0 and plain not in SIGNED:
+        widest = float(np.log(WIDEST))
+        least = float(np.log(low / start)) if low > 0.0 else -widest
+        most = float(np.log(high / start)) if np.isfinite(high) else widest
+        return Unknown(name, start, start, True, least, most)
+    return Unknown(name, start, max(abs(start), 1.0), False, low, high)

@@ -1,0 +1,1 @@
+"""Effects compete for a residual; what none explains."""

@@ -1,0 +1,110 @@
+"""Which effects are worth a whole fit to simulation error: what a first-order prediction says of each."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from plants.effects import EFFECTS
+from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.fitting import Balance, Fit, Search, fit
+from workbench.diagnose.residuals.unknowns import NEUTRAL, Values, unknown
+from workbench.diagnose.selection.selection import Candidate, extends
+
+QUICK = Search(flat=1e-3, near=1e-4, most_steps=10)
+"""On the way: an effect is worth several per cent of the error."""
+
+TRIED = 3
+"""Effects that are fitted whole in a round, of those that promise most."""
+
+PROMISING = 0.1
+"""Share of what is more than noise that a first-order prediction has to take away for that."""
+
+NEXT_BEST = 0.4
+"""The same as a part of what the best one promises."""
+
+NEARLY_ALL = 0.9
+"""The same from which only a candidate that promises as much is tried beside it."""
+
+EXPLAINS = 0.5
+"""Share of the squares beyond noise that an effect has to take away: the stronger one of two that are missing does."""
+
+CHANGE = 0.02
+"""Relative change of a parameter that has a value already, at which its worth is first looked at."""
+
+
+def candidates(
+    before: Fit, taken: Mapping[str, Sequence[str]], bounds: Mapping[str, tuple[float, float]]
+) -> list[Candidate]:
+    """The effects that promise most, fitted, from the best."""
+    balance, motion = before.balance, before.balance.motions[0]
+    columns: dict[str, np.ndarray] = {}
+    promised: list[tuple[float, str, tuple[str, ...], dict[str, float]]] = []
+    for effect in EFFECTS.values():
+        if not motion.has(*effect.needs):
+            continue
+        tried = []
+        for variant in effect.variants:
+            more = [name for name in variant if name not in before.names]
+            if not more or (effect.name in taken and not extends(variant, before.names)):
+                continue
+            for name in more:
+                if name not in columns:
+                    columns[name] = _column(balance, before, name)
+            left, sizes = _predicted(before, [columns[name] for name in more])
+            share = _share(float(np.mean(before.residual**2)), left)
+            start = {name: _reached(before.values, name, size, bounds) for name, size in zip(more, sizes, strict=True)}
+            tried.append((share, effect.name, variant, start))
+        if tried:
+            promised.append(max(tried, key=lambda one: one[0] - 0.02 * len(one[2])))
+    promised.sort(key=lambda one: -one[0])
+    found = list[Candidate]()
+    for share, effect_name, variant, start in promised[:TRIED]:
+        done = any(explained(before, one.fit) > NEARLY_ALL for one in found)
+        if share > max(EXPLAINS if done else PROMISING, NEXT_BEST * promised[0][0]):
+            names = [*before.names, *start]
+            fitted = fit(balance, {**before.values, **start}, names, bounds, QUICK)
+            found.append(Candidate(effect_name, variant, fitted))
+    return sorted(found, key=lambda one: one.score)
+
+
+def _step(values: Values, name: str) -> float:
+    """The change of a parameter at which its worth is looked at."""
+    one = unknown(name, values, {})
+    return CHANGE * one.size if one.logarithmic else one.size
+
+
+def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
+    """What a change of one parameter does to the residual."""
+    moved = _value(before.values, name) + _step(before.values, name)
+    return np.nan_to_num(balance.stacked({**before.values, name: moved}), nan=1e6) - before.residual
+
+
+def _value(values: Values, name: str) -> float:
+    return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
+
+
+def _predicted(before: Fit, columns: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:
+    """Mean square that a linear fit with further columns leaves, and the size of each column in it."""
+    jacobian = np.column_stack([before.jacobian, *columns])
+    step = np.linalg.lstsq(jacobian, -before.residual, rcond=1e-10)[0]
+    return float(np.mean((before.residual + jacobian @ step) ** 2)), step[before.jacobian.shape[1] :]
+
+
+def _reached(values: Values, name: str, size: float, bounds: Mapping[str, tuple[float, float]]) -> float:
+    """The value of a parameter that a prediction gives, within its bounds."""
+    one = unknown(name, values, bounds)
+    start = _value(values, name)
+    value = start + size * _step(values, name)
+    if one.logarithmic:
+        return float(np.clip(value, 0.5 * start, 2.0 * start))
+    return float(np.clip(value, one.low * one.size, one.high * one.size))
+
+
+def _share(before: float, after: float) -> float:
+    """Share of the mean squares beyond noise (1) that is taken away."""
+    return (before - after) / max(before - 1.0, 1e-12)
+
+
+def explained(before: Fit, after: Fit) -> float:
+    """Share of the squares beyond noise that a fit takes away from another."""
+    return _share(before.rms**2, after.rms**2)

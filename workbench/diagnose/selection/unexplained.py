@@ -1,0 +1,122 @@
+"""What a residual depends on when no effect explains it: conditional means over one signal at a time, on
+blocks left out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.diagnose.residuals.fitting import BLOCKS, Balance
+from workbench.diagnose.residuals.motion import Motion, signals_of
+from workbench.diagnose.residuals.unknowns import Values
+
+BINS = 24
+"""Of equal count, over each signal."""
+
+LEAST = 0.15
+"""Share of the residual's variance on left-out blocks that a signal has to explain."""
+
+ABOVE = 1.3
+"""Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """A balance that is not explained: the signals on which its residual depends, with the share that each explains."""
+
+    balance: str
+    shares: Mapping[str, float]
+
+    @property
+    def signals(self) -> list[str]:
+        """From the strongest."""
+        return sorted(self.shares, key=lambda name: -self.shares[name])
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A data-driven term: the mean of a balance's residual (`unit`) in bins of a signal (SI), a line from node to node.
+
+    It says what is missing where, and names no cause.
+    """
+
+    balance: Balance
+    signal: str
+    nodes: np.ndarray
+    values: np.ndarray
+
+    def is_tested_by(self, motions: Sequence[Motion]) -> bool:
+        """Whether anything moves in these records."""
+        return any(np.any(self.balance.known(motion) & ~motion.thinned.resting) for motion in motions)
+
+    def left(self, motions: Sequence[Motion], values: Values) -> tuple[float, float]:
+        """Rms of the residual where something moves, without the term and with it (`balance.unit`)."""
+        parts = []
+        for motion in motions:
+            residual, moving = _moving(self.balance, motion, values)
+            signal = signals_of(motion.thinned)[self.signal][moving]
+            parts.append([residual, residual - np.interp(signal, self.nodes, self.values)])
+        before, after = (np.concatenate(side) for side in zip(*parts, strict=True))
+        return float(np.sqrt(np.mean(before**2))), float(np.sqrt(np.mean(after**2)))
+
+
+def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
+    """The term of a signal, from the balance's own records."""
+    residuals, signals = [], []
+    for motion in balance.motions:
+        residual, moving = _moving(balance, motion, values)
+        residuals.append(residual)
+        signals.append(signals_of(motion.thinned)[signal][moving])
+    residual, known = np.concatenate(residuals), np.concatenate(signals)
+    edges = np.unique(np.quantile(known, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, known)
+    bins = np.unique(place)
+    nodes = np.array([np.mean(known[place == one]) for one in bins])
+    return Term(balance, signal, nodes, np.array([np.mean(residual[place == one]) for one in bins]))
+
+
+def _moving(balance: Balance, motion: Motion, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """The first residual of a balance where something moves, and where that is."""
+    moving = balance.known(motion) & ~motion.thinned.resting
+    return balance.residuals(motion, values)[0][moving], moving
+
+
+def dependence(balance: Balance, values: Values) -> Dependence | None:
+    """The signals on which a balance's residual depends; None where it is at its floor or depends on none."""
+    parts: dict[str, list[np.ndarray]] = {}
+    residuals = []
+    for motion in balance.motions:
+        residual, moving = _moving(balance, motion, values)
+        residuals.append(residual / balance.floor)
+        for name, signal in signals_of(motion.thinned).items():
+            parts.setdefault(name, []).append(signal[moving])
+    residual = np.concatenate(residuals)
+    if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
+        return None
+    shares = {name: explained(np.concatenate(one), residual) for name, one in parts.items()}
+    found = {name: share for name, share in shares.items() if share > LEAST}
+    return Dependence(balance.name, found) if found else None
+
+
+def explained(signal: np.ndarray, residual: np.ndarray) -> float:
+    """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
+    means.
+    """
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, signal)
+    blocks = np.array_split(np.arange(residual.size), BLOCKS)
+    left = np.empty_like(residual)
+    for block in blocks:
+        rest = np.ones(residual.size, dtype=bool)
+        rest[block] = False
+        counts = np.bincount(place[rest], minlength=edges.size + 1)
+        sums = np.bincount(place[rest], weights=residual[rest], minlength=edges.size + 1)
+        left[block] = residual[block] - (sums / np.maximum(counts, 1))[place[block]]
+    return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
+
+
+def strongest(found: Sequence[Dependence | None]) -> Dependence | None:
+    """The dependence that explains most."""
+    known = [one for one in found if one is not None]
+    return max(known, key=lambda one: max(one.shares.values()), default=None)

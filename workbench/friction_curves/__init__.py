@@ -1,0 +1,1 @@
+"""Measured friction-velocity curves against what the bristle laws predict of them."""

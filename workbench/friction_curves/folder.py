@@ -1,0 +1,49 @@
+"""Measured friction-velocity curves against what the bristle laws predict: the tables and figures of a study."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+
+from workbench.friction_curves.checks import curves_of
+from workbench.friction_curves.comparison import compare
+from workbench.friction_curves.figures import curves_figure, power_figure, static_figure
+from workbench.friction_curves.power import power_table
+from workbench.friction_curves.schema import FrictionCurvesTable
+from workbench.friction_curves.tables import (
+    effect_table,
+    error_table,
+    slope_table,
+    slowest_table,
+    static_table,
+)
+from workbench.friction_curves.validation import NAME, NOTE, TITLE, validation_table
+from workbench.publish.pictures import save
+from workbench.publish.tables import write_frame
+from workbench.study.study import Study
+
+TABLES = (error_table, effect_table, slope_table, static_table, slowest_table, power_table)
+
+
+def write_friction_curves(spec: FrictionCurvesTable, study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write tables and figures; returns the Markdown tables.
+
+    The file of measured curves goes to the results as well, so that they can be drawn again.
+    """
+    source, copy = study.path.parent / spec.measured, folder / spec.measured
+    if source.resolve() != copy.resolve() and folder.resolve() in copy.resolve().parents:
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, copy)
+    found = compare(study, spec)
+    for name, figure in {
+        "curves_forward": curves_figure(found, "forward"),
+        "curves_backward": curves_figure(found, "backward"),
+        "figure_5_10": static_figure(found),
+        "figure_5_21": power_figure(found),
+    }.items():
+        save(figure, name, folder / "figures")
+    made = [table(found) for table in TABLES]
+    validation = validation_table(study, frame, folder, curves_of(study, spec))
+    if not validation.empty:
+        made.append((NAME, TITLE, validation, [NOTE]))
+    return [write_frame(*table, folder / "tables")[1] for table in made]

@@ -1,0 +1,1 @@
+"""A finished identification as files, tables and figures."""

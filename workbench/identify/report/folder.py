@@ -1,0 +1,180 @@
+"""A finished identification as files: identified.json, plant.toml, tables and figures."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.identify.identification import Identification, as_data
+from workbench.identify.report.figures import correlation_figure, record_figures, requested_figures
+from workbench.identify.report.published import (
+    SHOWN,
+    published_notes,
+    published_table,
+    remark,
+    scale_shown,
+    unit_shown,
+)
+from workbench.identify.thesis.records import ThesisFit
+from workbench.parameters.corrected import Entry, parameter_file
+from workbench.publish.folders import ResultFolder
+from workbench.publish.pictures import save
+from workbench.publish.tables import shown_number, write_frame
+from workbench.records.schema import NUISANCES
+from workbench.toml.units import factor
+
+RESULT = "identified.json"
+PLANT = "plant.toml"
+FOLDER = ResultFolder("identification", (RESULT, PLANT, "tables", "figures"))
+check_folder = FOLDER.check
+DIGITS = 4
+
+STAYS = " and stays as declared"
+TAKEN_FOR_RIGHT = (
+    "Simulation: standard deviations are those of noise and sensors; they take for right all that was declared and not "
+    "fitted."
+)
+
+
+def write_identification(found: Identification, folder: Path) -> list[Path]:
+    """Write everything, whole or not at all. Returns the Markdown tables' paths."""
+
+    def write(beside: Path) -> list[Path]:
+        return [path.relative_to(beside) for path in _write(found, beside)]
+
+    return [folder / path for path in FOLDER.write(folder, write)]
+
+
+def _write(found: Identification, folder: Path) -> list[Path]:
+    """All files, into an empty folder."""
+    experiment, thesis = found.experiment, found.thesis
+    frame, notes = table_of(found), notes_of(found)
+    figures = {**requested_figures(found), **record_figures(found)}
+    if found.simulation is not None and len(found.simulation.estimates) > 1:
+        figures["correlation"] = correlation_figure(found.simulation)
+    paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
+    for spec in experiment.published:
+        if thesis is None:
+            break
+        beside, notes = published_table(spec, thesis, experiment.truth), published_notes(spec, thesis)
+        paths.append(write_frame(spec.table, spec.title, beside, notes, folder / "tables")[1])
+    for name, figure in figures.items():
+        save(figure, name, folder / "figures")
+    if found.corrected:
+        (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
+    (folder / RESULT).write_text(json.dumps(as_data(found), indent=2) + "\n", encoding="utf-8")
+    return paths
+
+
+def table_of(found: Identification) -> pd.DataFrame:
+    """parameter | thesis mean, std | simulation value, std, interval | truth | biases, as text ready to be shown.
+
+    Where records differ in their speed of rotation: rpm | parameter | thesis mean, std, without a truth to hold it to.
+    """
+    if found.thesis is not None and len(found.thesis.groups) > 1:
+        return _by_speed(found.thesis)
+    data = as_data(found)["parameters"]
+    lines = [_line(found, name, entry) for name, entry in data.items()]
+    frame = pd.DataFrame(lines).fillna("")
+    return frame.drop(columns=[name for name in frame.columns if not frame[name].any()])
+
+
+def _by_speed(fit: ThesisFit) -> pd.DataFrame:
+    lines = []
+    for rpm, group in fit.groups.items():
+        for name, one in group.items():
+            value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (one.value, one.std))
+            line = {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
+            lines.append({**line, "remark": remark(one)})
+    frame = pd.DataFrame(lines).replace("nan", "")
+    return frame.drop(columns=[name for name in ("remark",) if not frame[name].any()])
+
+
+def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[str, str]:
+    unit = SHOWN.get(entry["unit"], entry["unit"])
+    scale = factor(entry["unit"], unit)
+    truth = entry.get("truth")
+
+    def shown(number: float | None) -> str:
+        return "" if number is None or number != number else shown_number(scale * number, DIGITS)
+
+    line = {"parameter": name, "unit": unit, "declared": shown(entry["declared"])}
+    thesis, simulation = entry.get("thesis"), entry.get("simulation")
+    if found.thesis is not None and name in found.thesis.unidentified:
+        line |= {"thesis": "not identified"}
+        thesis = None
+    elif thesis:
+        line |= {"thesis": shown(thesis["mean"]), "thesis std": shown(thesis["std"])}
+    if simulation and "at_bound" in simulation:
+        line |= {"simulation": f"{shown(simulation['value'])}, at its bound"}
+        simulation = None
+    elif simulation:
+        line |= {
+            "simulation": shown(simulation["value"]),
+            "simulation std": shown(simulation["std"]),
+            "95 % interval": f"{shown(simulation['low'])} to {shown(simulation['high'])}",
+        }
+    elif found.simulation is not None and name in found.simulation.unidentified:
+        line |= {"simulation": "not identified"}
+    if truth:
+        line["truth"] = shown(truth)
+        for method, value, key in (("thesis", thesis, "mean"), ("simulation", simulation, "value")):
+            if value:
+                line[f"{method} bias (%)"] = f"{100.0 * (value[key] / truth - 1.0):+.2f}"
+        if simulation and simulation["std"]:
+            line["simulation bias / std"] = f"{(simulation['value'] - truth) / simulation['std']:+.2f}"
+    return line
+
+
+def notes_of(found: Identification) -> list[str]:
+    """What a reader of the table must know."""
+    notes = []
+    fit = found.simulation
+    for record in found.records:
+        notes += [f"{record.label}, {record.path.name}: {note}." for note in record.notes]
+    if found.thesis is not None:
+        count = max(one.count for group in found.thesis.groups.values() for one in group.values())
+        repeats = (
+            f"mean and standard deviation over {count} records" if count > 1 else "of one record: without a deviation"
+        )
+        notes.append(f"Thesis's method: {repeats}.")
+        notes += [f"{note}." for note in found.thesis.notes]
+        notes += [
+            f"{name} is not identified by the thesis's method{STAYS * (fit is None)}: {why}."
+            for name, why in found.thesis.unidentified.items()
+        ]
+    if fit is not None:
+        notes.append(TAKEN_FOR_RIGHT)
+        notes += [f"{name} is {why}, and has no deviation there." for name, (_, why) in fit.bounded.items()]
+        notes += [
+            f"{name} cannot be identified from these records and stays as declared: {why}."
+            for name, why in fit.unidentified.items()
+        ]
+        for name, before in fit.before.items():
+            unit = "m" if name == "position" else "Pa" if name.startswith("pressure") else "rad/s"
+            shown = SHOWN.get(unit, unit)
+            values = [shown_number(factor(unit, shown) * value, 3) for value in (before, fit.rms[name])]
+            notes.append(f"{name}, simulated against measured: {values[0]} {shown} rms as declared, {values[1]} after.")
+        for name, one in fit.sensors.items():
+            unit = NUISANCES[name]
+            shown = SHOWN.get(unit, unit)
+            texts = [shown_number(factor(unit, shown) * value, 3) for value in (one.value, one.std)]
+            true = found.experiment.true_sensors.get(name)
+            truth = "" if true is None else f"; truth {shown_number(factor(unit, shown) * true, 3)}"
+            notes.append(f"{name}: {texts[0]} (std {texts[1]}{truth}) {'as a share' if shown == '1' else shown}.")
+        notes += [f"{note}." for note in fit.notes]
+    return notes
+
+
+def plant_file(found: Identification) -> str:
+    """The corrected plant as a parameter file: what was identified, with its std; the rest as declared."""
+    experiment, corrected = found.experiment, found.corrected
+    declared = f"as declared: {experiment.declared}"
+    entries = []
+    for name, value in found.values.items():
+        _, std, source = corrected.get(name, (value, None, declared))
+        entries.append(Entry(name, value, std, source))
+    title = f"{experiment.declared}, corrected by {experiment.path.name}"
+    return parameter_file(title, f"workbench identify: {experiment.title}", entries)

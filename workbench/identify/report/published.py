@@ -1,0 +1,113 @@
+"""The printed tables of friction beside what the thesis's method finds in the records."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from workbench.identify.thesis.method import Estimate, doubt
+from workbench.identify.thesis.records import ThesisFit
+from workbench.parameters.sets import known_units
+from workbench.publish.tables import shown_number
+from workbench.records.schema import PUBLISHED, STATIC, SUFFIXES, PublishedTable
+from workbench.toml.units import factor
+
+SHOWN = {"m/s": "mm/s", "Pa": "kPa", "m": "mm"}
+"""Units that tables show in the place of SI ones."""
+
+DIGITS = 3
+FOUND, PRINTED = "this program", "published"
+
+
+def unit_shown(name: str) -> str:
+    """The unit in which a friction parameter is shown."""
+    unit = "N" if name.startswith(STATIC) else known_units()[name]
+    return SHOWN.get(unit, unit)
+
+
+def scale_shown(name: str) -> float:
+    """What to multiply its SI value with."""
+    unit = "N" if name.startswith(STATIC) else known_units()[name]
+    return factor(unit, SHOWN.get(unit, unit))
+
+
+def published_table(spec: PublishedTable, fit: ThesisFit, truth: Mapping[str, float] | None) -> pd.DataFrame:
+    """A printed table as text: a row a speed of rotation, or of one speed a row a parameter; "mean (std)".
+
+    Where the truth is known and the rod does not turn under an axial motion, its values stand beside.
+    """
+    names = [name for name in PUBLISHED if name in spec.values]
+    groups = [fit.groups.get(rpm, {}) for rpm in spec.rpm]
+    suffix = SUFFIXES[spec.direction]
+    if len(groups) > 1:
+        return pd.DataFrame([_line_of_speed(spec, i, names, group, suffix) for i, group in enumerate(groups)])
+    lines = []
+    for name in names:
+        line = {"parameter": name, "unit": unit_shown(name)}
+        line |= {FOUND: _found(groups[0].get(name + suffix), name), PRINTED: _printed(spec, name, 0)}
+        if truth is not None and spec.rpm[0] == 0.0:
+            line["truth"] = _one(_true(truth, name, suffix), None, name)
+        lines.append(line)
+    return pd.DataFrame(lines)
+
+
+def _line_of_speed(
+    spec: PublishedTable, i: int, names: list[str], group: Mapping[str, Estimate], suffix: str
+) -> dict[str, Any]:
+    line = {"rpm": f"{spec.rpm[i]:g}"}
+    for name in names:
+        label = name.replace("_", " ")
+        line[f"{label} ({unit_shown(name)})"] = _found(group.get(name + suffix), name)
+        line[f"{label}, {PRINTED}"] = _printed(spec, name, i)
+    return line
+
+
+def _true(truth: Mapping[str, float], name: str, suffix: str) -> float | None:
+    if name == STATIC:
+        parts = [_true(truth, part, suffix) for part in ("coulomb", "stribeck")]
+        return None if None in parts else sum(part for part in parts if part is not None)
+    return truth.get(name + suffix, None if suffix == SUFFIXES["rotary"] else truth.get(name))
+
+
+def _found(one: Estimate | None, name: str) -> str:
+    if one is None:
+        return ""
+    text = _one(one.value, one.std if one.count > 1 else None, name)
+    return f"{text}, {said}" if (said := remark(one)) else text
+
+
+def remark(one: Estimate) -> str:
+    """What to say beside a value that the records do not give."""
+    return "" if not doubt(one) else "none seen" if one.value == 0.0 else "not identified"
+
+
+def _printed(spec: PublishedTable, name: str, i: int) -> str:
+    return _one(spec.values[name][i], spec.std[name][i] if name in spec.std else None, name)
+
+
+def _one(value: float | None, std: float | None, name: str) -> str:
+    """`mean (std)` in the unit shown; nothing smaller than a thousandth of its unit is told from 0."""
+    if value is None or value != value:
+        return ""
+    scale = scale_shown(name)
+    text = _number(scale * value)
+    return text if std is None or std != std else f"{text} ({_number(scale * std)})"
+
+
+def _number(value: float) -> str:
+    if abs(value) < 1e-3:
+        return "0"
+    return f"{value:.0f}" if 100.0 <= abs(value) < 1e6 else shown_number(value, DIGITS)
+
+
+def published_notes(spec: PublishedTable, fit: ThesisFit) -> list[str]:
+    """How to read the table, and what the experiment says of it."""
+    suffix = SUFFIXES[spec.direction]
+    counts = {one.count for rpm in spec.rpm for name, one in fit.groups.get(rpm, {}).items() if name == STATIC + suffix}
+    repeats = "no" if not counts else f"{min(counts)}" if len(counts) == 1 else f"{min(counts)} to {max(counts)}"
+    source = f" Published: {spec.source}." if spec.source else ""
+    means = "Of one run" if counts == {1} else f"Means and, in brackets, standard deviations over {repeats} runs"
+    return [
+        f"{means}, by the thesis's method.{source}",
+        *([spec.note] if spec.note else []),
+    ]

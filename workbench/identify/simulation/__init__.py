@@ -1,0 +1,1 @@
+"""Identification by simulation error, with what the fit is worth."""

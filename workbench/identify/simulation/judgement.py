@@ -1,0 +1,166 @@
+"""What a fit by simulation is worth: which parameters the records cannot tell, which are at a bound, does it follow."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.errors import UserError
+from workbench.identify.simulation.problem import Problem, noise_of, projected
+from workbench.parameters.sets import known_units
+from workbench.records.schema import NUISANCES
+
+UNKNOWN = 0.5
+"""Relative standard deviation from which a parameter counts as not identified."""
+
+LARGEST_TOLD = 10.0
+"""A relative standard deviation beyond this is told as such: its digits mean nothing."""
+
+SINGULAR = 1e-4
+"""Ratio of a singular value of the scaled Jacobian to the largest below which a direction is not identified."""
+
+SHARE = 0.3
+"""Part in such a direction from which a parameter is named."""
+
+AT_BOUND = 1e-3
+"""An unknown nearer than this to its bound (relative, of a logarithmic one) is at it."""
+
+LOST = 0.7
+"""Residuals above this share of an output's own deviation: the plant does not follow it at all."""
+
+WORSE = 1.05
+"""Ratio of the residuals after a fit to those before from which it made things worse."""
+
+SEEN = 10.0
+"""An output whose deviation is less than so many times its noise shows nothing that could be followed."""
+
+FAR = 3.0
+"""Standard deviations from which a sensor's error is told to be implausible."""
+
+NOISY = 5.0
+"""Residuals of so many times the noise are told."""
+
+NO_EFFECT = "has no effect on the records"
+
+
+def without_effect(problem: Problem, theta: np.ndarray) -> dict[str, str]:
+    """The free parameters that change nothing in any record, and why they cannot be found."""
+    moved = np.any(problem.jacobian(theta, rough=True) != 0.0, axis=0)
+    return {name: NO_EFFECT for name, any_ in zip(problem.free, moved, strict=True) if not any_}
+
+
+def not_identified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> dict[str, str]:
+    """The parameters to fix next, and why: those of a singular direction, else the one least known."""
+    count = len(problem.free)
+    _, singular, directions = np.linalg.svd(projected(problem.projector(), jacobian[:, :count]), full_matrices=False)
+    deviations = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0))
+    if singular[-1] <= SINGULAR * singular[0]:
+        parts = np.abs(directions[-1])
+        named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
+        worst = problem.free[int(np.argmax(parts))]
+        others = [name for name in named if name != worst]
+        why = f"cannot be told apart from {', '.join(others)}" if others else NO_EFFECT
+        return {worst: why}
+    if np.max(deviations) > UNKNOWN:
+        i = int(np.argmax(deviations))
+        return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
+    return {}
+
+
+def percent(ratio: float) -> str:
+    """A relative standard deviation in words."""
+    return f"above {100.0 * LARGEST_TOLD:.0f} %" if ratio > LARGEST_TOLD else f"{100.0 * ratio:.0f} %"
+
+
+def at_bounds(problem: Problem, theta: np.ndarray) -> tuple[dict[str, tuple[float, str]], dict[str, str]]:
+    """The free parameters at a bound of the experiment (value in SI, in words), and those that run out of all bounds.
+
+    The latter are at the bound that the program sets where the experiment sets none: the records do not hold them.
+    """
+    given: dict[str, tuple[float, str]] = {}
+    astray: dict[str, str] = {}
+    for name, x, low, high in zip(
+        problem.free, theta.tolist(), *(ends.tolist() for ends in problem.limits()), strict=True
+    ):
+        end = low if x - low < AT_BOUND else high if high - x < AT_BOUND else None
+        if end is None:
+            continue
+        value, unit = problem.value(name, end), known_units()[name]
+        own = problem.experiment.bounds.get(name, (-np.inf, np.inf))
+        if np.isclose(value, own[0 if end == low else 1], rtol=1e-9, atol=0.0):
+            given[name] = (value, f"at its bound of {value:.6g} {unit}")
+        else:
+            astray[name] = f"the fit runs away, to {value:.4g} {unit} and beyond; give it bounds, or free less"
+    return given, astray
+
+
+def check_followed(problem: Problem, theta: np.ndarray) -> None:
+    """Whether the fitted plant follows every record at all.
+
+    Raises:
+        UserError: an output of which it follows nothing.
+    """
+    left, _ = problem.left(theta)
+    residuals = left / problem.weights
+    lost: dict[str, list[tuple[float, str]]] = {}
+    seen: dict[str, None] = {}
+    for item, name, place in problem.series():
+        known = np.isfinite(problem.measured[place])
+        varied = float(np.std(problem.measured[place][known]))
+        if varied < SEEN * noise_of(problem.measured[place]):
+            continue
+        seen[name] = None
+        off = float(np.sqrt(np.mean(residuals[place][known] ** 2)))
+        if not off < LOST * varied:
+            said = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
+            lost.setdefault(name, []).append((off / varied, f"does not follow {item.record.path}: {said}"))
+    moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
+    moving = moving or list(seen)
+    if moving and all(name in lost for name in moving):
+        _, said = max(lost[moving[0]])
+        raise UserError(f"plant {problem.experiment.plant.name} {said}; is a sign or a unit in [channels] wrong?")
+
+
+def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[str, float]) -> None:
+    """Whether the fit is worth more than the declared plant.
+
+    Raises:
+        UserError: every output is followed worse than before.
+    """
+    if all(after[name] > WORSE * before[name] for name in before):
+        name = next(iter(before))
+        raise UserError(
+            f"{problem.experiment.path}: the fit does not follow the records, {name} worse than as declared "
+            f"({_number(name, after[name])} rms, before {_number(name, before[name])}); "
+            "is a sign, a unit or a bound wrong?"
+        )
+
+
+def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> tuple[str, ...]:
+    """What is suspicious about a fit: sensors' errors beyond what is declared, residuals far above the noise."""
+    said = []
+    _, numbers = problem.left(theta)
+    for name, std in problem.experiment.accuracies.items():
+        if name not in problem.sensors:
+            continue
+        number = float(numbers[problem.sensors.index(name)])
+        if abs(number) > FAR:
+            said.append(
+                f"{name} is {abs(number):.0f} times the standard deviation that [sensors] gives it "
+                f"({std:.3g} {NUISANCES[name]}): the unit or the sign of a channel may be wrong"
+            )
+    for output, rms in after.items():
+        places = [place for _, name, place in problem.series() if name == output]
+        noise = float(np.sqrt(np.mean([noise_of(problem.measured[place]) ** 2 for place in places])))
+        if rms > NOISY * noise:
+            said.append(
+                f"{output}: the residuals are {rms / noise:.0f} times the noise: the plant lacks something that the "
+                "records show, and the standard deviations do not know it"
+            )
+    return tuple(said)
+
+
+def _number(output: str, value: float) -> str:
+    """A deviation of an output as it is told."""
+    if output == "position":
+        return f"{1e3 * value:.3g} mm"
+    return f"{1e-3 * value:.3g} kPa" if output.startswith("pressure") else f"{value:.3g}"

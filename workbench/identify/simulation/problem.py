@@ -1,0 +1,223 @@
+"""The least-squares problem of a fit by simulation: scaled unknowns, weighted errors, their derivatives.
+
+Derivatives are differences of the compiled simulator. Measured on the thesis's run of 35 s and six friction parameters
+(benchmarks/identification_derivatives.py): central differences with a relative step of 1e-2 take 0.8 s with fixed steps
+of 0.1 ms (0.2 s with error control) and agree with exact sensitivities to 8e-5; the exact ones, by CasADi's derivatives
+of the same equations folded over the samples, take 2.6 s.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from plants.equation import NEGATIVE
+from workbench.errors import UserError
+from workbench.fitting.replay import Observed
+from workbench.identify.simulation.nuisance import columns
+from workbench.parameters.sets import SIGNED
+from workbench.records.experiment import Experiment
+
+WIDEST = 100.0
+"""A parameter without bounds of its own stays within this factor of its declared value."""
+
+STEP = 1e-2
+"""Relative step of differences: one-sided far from the optimum, central near it. A smaller one would divide the
+integrator's own error, which then looks like information about parameters that have hardly any effect."""
+
+DIVERGED = 1e6
+"""Weighted error of a sample that a diverged simulation does not reach."""
+
+TYPICAL = {
+    "coulomb": 100.0,
+    "stribeck": 100.0,
+    "viscous": 1e3,
+    "load_force": 100.0,
+    "valve_overlap": 1e-5,
+    "leakage_coefficient": 1e-13,
+}
+"""Scales (SI) of parameters whose declared value is 0."""
+
+
+def _plain(name: str) -> str:
+    return name.removesuffix(f"_{NEGATIVE}")
+
+
+@dataclass
+class Problem:
+    """Stacked errors of all outputs of all records over unknowns theta = log(p / p0), or (p - p0) / scale where p0 = 0.
+
+    The sensors' systematic errors are linear: at every theta they are solved for exactly, which takes them out of the
+    search (variable projection, Golub and Pereyra 1973).
+    """
+
+    experiment: Experiment
+    observed: Sequence[Observed]
+    free: list[str]
+    start: dict[str, float]
+    weights: np.ndarray
+    measured: np.ndarray
+    nuisance: np.ndarray
+    sensors: list[str]
+    evaluations: int = 0
+    idle: dict[bytes, frozenset[str]] = field(default_factory=dict)
+    """Of each kind of record, the parameters that change nothing in it, such as those of the other direction."""
+    known: dict[tuple[bytes, tuple[float, ...]], list[np.ndarray]] = field(default_factory=dict)
+    held: dict[str, float] = field(default_factory=dict)
+    """Parameters (SI) that a fit has driven to their bounds and that stay there."""
+    progress: Callable[[str], None] = lambda said: None
+    """Told, in words, how far the fit is."""
+
+    def logarithmic(self, name: str) -> bool:
+        """Whether the unknown is a logarithm."""
+        return self.start[name] > 0.0 and _plain(name) not in SIGNED
+
+    def scale(self, name: str) -> float:
+        """Unit (SI) of an unknown that is no logarithm."""
+        return abs(self.start[name]) or TYPICAL.get(_plain(name), 1.0)
+
+    def value(self, name: str, theta: float) -> float:
+        """A parameter (SI) from its unknown."""
+        start = self.start[name]
+        return start * float(np.exp(theta)) if self.logarithmic(name) else start + theta * self.scale(name)
+
+    def slope(self, name: str, theta: float) -> float:
+        """Derivative of the parameter by its unknown."""
+        return self.value(name, theta) if self.logarithmic(name) else self.scale(name)
+
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds of the unknowns."""
+        limits = []
+        for name in self.free:
+            low, high = self.experiment.bounds.get(name, (-np.inf, np.inf))
+            start = self.start[name]
+            if self.logarithmic(name):
+                widest = float(np.log(WIDEST))
+                lower = float(np.log(low / start)) if low > 0.0 else -widest
+                limits.append((lower, float(np.log(high / start)) if np.isfinite(high) else widest))
+            else:
+                low = low if _plain(name) in SIGNED else max(low, 0.0)
+                limits.append(((low - start) / self.scale(name), (high - start) / self.scale(name)))
+        array = np.array(limits).reshape(-1, 2)
+        return array[:, 0], array[:, 1]
+
+    def series(self) -> list[tuple[Observed, str, slice]]:
+        """Where each output of each record stands in the stack."""
+        found, first = [], 0
+        for item in self.observed:
+            for name, values in item.measured.items():
+                found.append((item, name, slice(first, first + values.size)))
+                first += values.size
+        return found
+
+    def _outputs(self, item: Observed, changes: dict[str, float]) -> list[np.ndarray]:
+        """Predictions of a record; the same numbers where all that matters to it is the same."""
+        idle = self.idle.get(item.key, frozenset())
+        key = (item.key, tuple(value for name, value in changes.items() if name not in idle))
+        if key not in self.known:
+            if len(self.known) > 200:
+                self.known.clear()
+            predicted = item.predicted(self.experiment, changes)
+            self.evaluations += 1
+            self.progress(f"fit of {len(self.free)} parameters: {self.evaluations} simulations")
+            self.known[key] = [
+                np.full(values.size, np.nan) if predicted is None else predicted[name]
+                for name, values in item.measured.items()
+            ]
+        return self.known[key]
+
+    def simulated(self, theta: np.ndarray) -> np.ndarray:
+        """Stacked predictions (SI), NaN where the plant diverges."""
+        own = {name: self.value(name, x) for name, x in zip(self.free, theta.tolist(), strict=True)}
+        changes = {**self.held, **own}
+        return np.concatenate([part for item in self.observed for part in self._outputs(item, changes)])
+
+    def errors(self, theta: np.ndarray) -> np.ndarray:
+        """Weighted measured - simulated, 0 over gaps; `DIVERGED` where the plant diverges."""
+        difference = (self.measured - self.simulated(theta)) * self.weights
+        difference[~np.isfinite(self.measured)] = 0.0
+        return np.nan_to_num(difference, nan=DIVERGED)
+
+    def jacobian(self, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
+        """d errors / d theta, shape (samples, free): central differences, or rough, one-sided ones."""
+        base = self.errors(theta)
+        slopes = []
+        for direction in np.eye(theta.size):
+            ahead = self.errors(theta + STEP * direction)
+            behind = base if rough else self.errors(theta - STEP * direction)
+            slopes.append((ahead - behind) / (STEP if rough else 2.0 * STEP))
+        found = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
+        if not self.idle:
+            for item in self.observed:
+                rows = np.concatenate([np.arange(p.start, p.stop) for other, _, p in self.series() if other is item])
+                moved = np.any(found[rows] != 0.0, axis=0)
+                self.idle[item.key] = frozenset(name for name, any_ in zip(self.free, moved, strict=True) if not any_)
+        return found
+
+    def describe_sensors(self, theta: np.ndarray) -> None:
+        """Columns of the sensors' errors about the outputs simulated at `theta`.
+
+        Raises:
+            UserError: the plant diverges there.
+        """
+        self.known.clear()
+        self.idle.clear()
+        simulated = self.simulated(theta)
+        if not np.all(np.isfinite(simulated)):
+            raise UserError(
+                f"{self.experiment.path}: plant {self.experiment.plant.name} with these parameters diverges on the "
+                "records; start from others with [plant.set]"
+            )
+        self.nuisance, self.sensors = columns(self.observed, simulated, self.experiment.accuracies)
+
+    @property
+    def weighted_nuisance(self) -> np.ndarray:
+        """The sensors' columns, weighted, 0 over gaps."""
+        return np.where(np.isfinite(self.measured), self.weights, 0.0)[:, None] * self.nuisance
+
+    def projector(self) -> np.ndarray:
+        """Orthonormal columns Q over errors and priors: what the sensors explain of an error r is Q Q' r."""
+        nuisance = self.weighted_nuisance
+        return np.asarray(np.linalg.qr(np.vstack([nuisance, np.eye(nuisance.shape[1])]))[0])
+
+    def left(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weighted errors without what the sensors explain, and the sensors' numbers in standard deviations."""
+        errors, nuisance = self.errors(theta), self.weighted_nuisance
+        normal = nuisance.T @ nuisance + np.eye(nuisance.shape[1])
+        numbers = np.linalg.solve(normal, nuisance.T @ errors)
+        return errors - nuisance @ numbers, numbers
+
+
+def projected(q: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(I - Q Q') of errors, or of the columns of a Jacobian, with zeros in the place of the priors' own errors."""
+    size = values.shape[0]
+    whole = -q @ (q[:size].T @ values)
+    whole[:size] += values
+    return np.asarray(whole)
+
+
+def make_problem(experiment: Experiment, observed: Sequence[Observed], free: Sequence[str]) -> Problem:
+    """The problem at its start, weighted by each output's own noise.
+
+    Raises:
+        UserError: a free parameter without a declared value, or a plant that diverges on the records.
+    """
+    start: dict[str, float] = {}
+    for name in free:
+        value = experiment.values.get(name, experiment.values.get(_plain(name)))
+        if value is None:
+            raise UserError(f"{experiment.path}: {name} is free and has no declared value; set it in [plant.set]")
+        start[name] = value
+    stack = [values for item in observed for values in item.measured.values()]
+    weights = np.concatenate([np.full(values.size, 1.0 / noise_of(values)) for values in stack])
+    measured = np.concatenate(stack)
+    problem = Problem(experiment, observed, list(free), start, weights, measured, np.zeros((measured.size, 0)), [])
+    problem.describe_sensors(np.zeros(len(start)))
+    return problem
+
+
+def noise_of(values: np.ndarray) -> float:
+    """Standard deviation of the noise of a series, from its second differences, which a slow signal lacks."""
+    second = np.diff(values, 2)
+    second = second[np.isfinite(second)]
+    return max(float(np.sqrt(np.mean(second**2) / 6.0)), 1e-9 * float(np.nanmax(np.abs(values))), 1e-12)

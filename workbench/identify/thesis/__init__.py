@@ -1,0 +1,1 @@
+"""The thesis's method: friction from slow records, direction by direction."""

@@ -1,0 +1,109 @@
+"""The thesis's method on records: each direction of each one, and mean and deviation over the repeats."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.errors import UserError
+from workbench.identify.thesis import method
+from workbench.identify.thesis.method import Estimate
+from workbench.records.experiment import Experiment
+from workbench.records.friction import SLIDING, Slow, directions, friction_of, is_rotary, slower
+from workbench.records.reading import Record
+from workbench.records.schema import STATIC, SUFFIXES
+
+DOUBTFUL = 10.0
+"""Ratio of the bristle's fitted damping to the thesis's rule for it from which it is told."""
+
+
+@dataclass(frozen=True)
+class ThesisFit:
+    """What the thesis's method finds, by speed of rotation (rpm) and canonical name; what it cannot do.
+
+    `curves` are the 10 Hz data of each record by its path. `static` is among the names, for tables.
+    """
+
+    groups: Mapping[float, Mapping[str, Estimate]]
+    curves: dict[str, Slow]
+    notes: tuple[str, ...]
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """Parameters by canonical name, where all records have one speed of rotation; else none: each has its own."""
+        if len(self.groups) > 1:
+            return {}
+        (group,) = self.groups.values()
+        return {name: one for name, one in group.items() if not name.startswith(STATIC)}
+
+    @property
+    def unidentified(self) -> dict[str, str]:
+        """Those of `estimates` that the records do not give, and why."""
+        return {name: why for name, one in self.estimates.items() if (why := method.doubt(one))}
+
+
+def identify_by_thesis(
+    experiment: Experiment, records: list[Record], progress: Callable[[str], None] | None = None
+) -> ThesisFit:
+    """The thesis's method on each record, and mean and standard deviation over those of a direction and speed.
+
+    `progress` is told in words which record is taken.
+
+    Raises:
+        UserError: the channels do not serve, or no record gives anything.
+    """
+    found: dict[float, list[dict[str, float]]] = {}
+    curves: dict[str, Slow] = {}
+    failed: Counter[tuple[str, str, float]] = Counter()
+    mass = experiment.known_values()["mass"]
+    for place, record in enumerate(sorted(records, key=lambda record: record.rpm)):
+        if progress is not None:
+            progress(f"the thesis's method: record {place + 1} of {len(records)}")
+        fine = friction_of(record, experiment)
+        coarse = slower(fine)
+        curves[str(record.path)] = coarse
+        moved = directions(record, experiment)
+        if not moved:
+            failed["nothing slides", record.path.name, record.rpm] += 1
+        for sign in moved:
+            direction = "rotary" if is_rotary(record) else "forward" if sign > 0 else "backward"
+            values: dict[str, float] = {}
+            try:
+                values |= method.static_parameters(coarse.turned(sign))
+                values[STATIC] = values["coulomb"] + values["stribeck"]
+                if np.isnan(values["stribeck_velocity"]):
+                    said = "no Stribeck friction is seen, and a line is fitted"
+                    failed[said, direction, record.rpm] += 1
+                if _starts(fine) == sign:
+                    values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
+                    if values["bristle_damping"] > DOUBTFUL * method.damping_rule(values["bristle_stiffness"], mass):
+                        said = f"bristle_damping is over {DOUBTFUL:g} times what (4.14) gives: slow runs hardly show it"
+                        failed[said, direction, record.rpm] += 1
+            except UserError as error:
+                failed[str(error), direction, record.rpm] += 1
+            if values:
+                named = {f"{name}{SUFFIXES[direction]}": value for name, value in values.items()}
+                found.setdefault(record.rpm, []).append(named)
+    notes = tuple(_merged(failed))
+    if not found:
+        raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
+    return ThesisFit({rpm: method.over_repeats(found[rpm]) for rpm in sorted(found)}, curves, notes)
+
+
+def _merged(failed: Mapping[tuple[str, str, float], int]) -> list[str]:
+    """What failed, by (why, direction, rpm) with its number of records: a sentence for each reason and direction."""
+    together: dict[tuple[str, str], list[tuple[float, int]]] = {}
+    for (why, direction, rpm), count in sorted(failed.items(), key=lambda item: item[0][2]):
+        together.setdefault((why, direction), []).append((rpm, count))
+    lines = []
+    for (why, direction), places in together.items():
+        speeds, count = ", ".join(f"{rpm:g}" for rpm, _ in places), sum(count for _, count in places)
+        lines.append(f"{speeds} rpm, {direction}: {why} ({count} record{'s' * (count > 1)})")
+    return lines
+
+
+def _starts(data: Slow) -> int:
+    """The direction in which a record slides first; 0 if it never does."""
+    sliding = np.abs(np.nan_to_num(data.velocity)) > SLIDING
+    return int(np.sign(data.velocity[np.argmax(sliding)])) if np.any(sliding) else 0

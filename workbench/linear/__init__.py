@@ -1,0 +1,1 @@
+"""Plants and loops for linear analysis: Jacobians, operating points, margins, describing functions."""

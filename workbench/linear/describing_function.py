@@ -1,0 +1,204 @@
+"""The limit cycle that a describing function predicts for friction under PID control, by python-control.
+
+The loop is split into a linear part, plant without friction levels and PID, and a static friction law of velocity:
+
+    v = H(s) (-F),   F(v) = g(|w|) v / |w|,   |w| = sqrt(v^2 + w_surface^2),   g of thesis (3.32)
+
+A cycle is predicted where H(jw) = -1/N(A), with N(A) the gain of F for the sine A sin(wt). Without rotation F is a
+relay with static friction. Its N is real, so that a cycle needs H(jw) on the negative real axis. For a mass under
+continuous PID control H gets there only where the loop without friction is unstable [derived here]: nothing is
+predicted for any gains that stabilise it, although static friction does hunt there (Armstrong and Amin 1996). Behind a
+valve and soft hoses H crosses that axis, and a cycle is predicted for stabilising gains too.
+
+Do not trust it alone: it knows neither sticking nor presliding, which are what hunting lives on, nor harmonics, nor
+an offset of the oscillation. Left out besides: sampling, the lag of the velocity estimator, limits, anti-windup, the
+valve's flow away from the closed spool, and the difference between directions (friction is the mean of both).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import control
+import numpy as np
+from scipy.optimize import root
+from scipy.special import dawsn
+
+from controllers.pid import Gains
+from plants.friction import Friction, LuGre, stribeck_level
+from plants.interface import Plant
+from workbench.linear.linearise import linearise
+
+AMPLITUDES = np.logspace(-9, 3, 61)
+"""m/s. Amplitudes of velocity among which intersections are looked for."""
+
+FREQUENCIES, BEYOND = 600, 100.0
+"""Number of frequencies, and by what factor they go beyond the slowest and the fastest pole."""
+
+SCALE = 1e6
+"""What the largest |H| is scaled to, N in proportion. python-control 0.10 passes over intersections of short segments
+(their cross product below 1e-8), and the velocity for one newton is of the order of 1e-5 m/s."""
+
+EXACT = 1e-9
+"""|1 + H N| below which an intersection counts as found."""
+
+STILL = 1e-9
+"""rad/s. A pole below it is one at 0."""
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """Where H(jw) N(A) = -1: amplitude A of the nonlinearity's input, and w (rad/s).
+
+    `stable`: a larger oscillation shrinks and a smaller one grows, to first order.
+    """
+
+    amplitude: float
+    frequency: float
+    stable: bool
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A predicted limit cycle: peak to peak of the position (m), and period (s)."""
+
+    amplitude: float
+    period: float
+
+
+class SteadyFriction(control.DescribingFunctionNonlinearity):
+    """Friction (N) of steady sliding at a velocity (m/s), without its viscous part, at rest and under rotation.
+
+    Without rotation the sine's first harmonic is known in closed form [derived here], D being Dawson's integral:
+
+        N(A) = 4 / (pi A) (a0 + a1 D(k) / k),   k = A / v_s
+
+    from 2/pi times the integral over a half period of sin(q) exp(-(k sin q)^2). With a1 = 0 it is the relay's. With
+    rotation python-control integrates.
+    """
+
+    def __init__(self, friction: LuGre, surface_speed: float = 0.0) -> None:
+        super().__init__()
+        self._friction = friction
+        self._surface_speed = surface_speed
+
+    def __call__(self, velocity: float) -> float:
+        """F(v) = g(|w|) v / |w|, 0 at rest."""
+        speed = float(np.hypot(velocity, self._surface_speed))
+        return float(stribeck_level(speed, self._friction)) * velocity / speed if speed else 0.0
+
+    def _isstatic(self) -> bool:
+        return True
+
+    def describing_function(self, amplitude: float) -> float:
+        """N (N s/m) at `amplitude` (m/s).
+
+        Raises:
+            NotImplementedError: with rotation; python-control then integrates over a period.
+        """
+        if self._surface_speed:
+            raise NotImplementedError
+        p, ratio = self._friction, amplitude / self._friction.stribeck_velocity
+        return float(4.0 / (np.pi * amplitude) * (p.coulomb + p.stribeck * dawsn(ratio) / ratio))
+
+
+class _Scaled(control.DescribingFunctionNonlinearity):
+    """Another nonlinearity, divided by a constant."""
+
+    def __init__(self, nonlinearity: Any, divisor: float) -> None:
+        super().__init__()
+        self._nonlinearity, self._divisor = nonlinearity, divisor
+
+    def describing_function(self, amplitude: float) -> complex:
+        """N(A) over the divisor."""
+        return _gain(self._nonlinearity, amplitude) / self._divisor
+
+
+def _gain(nonlinearity: Any, amplitude: float) -> complex:
+    return complex(control.describing_function(nonlinearity, [amplitude])[0])
+
+
+def intersections(linear: control.StateSpace, nonlinearity: Any) -> list[Intersection]:
+    """All A and w with H(jw) N(A) = -1 for y = H u, u = -f(y): python-control's, each one refined.
+
+    Intersections outside `AMPLITUDES` are not found, nor those beyond `BEYOND` times the poles' frequencies.
+    """
+    poles = np.abs(control.poles(linear))
+    poles = poles[poles > STILL]
+    omega = np.geomspace(poles.min() / BEYOND, poles.max() * BEYOND, FREQUENCIES)
+    factor = SCALE / float(np.max(np.abs(linear(1j * omega))))
+    scaled = _Scaled(nonlinearity, factor)
+    coarse = control.describing_function_response(
+        factor * linear, scaled, AMPLITUDES, omega, refine=False, warn_nyquist=False
+    )
+    refined = [_refined(linear, nonlinearity, *guess) for guess in coarse.intersections]
+    return [found for found in refined if found is not None]
+
+
+def _refined(linear: control.StateSpace, nonlinearity: Any, amplitude: float, frequency: float) -> Intersection | None:
+    """The root of 1 + H(jw) N(A) near a guess; None where there is none."""
+
+    def residual(logarithms: np.ndarray) -> list[float]:
+        a, w = np.exp(logarithms)
+        value = 1.0 + complex(linear(1j * w)) * _gain(nonlinearity, a)
+        return [value.real, value.imag]
+
+    solution = root(residual, np.log([amplitude, frequency]), tol=1e-13)
+    if abs(complex(*residual(solution.x))) > EXACT:
+        return None
+    a, w = (float(value) for value in np.exp(solution.x))
+    s, h, ds = 1j * w, complex(linear(1j * w)), 1e-6j * w
+    slope = (complex(linear(s + ds)) - complex(linear(s - ds))) / (2.0 * ds)
+    above, below = (_gain(nonlinearity, a * factor) for factor in (1.0 + 1e-4, 1.0 - 1e-4))
+    change = (above - below) / (2e-4 * a)
+    growth = -change * h / (_gain(nonlinearity, a) * slope)  # ds/dA along 1 + N(A) H(s) = 0
+    return Intersection(a, w, growth.real < 0.0)
+
+
+def friction_loop(plant: Plant, parameters: Any, gains: Gains) -> control.StateSpace:
+    """H(s): from a force (N) that pushes the piston to its velocity (m/s), PID loop closed, without friction levels.
+
+    Viscous friction stays in. The PID is continuous: command = -(K_p + K_i / s) x - K_d v, with v itself.
+    """
+    linear = linearise(plant, _without_levels(parameters), outputs=("position", "velocity"))
+    kept = _influential(linear.A, linear.C)
+    a, b, c = linear.A[np.ix_(kept, kept)], linear.B[kept], linear.C[:, kept]
+    command, force = (b[:, [plant.input_index(name)]] for name in (plant.command, "disturbance_force"))
+    position, velocity = c[[0]], c[[1]]
+    closed = a - command @ (gains.proportional * position + gains.derivative * velocity)
+    if not gains.integral:
+        return control.ss(closed, -force, velocity, 0.0)
+    zero = np.zeros((1, 1))
+    whole = np.block([[closed, -gains.integral * command], [position, zero]])
+    return control.ss(whole, -np.vstack([force, zero]), np.hstack([velocity, zero]), 0.0)
+
+
+def _without_levels(parameters: Any) -> Any:
+    """Parameters whose friction is viscous alone."""
+    none = {"coulomb": 0.0, "stribeck": 0.0, "bristle_stiffness": 0.0, "bristle_damping": 0.0}
+    return parameters._replace(friction=Friction(*(side._replace(**none) for side in parameters.friction)))
+
+
+def _influential(a: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Indices of the states that reach the outputs: not a bristle without stiffness, nor the motor."""
+    reached = np.any(c != 0.0, axis=0)
+    for _ in range(a.shape[0]):
+        reached = reached | np.any(a[reached] != 0.0, axis=0)
+    return np.flatnonzero(reached)
+
+
+def predict(plant: Plant, parameters: Any, gains: Gains, surface_speed: float = 0.0) -> Prediction | None:
+    """The largest stable limit cycle of `plant` under a PID; None where the describing function predicts none.
+
+    Args:
+        plant: one with a contact that follows the LuGre law, `parameters.friction`.
+        parameters: its parameters (SI).
+        gains: of `controllers.pid`.
+        surface_speed: of the rod's surface through rotation (m/s), taken as constant.
+    """
+    sides = zip(*parameters.friction, strict=True)
+    friction = LuGre(*(0.5 * (forward + backward) for forward, backward in sides))
+    found = intersections(friction_loop(plant, parameters, gains), SteadyFriction(friction, surface_speed))
+    cycles = [
+        Prediction(2.0 * each.amplitude / each.frequency, 2.0 * np.pi / each.frequency) for each in found if each.stable
+    ]
+    return max(cycles, key=lambda each: each.amplitude, default=None)

@@ -1,0 +1,1 @@
+"""Physical values by canonical name: named sets, parameter files, corrected plants."""

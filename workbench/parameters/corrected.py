@@ -1,0 +1,39 @@
+"""A corrected plant as a parameter file, as `workbench.parameters.sets` reads it."""
+
+import json
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from workbench.parameters.sets import known_units
+
+
+class Entry(NamedTuple):
+    """One parameter: its value and standard deviation (SI; None: it has none), and where they are from."""
+
+    name: str
+    value: float
+    std: float | None
+    source: str
+
+
+def parameter_file(title: str, source: str, entries: Iterable[Entry]) -> str:
+    """The text of a parameter file with these entries, in their order."""
+    lines = [f"title = {_text(title)}", f"source = {_text(source)}"]
+    for entry in entries:
+        unit = known_units()[entry.name]
+        lines += ["", f"[parameters.{entry.name}]", f"value = {_quantity(entry.value, unit)}"]
+        if entry.std is not None:
+            lines.append(f"std = {_quantity(entry.std, unit)}")
+        lines.append(f"source = {_text(entry.source)}")
+    return "\n".join(lines) + "\n"
+
+
+def _quantity(value: float, unit: str) -> str:
+    if math.isinf(value):
+        return '"inf"'
+    return f"{value:.10g}" if unit == "1" else f'"{value:.10g} {unit}"'
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,1 @@
+"""What all results are published with: folders, tables, figures, pages, words."""

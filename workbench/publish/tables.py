@@ -1,0 +1,88 @@
+"""Tables of text, as CSV, Markdown and LaTeX (booktabs), and numbers as a reader sees them."""
+
+import math
+from pathlib import Path
+
+import pandas as pd
+
+REMARK = "remark"
+
+WORDS = (
+    "quantity",
+    "law",
+    "model",
+    "account",
+    "direction",
+    "parameter",
+    "candidate",
+    "method",
+    "breaks",
+    "unit",
+    REMARK,
+)
+"""Columns of text, which are aligned to the left."""
+
+
+def shown_number(number: float, digits: int) -> str:
+    """`number` with `digits` significant digits, in plain notation where that is readable."""
+    if number == 0.0 or not 1e-4 <= abs(number) < 1e6:
+        return f"{number:.{digits - 1}e}" if number else "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(number))))
+    return f"{number:.{decimals}f}"
+
+
+def with_unit(label: str, unit: str) -> str:
+    """A label with its unit, unless it ends in it already."""
+    shown = f" ({unit})"
+    return label if unit == "1" or label.endswith(shown) else label + shown
+
+
+def write_frame(name: str, title: str, table: pd.DataFrame, notes: list[str], folder: Path) -> list[Path]:
+    """Write a table of text, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{name}.{ending}" for ending in ("csv", "md", "tex")]
+    table.to_csv(paths[0], index=False, lineterminator="\n")
+    paths[1].write_text(_markdown(title, table, notes), encoding="utf-8")
+    paths[2].write_text(_latex(name, title, table, notes), encoding="utf-8")
+    return paths
+
+
+def _markdown(title: str, table: pd.DataFrame, notes: list[str]) -> str:
+    numeric = [name not in WORDS for name in table.columns]
+    align = ["right" if right else "left" for right in numeric]
+    shown = table.rename(columns=_piped).map(_piped)
+    body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
+    return "\n\n".join([f"**{title}**", body, *notes]) + "\n"
+
+
+def _piped(text: str) -> str:
+    return str(text).replace("|", r"\|")
+
+
+def _latex(name: str, title: str, table: pd.DataFrame, notes: list[str]) -> str:
+    columns = "".join({REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.columns)
+    caption = " ".join([f"{title}.", *notes])
+    headed = table.rename(columns=_escaped).map(_escaped)
+    return str(
+        headed.style.hide(axis="index").to_latex(
+            hrules=True,
+            caption=_escaped(caption),
+            label=f"tab:{name}",
+            column_format=columns,
+            position_float="centering",
+        )
+    )
+
+
+_SPECIAL = str.maketrans(
+    {
+        **{character: f"\\{character}" for character in "%&_#${}"},
+        "^": r"\textasciicircum{}",
+        "~": r"\textasciitilde{}",
+        "\\": r"\textbackslash{}",
+    }
+)
+
+
+def _escaped(text: str) -> str:
+    return str(text).translate(_SPECIAL)

@@ -1,0 +1,1 @@
+"""Measured data in: experiment files, channels, formats, checks, and what a record shows before any fit."""

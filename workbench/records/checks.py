@@ -1,0 +1,192 @@
+"""Whether the numbers of a record can be what they are called: stuck and saturated channels, gaps, wrong units."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from workbench.errors import UserError
+from workbench.records.experiment import ChannelSpec, Experiment
+
+LONGEST_GAP = 0.1
+"""s. What is missing for longer is no small gap."""
+
+MOST_MISSING = 0.05
+"""Share of a record that may be missing in small gaps."""
+
+SATURATED_SHARE = 0.05
+"""Share of samples at the very same largest or smallest value from which a channel is saturated."""
+
+BEYOND = 1.05
+"""A position, pressure or command beyond its range by more than a sensor's error: 5 %."""
+
+FOLLOWED = ("valve_voltage", "pump_speed")
+"""Inputs that the velocity follows, whatever the load: a flow has nowhere else to go."""
+
+AGAINST = -0.5
+"""Sum of input times velocity over that of their sizes, below which the one goes against the other."""
+
+PACE = 0.05
+"""s over which a velocity is told for that: noise of the position is small beside what is moved in it."""
+
+LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
+"""Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
+
+ARRIVAL = 10
+"""Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
+
+MOVING = ("position", "pressure_1", "pressure_2", "rotation_angle", "force")
+"""Channels that cannot be constant to the last digit unless they are stuck."""
+
+
+def spans(mask: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First place, and one beyond the last, of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+
+
+def gap_notes(path: Path, channels: Mapping[str, np.ndarray], valid: np.ndarray, step: float) -> Iterator[str]:
+    """What is missing, in words.
+
+    Raises:
+        UserError: too much is missing.
+    """
+    for name, values in channels.items():
+        for first, last in spans(~np.isfinite(values)):
+            if (last - first) * step > LONGEST_GAP:
+                raise UserError(
+                    f"{path}: {name} is missing from {first * step:g} s to {last * step:g} s; cut the record there"
+                )
+    missing = np.mean(~valid)
+    if missing > MOST_MISSING:
+        raise UserError(f"{path}: {100.0 * missing:.0f} % of the samples lack a value, expected at most 5 %")
+    if missing > 0.0:
+        count = len(list(spans(~valid)))
+        yield f"{int(np.sum(~valid))} samples in {count} gap{'s' * (count > 1)} are left out"
+
+
+def check_alive(path: Path, name: str, values: np.ndarray) -> None:
+    """A stuck channel has one value; a saturated one rests at its extreme and nowhere near it.
+
+    Raises:
+        UserError: the channel is stuck or saturated.
+    """
+    known = values[np.isfinite(values)]
+    low, high = float(np.min(known)), float(np.max(known))
+    if low == high:
+        if name in MOVING:
+            raise UserError(f"{path}: {name} is stuck: {low:g} throughout; is this its column?")
+        return
+    if name not in MOVING:
+        return
+    for extreme, word in ((high, "largest"), (low, "smallest")):
+        at = values == extreme
+        first, last = max(spans(at), key=lambda span: span[1] - span[0])
+        longest = last - first
+        beside = np.unique(known)
+        held = abs(values[max(first - ARRIVAL, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
+        next_to = float(beside[-2] if extreme == high else beside[1])
+        # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
+        crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
+        if longest > SATURATED_SHARE * values.size and crowded and not held:
+            raise UserError(
+                f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
+                "use a sensor or an amplifier of larger range, or cut the record"
+            )
+
+
+def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Experiment) -> None:
+    """Positions outside the stroke, pressures above supply or far below it, commands that no amplifier gives: mostly
+    wrong units.
+
+    Raises:
+        UserError: one of these.
+    """
+    values = experiment.values
+    if "position" in channels and np.isfinite(values.get("stroke", np.inf)):
+        span = float(np.nanmax(channels["position"]) - np.nanmin(channels["position"]))
+        if span > BEYOND * values["stroke"]:
+            raise UserError(
+                f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
+                f"is the unit of channel position right?{_unit_hint(span, values['stroke'])}"
+            )
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
+    supply = values.get("supply_pressure")
+    for name in ("pressure_1", "pressure_2"):
+        if supply is None or name not in channels:
+            continue
+        largest = float(np.nanmax(np.abs(channels[name])))
+        if largest > BEYOND * supply:
+            raise UserError(
+                f"{path}: {name} reaches {largest:g} Pa, and the supply is {supply:g} Pa; "
+                f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
+            )
+        both = [channels[other] for other in ("pressure_1", "pressure_2") if other in channels]
+        if max(float(np.nanmax(np.abs(values))) for values in both) < LEAST_PRESSURE[len(both)] * supply:
+            raise UserError(
+                f"{path}: {name} stays below {largest:g} Pa, and the supply is {supply:g} Pa; "
+                f"is the unit of channel {name} right?{_unit_hint(largest, supply)}"
+            )
+
+    _check_command(path, channels, experiment)
+
+
+def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec) -> None:
+    """Whether the position is counted from the middle of the stroke, as the plants count it."""
+    low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
+    if max(-low, high) <= BEYOND * half:
+        return
+    near = 1.0 - BEYOND
+    if low >= near * stroke and high <= BEYOND * stroke:  # counted from an end: that is known better than a middle
+        middle = half
+    elif high <= -near * stroke and low >= -BEYOND * stroke:
+        middle = -half
+    else:
+        middle = 0.5 * (low + high)
+    raise UserError(
+        f"{path}: the position goes from {1e3 * low:.4g} to {1e3 * high:.4g} mm, and a stroke of {1e3 * stroke:.4g} mm "
+        f"from {-1e3 * half:.4g} to {1e3 * half:.4g} mm: 0 is its middle; give channel position "
+        f'offset = "{1e3 * (channel.offset - middle):.4g} mm", if that is the middle here'
+    )
+
+
+def _check_command(path: Path, channels: Mapping[str, np.ndarray], experiment: Experiment) -> None:
+    """Whether the amplifier can give what was recorded of the plant's command."""
+    plant = experiment.plant
+    limit = plant.command_limit(experiment.parameters())
+    for name in (plant.command, "command"):
+        largest = float(np.nanmax(np.abs(channels[name]))) if name in channels else 0.0
+        if largest > BEYOND * limit:
+            raise UserError(
+                f"{path}: {name} reaches {largest:.4g} {plant.command_unit}, and its limit is {limit:g} "
+                f"{plant.command_unit}; is the unit of channel {name} right?"
+            )
+
+
+def check_directions(path: Path, channels: Mapping[str, np.ndarray], step: float) -> None:
+    """Whether the rod moves where valve or pump send it; `step` (s) is the time between samples.
+
+    Raises:
+        UserError: it moves against them.
+    """
+    points = max(round(PACE / step), 1)
+    if "position" not in channels or channels["position"].size <= points:
+        return
+    way = channels["position"][points:] - channels["position"][:-points]
+    for name in FOLLOWED:
+        if name not in channels:
+            continue
+        driven = way * channels[name][points // 2 :][: way.size]
+        driven = driven[np.isfinite(driven)]
+        total = float(np.sum(np.abs(driven)))
+        if total > 0.0 and np.sum(driven) < AGAINST * total:
+            raise UserError(
+                f"{path}: the rod moves against {name} on most of its way; is the sign of channel {name} wrong, or "
+                "that of position? scale = -1 turns a channel"
+            )
+
+
+def _unit_hint(got: float, expected: float) -> str:
+    ratio = got / expected
+    power = round(np.log10(ratio))
+    return f" (it seems {10.0**power:g} times off)" if abs(power) >= 2 else ""

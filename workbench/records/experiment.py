@@ -1,0 +1,295 @@
+"""Experiment files: the plant that is believed, the channels of the records, the records, and what is to be fitted."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from glob import glob
+from pathlib import Path
+from typing import Any
+
+from plants.equation import NEGATIVE, fields, to_array
+from plants.interface import Plant
+from plants.registry import PLANTS
+from workbench.errors import UserError, nearest
+from workbench.parameters.sets import (
+    FLOW_SHARE,
+    build,
+    known_units,
+    parameter_path,
+    parameter_value,
+    plain_name,
+    read_parameters,
+)
+from workbench.records.schema import (
+    CHANNELS,
+    NUISANCES,
+    Bound,
+    ChannelTable,
+    ExperimentFile,
+    FigureTable,
+    PlantTable,
+    PublishedTable,
+    RecordTable,
+)
+from workbench.toml import reading as files
+from workbench.toml.units import QuantityError, factor, nearest_unit, si
+
+
+@dataclass(frozen=True)
+class ChannelSpec:
+    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
+
+    SI value = factor * number + offset.
+    """
+
+    column: str | int
+    factor: float
+    offset: float
+    anti_alias: float
+
+
+@dataclass(frozen=True)
+class RecordSpec:
+    """One file of a record; `rpm` is a number, or the column that holds it.
+
+    `skip` rows are left out and `rows` taken (None: all); `sample_time` (s) of the grid that uneven samples are put on.
+    """
+
+    path: Path
+    use: str
+    label: str
+    rpm: float | str
+    skip: int = 0
+    rows: int | None = None
+    sample_time: float | None = None
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment file, checked and in SI; the records are not read yet.
+
+    `values` are the declared parameters by canonical name: where a parameter's two directions have one value there is
+    no `_negative` name. `free` is None where the file says nothing. `accuracies` are the standard deviations of the
+    sensors' systematic errors (`NUISANCES`) that a fit may find.
+    """
+
+    path: Path
+    title: str
+    source: str
+    plant: Plant
+    flow: str
+    declared: str
+    values: Mapping[str, float]
+    free: tuple[str, ...] | None
+    bounds: Mapping[str, tuple[float, float]]
+    method: str
+    channels: Mapping[str, ChannelSpec]
+    accuracies: Mapping[str, float]
+    records: tuple[RecordSpec, ...]
+    truth: Mapping[str, float] | None
+    published: tuple[PublishedTable, ...] = ()
+    figures: tuple[FigureTable, ...] = ()
+    true_sensors: Mapping[str, float] = field(default_factory=dict)
+
+    def parameters(self, changes: Mapping[str, float] | None = None) -> Any:
+        """The plant's parameters, declared or with `changes` by canonical name.
+
+        Raises:
+            UserError: the values do not serve the plant.
+        """
+        return build(self.plant.Parameters, {**self.values, **(changes or {})}, self.flow)
+
+    def known_values(self) -> dict[str, float]:
+        """Every parameter of the declared plant by canonical name, and those declared that the plant lacks."""
+        names = [item.name for item in fields(self.plant.Parameters)]
+        return {**self.values, **dict(zip(names, to_array(self.parameters()).tolist(), strict=True))}
+
+
+def is_experiment(data: Mapping[str, Any]) -> bool:
+    """Whether the content of a TOML file is that of an experiment."""
+    records = data.get("records")
+    return "channels" in data or (isinstance(records, list) and any(isinstance(item, dict) for item in records))
+
+
+def read_experiment(path: Path) -> Experiment:
+    """Read and check an experiment file, to the last name and unit.
+
+    Raises:
+        UserError: the first mistake, with file, line and key.
+    """
+    data, text = files.read_toml(path)
+    content = files.validate(ExperimentFile, data, path, text)
+    try:
+        return _resolved(content, path)
+    except files.SchemaError as mistake:
+        raise files.at(path, text, mistake.key, mistake.message) from None
+
+
+def _resolved(content: ExperimentFile, path: Path) -> Experiment:
+    plant = _plant(content.plant.model)
+    values = _declared(content.plant, path.parent)
+    try:
+        build(plant.Parameters, values, content.plant.flow)
+    except UserError as error:
+        raise files.SchemaError(("plant", "parameters"), f"does not serve {plant.name}: {error}") from None
+    truth = None
+    if content.truth is not None:
+        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
+    names = parameter_names(plant)
+    return Experiment(
+        path,
+        content.title,
+        content.source,
+        plant,
+        content.plant.flow,
+        content.plant.parameters,
+        values,
+        None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
+        _bounds(content.fit.bounds, names, values),
+        content.fit.method,
+        _channels(content.channels, plant),
+        _accuracies(content.sensors),
+        _records(content.records, path.parent),
+        truth,
+        tuple(content.published),
+        tuple(content.figures),
+        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors")),
+    )
+
+
+def parameter_names(plant: Plant) -> list[str]:
+    """Canonical names of the plant's parameters, `_negative` ones included."""
+    return [item.name for item in fields(plant.Parameters) if item.name != FLOW_SHARE]
+
+
+def _plant(model: str) -> Plant:
+    known = PLANTS.working()
+    if model not in known:
+        raise files.SchemaError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, known)}')
+    return known[model]
+
+
+def _set_values(name: str, folder: Path, key: files.Key) -> dict[str, float]:
+    try:
+        return dict(read_parameters(parameter_path(name, folder)))
+    except UserError as error:
+        raise files.SchemaError(key, str(error)) from None
+
+
+def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
+    """The declared values; a plain name in [plant.set] sets both directions, unless the other is set too."""
+    values = _set_values(table.parameters, folder, ("plant", "parameters"))
+    for name, value in table.set.items():
+        try:
+            number = parameter_value(name, value)
+        except (UserError, QuantityError) as error:
+            raise files.SchemaError(("plant", "set", name), str(error)) from None
+        values[name] = number
+        if (other := f"{name}_{NEGATIVE}") not in table.set:
+            values.pop(other, None)
+    for name, ratio in table.scale.items():
+        if name not in values:
+            raise files.SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
+        for scaled in (name, f"{name}_{NEGATIVE}"):
+            if scaled in values:
+                values[scaled] *= ratio
+    return values
+
+
+def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tuple[str, ...]:
+    """The free parameters; a plain name frees each direction that has a value of its own."""
+    found: dict[str, None] = {}
+    for i, name in enumerate(free):
+        if name not in names:
+            raise files.SchemaError(("fit", "free", i), f'unknown parameter "{name}"; {nearest(name, names)}')
+        found[name] = None
+        if f"{name}_{NEGATIVE}" in values:
+            found[f"{name}_{NEGATIVE}"] = None
+    return tuple(found)
+
+
+def _bounds(
+    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float]
+) -> dict[str, tuple[float, float]]:
+    bounds = {}
+    for name, bound in table.items():
+        if name not in names:
+            raise files.SchemaError(("fit", name), f"unknown parameter; {nearest(name, names)}")
+        limits = []
+        for key, value, default in (("min", bound.min, -float("inf")), ("max", bound.max, float("inf"))):
+            try:
+                limits.append(default if value is None else si(value, known_units()[name]))
+            except QuantityError as error:
+                raise files.SchemaError(("fit", name, key), str(error)) from None
+        if limits[0] >= limits[1]:
+            raise files.SchemaError(("fit", name), "expected a min below max")
+        declared = values.get(name, values.get(plain_name(name)))
+        if declared is not None and not limits[0] <= declared <= limits[1]:
+            got = f"the declared value {declared:.6g} {known_units()[name]} is outside these bounds"
+            raise files.SchemaError(("fit", name), f"{got}; widen them, or start from another value with [plant.set]")
+        bounds[name] = (limits[0], limits[1])
+    return bounds
+
+
+def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, ChannelSpec]:
+    units = {**CHANNELS, "command": plant.command_unit}
+    specs = {}
+    for name, table in tables.items():
+        if name not in CHANNELS:
+            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, CHANNELS)}")
+        try:
+            scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
+        except QuantityError:
+            meant = nearest_unit(table.unit, units[name])
+            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
+            message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
+            raise files.SchemaError(("channels", name, "unit"), message) from None
+        cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
+        place: files.Key = ("channels", name, "offset")
+        offset = (
+            table.offset * scale if isinstance(table.offset, float) else _quantity(table.offset, units[name], place)
+        )
+        specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
+    if "time" not in specs:
+        raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
+    return specs
+
+
+def _quantity(value: float | str, unit: str, place: files.Key) -> float:
+    try:
+        return si(value, unit)
+    except QuantityError as error:
+        raise files.SchemaError(place, str(error)) from None
+
+
+def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
+    found = _sensors(table, ("sensors",))
+    for name, number in found.items():
+        if number < 0.0:
+            raise files.SchemaError(("sensors", name), f"got {table[name]!r}, expected a value that is not negative")
+    return found
+
+
+def _sensors(table: Mapping[str, Any], place: files.Key) -> dict[str, float]:
+    """Errors of sensors (SI) by name."""
+    found = {}
+    for name, value in table.items():
+        if name not in NUISANCES:
+            raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
+        found[name] = _quantity(value, NUISANCES[name], (*place, name))
+    return found
+
+
+def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
+    specs: list[RecordSpec] = []
+    for i, table in enumerate(tables):
+        step = None if table.sample_time is None else _quantity(table.sample_time, "s", ("records", i, "sample_time"))
+        if step is not None and step <= 0.0:
+            raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
+        pattern = any(mark in table.file for mark in "*?[")
+        paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
+        # A pattern without a file stays: whoever reads the records says that there is none.
+        specs += [
+            RecordSpec(p, table.use, table.label or p.stem, table.rpm, table.skip, table.rows, step)
+            for p in paths or [folder / table.file]
+        ]
+    return tuple(specs)

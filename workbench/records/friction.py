@@ -1,0 +1,140 @@
+"""Velocity and friction force that a record shows, and which way it moves, as the thesis takes them (Owen 2001, 4.3).
+
+Positions are averaged over 10 samples (100 Hz at 1 kHz) and differentiated by a non-causal FIR filter of order 16; the
+velocity is averaged over 10 again (10 Hz).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.velocity import fir_differentiator
+from workbench.errors import UserError
+from workbench.records.experiment import Experiment
+from workbench.records.reading import Record
+
+AXIAL = ("position", "pressure_1", "pressure_2")
+ROTARY = ("rotation_speed", "motor_current")
+
+AVERAGED = 10
+"""Samples of one mean."""
+
+SLIDING = 0.6e-3
+"""m/s. Faster, the contact slides: static parameters; slower, it is the bristle that bends."""
+
+
+@dataclass(frozen=True)
+class Slow:
+    """Velocity (m/s) against friction force (N) at one rate, evenly sampled; NaN where nothing is known."""
+
+    time: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+
+    @property
+    def sample_time(self) -> float:
+        """Time between samples (s)."""
+        return float(self.time[1] - self.time[0])
+
+    def turned(self, direction: int) -> "Slow":
+        """The same with motion in `direction` (1 or -1) counted as positive."""
+        return Slow(self.time, direction * self.velocity, direction * self.force)
+
+
+def friction_of(record: Record, experiment: Experiment) -> Slow:
+    """Velocity and friction force of a record, averaged over 10 samples (100 Hz at 1 kHz).
+
+    Raises:
+        UserError: the channels give neither axial nor rotary friction.
+    """
+    channels = record.channels
+    values = experiment.known_values()
+    if all(name in channels for name in AXIAL):
+        force = pressure_force(
+            channels["pressure_1"], channels["pressure_2"], values["piston_area_1"], values["piston_area_2"]
+        )
+        return from_position(record.time, channels["position"], force)
+    if "position" in channels and "force" in channels:
+        return from_position(record.time, channels["position"], channels["force"])
+    if all(name in channels for name in ROTARY):
+        return _rotary(record, values)
+    raise UserError(
+        f"{record.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, or "
+        "rotation_speed and motor_current; add the channels, or take --method simulation"
+    )
+
+
+def _rotary(record: Record, values: dict[str, float]) -> Slow:
+    for name in ("torque_constant", "piston_radius"):
+        if name not in values:
+            raise UserError(f"{record.path}: rotary friction needs the parameter {name}; set it in [plant.set]")
+    radius = values["piston_radius"]
+    force = motor_force(record.channels["motor_current"], values["torque_constant"], radius)
+    return from_speed(record.time, radius * record.channels["rotation_speed"], force)
+
+
+def is_rotary(record: Record) -> bool:
+    """Whether a record shows friction around the rod, there being no axial one."""
+    return "position" not in record.channels and all(name in record.channels for name in ROTARY)
+
+
+def directions(record: Record, experiment: Experiment) -> list[int]:
+    """The directions (1, -1) in which a record slides for at least a twentieth of its sliding time."""
+    if "position" not in record.channels and "rotation_speed" not in record.channels:
+        return [1, -1]
+    velocity = _velocity(record, experiment)
+    counts = {sign: int(np.sum(sign * velocity > SLIDING)) for sign in (1, -1)}
+    total = sum(counts.values())
+    return [sign for sign, count in counts.items() if count and count >= 0.05 * total]
+
+
+def _velocity(record: Record, experiment: Experiment) -> np.ndarray:
+    if "position" in record.channels:
+        zero = np.zeros(record.time.size)
+        return slower(from_position(record.time, record.channels["position"], zero)).velocity
+    return slower(friction_of(record, experiment)).velocity
+
+
+def from_position(time: np.ndarray, position: np.ndarray, force: np.ndarray) -> Slow:
+    """Position (m) and force (N) averaged over `AVERAGED` samples, the position then differentiated (thesis 4.3)."""
+    time, position, force = (averaged(values, AVERAGED) for values in (time, position, force))
+    return Slow(time, velocity_of(position, float(time[1] - time[0])), force)
+
+
+def from_speed(time: np.ndarray, speed: np.ndarray, force: np.ndarray) -> Slow:
+    """The same of a measured speed (m/s), which needs no differentiation (thesis 4.6)."""
+    return Slow(*(averaged(values, AVERAGED) for values in (time, speed, force)))
+
+
+def slower(data: Slow) -> Slow:
+    """Averaged over `AVERAGED` samples once more."""
+    return Slow(*(averaged(values, AVERAGED) for values in (data.time, data.velocity, data.force)))
+
+
+def pressure_force(pressure_1: np.ndarray, pressure_2: np.ndarray, area_1: float, area_2: float) -> np.ndarray:
+    """F = P1 A1 - P2 A2 (N): what friction is while acceleration is negligible. Thesis 4.2."""
+    return np.asarray(pressure_1 * area_1 - pressure_2 * area_2)
+
+
+def motor_force(current: np.ndarray, torque_constant: float, radius: float) -> np.ndarray:
+    """F = K_t i / R (N): rotary friction at the piston's surface, at a steady speed. Thesis 4.2."""
+    return np.asarray(torque_constant * current / radius)
+
+
+def averaged(values: np.ndarray, count: int) -> np.ndarray:
+    """Means of `count` samples on end, shape (size // count,); a mean over a gap (NaN) is NaN. The rest is dropped.
+
+    The mean belongs to the middle of its samples: average the time as well.
+    """
+    whole = values.size // count * count
+    return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
+
+
+def velocity_of(position: np.ndarray, sample_time: float, order: int = 16) -> np.ndarray:
+    """Velocity (m/s) of positions (m) by the thesis's non-causal FIR filter; NaN where its window is not whole."""
+    if position.size <= order:
+        return np.full(position.size, np.nan)
+    velocity = fir_differentiator(position, sample_time, order)
+    half = order // 2
+    velocity[:half] = velocity[velocity.size - half :] = np.nan
+    return velocity

@@ -1,0 +1,85 @@
+"""How a record moves, judged before anything is fitted: does it slide at all, and does friction oppose it?"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.errors import UserError
+from workbench.records.experiment import Experiment
+from workbench.records.friction import AXIAL, SLIDING, directions, friction_of, from_position, slower
+from workbench.records.reading import Record
+
+SLOW_SAMPLES = 0.1
+"""s. Samples further apart than this are mostly a wrong unit of time."""
+
+SHORT_WAY = 0.02
+"""Share of the stroke below which a travel is mostly a wrong unit of position."""
+
+
+def check_slides(records: Sequence[Record], experiment: Experiment) -> None:
+    """Whether any of the records slides.
+
+    Raises:
+        UserError: none does: the largest velocity of the first one, and a likely mistake of its units.
+    """
+    if not records or any(directions(record, experiment) for record in records):
+        return
+    record = records[0]
+    others = f" (nor in the other {len(records) - 1})" if len(records) > 1 else ""
+    raise UserError(f"nothing slides in {record.path}{others}: {_slowness(record)}{_unit_mistake(record, experiment)}")
+
+
+def _slowness(record: Record) -> str:
+    zero = np.zeros(record.time.size)
+    if "position" not in record.channels:
+        fastest = float(np.nanmax(np.abs(record.channels["rotation_speed"])))
+        return f"its largest speed of rotation is {fastest:.3g} rad/s"
+    velocity = np.abs(slower(from_position(record.time, record.channels["position"], zero)).velocity)
+    if not np.any(np.isfinite(velocity)):
+        return f"{record.time[-1]:.3g} s are too short to see a velocity; take a longer record"
+    fastest = float(np.nanmax(velocity))
+    return f"its largest velocity is {1e3 * fastest:.3g} mm/s, expected more than {1e3 * SLIDING:g} mm/s"
+
+
+def _unit_mistake(record: Record, experiment: Experiment) -> str:
+    if record.sample_time >= SLOW_SAMPLES:
+        return f"; samples are {record.sample_time:.3g} s apart: is the unit of channel time right (ms)?"
+    stroke = experiment.values.get("stroke", np.inf)
+    if "position" in record.channels and np.isfinite(stroke):
+        way = float(np.nanmax(record.channels["position"]) - np.nanmin(record.channels["position"]))
+        if way < SHORT_WAY * stroke:
+            travel = f"{1e3 * way:.3g} mm of a stroke of {1e3 * stroke:.3g} mm"
+            return f"; it travels {travel}: is the unit of channel position right?"
+    return ""
+
+
+def check_opposes(record: Record, experiment: Experiment) -> None:
+    """Whether the force that pressures or a load cell show opposes the motion, on the average over a record's way.
+
+    What the pressure sensors may be off by, as [sensors] has it, is allowed for; a plant under a load or on a spring is
+    not judged.
+
+    Raises:
+        UserError: it drives the rod instead.
+    """
+    channels, values = record.channels, experiment.known_values()
+    pressures = all(name in channels for name in AXIAL)
+    if not pressures and not ("position" in channels and "force" in channels):
+        return
+    free = experiment.free or ()
+    if any(values.get(name) or name in free for name in ("load_force", "spring_stiffness")):
+        return
+    data = friction_of(record, experiment)
+    sliding = np.isfinite(data.force) & (np.abs(np.nan_to_num(data.velocity)) > SLIDING)
+    if not np.any(sliding):
+        return
+    velocity, force = data.velocity[sliding], data.force[sliding]
+    opposing = float(np.sum(velocity * force) / np.sum(np.abs(velocity)))
+    areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
+    offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]
+    if opposing < -float(np.linalg.norm(np.multiply(areas, offsets))):
+        cause = "are the columns of pressure_1 and pressure_2 swapped, or is" if pressures else "is"
+        raise UserError(
+            f"{record.path}: friction does not oppose the motion ({opposing:.3g} N on the average): {cause} "
+            f"the sign of {'position' if pressures else 'position or force'} wrong?"
+        )

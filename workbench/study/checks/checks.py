@@ -1,0 +1,348 @@
+"""What a study asks of its results, checked before it runs: probes, tables and figures, and settings without use."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from controllers.settings import idle
+from plants.equation import fields
+from plants.interface import Plant
+from plants.registry import plants
+from workbench.errors import nearest
+from workbench.metrics.window import whole_periods
+from workbench.parameters.sets import FLOW_SHARE
+from workbench.simulation.references import Steps
+from workbench.simulation.simulate import memory_names
+from workbench.study.axis_values import are_names, shown_unit
+from workbench.study.checks.rotation import rotation_warning
+from workbench.study.layers import MACHINE
+from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
+from workbench.study.report.schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
+from workbench.study.report.table_layout import LayoutError, lay_out
+from workbench.study.resolve import Resolved
+from workbench.study.sections import Checked, Overlay, overlays_of, sections_of
+from workbench.study.store import INDEX
+from workbench.study.study import Case, Study, check_name, located, named
+from workbench.toml.reading import Key
+from workbench.toml.units import QuantityError
+
+MEMORY = "controller_"
+"""What the names of signals of a controller's state begin with."""
+
+CLOSE = 0.85
+"""Likeness above which such a name is a slip of the pen: they all begin alike."""
+
+
+WINDOWED = ("rms_error_m", "max_error_m")
+"""Figures of all that comes after the transient."""
+
+REACH_INSTANTS = 10_001
+"""At most so many instants tell how far a reference goes."""
+
+
+@dataclass(frozen=True)
+class Checks:
+    """A study with what its cases resolve to, and the columns that its results will have."""
+
+    study: Study
+    cases: Sequence[Case]
+    resolved: Sequence[Resolved]
+    axes: Sequence[str]
+    figures: Sequence[str]
+
+    @cached_property
+    def columns(self) -> list[str]:
+        """All columns but those of probes that clash."""
+        return [*self.axes, *self.figures, *self.study.file.probes]
+
+    @cached_property
+    def signals(self) -> list[list[str]]:
+        """Names of the signals of each case."""
+        return [
+            signals_of(item.setup.plant, item.setup.loop.controller, item.setup.reference is not None)
+            for item in self.resolved
+        ]
+
+    def all(self) -> None:
+        """Raise UserError for the first mistake."""
+        self._probes()
+        for i, name in enumerate(self.study.file.records):
+            self._signal(("records", i), name, range(len(self.cases)))
+        for kind in ("tables", "figures", "break_even"):
+            names = [item.name for item in getattr(self.study.file, kind)]
+            for i, name in enumerate(names):
+                if name in names[:i]:
+                    raise self.study.error((kind, i, "name"), f'"{name}" is taken: expected another name')
+        for i, table in enumerate(self.study.file.tables):
+            self._table(("tables", i), table)
+        for i, figure in enumerate(self.study.file.figures):
+            self._figure(("figures", i), figure)
+        for i, even in enumerate(self.study.file.break_even):
+            self._break_even(("break_even", i), even)
+        for section, table in sections_of(self.study):
+            section.check(table, self._checked)
+        self.without_use()
+
+    @property
+    def _checked(self) -> Checked:
+        """What the sections of other questions are handed."""
+        return Checked(self.study, self.cases, self.resolved, self.axes)
+
+    def _signal(self, key: Key, name: str, cases: Sequence[int]) -> None:
+        """`name` has to be a signal of at least one of the cases at these places."""
+        known = dict.fromkeys(signal for i in cases for signal in self.signals[i])
+        if name in known:
+            return
+        if not name.startswith(MEMORY):
+            raise self.study.error(key, f'unknown signal "{name}"; {nearest(name, known)}')
+        said = {}
+        for i in cases:
+            controller = self.resolved[i].setup.loop.controller
+            own = ", ".join(memory_names(controller)) or "none"
+            said[f'"{named(self.cases[i], "controller")}" (type {controller.name})'] = own
+        owners = "; ".join(f"controller {who} has {own}" for who, own in said.items())
+        close = get_close_matches(name, [signal for signal in known if signal.startswith(MEMORY)], n=1, cutoff=CLOSE)
+        hint = f'did you mean "{close[0]}"? ' if close else ""
+        raise self.study.error(key, f'no signal "{name}" here; {hint}{owners}')
+
+    def _unit(self, key: Key, unit: str, shown: str) -> None:
+        try:
+            shown_factor(unit, shown)
+        except QuantityError as error:
+            raise self.study.error(key, str(error)) from None
+
+    def _probes(self) -> None:
+        taken = {name.casefold() for name in (INDEX, *self.axes, *self.figures)}
+        for name, probe in self.study.file.probes.items():
+            if name.casefold() in taken:
+                raise self.study.error(("probes", name), "the results have a column of this name already")
+            taken.add(name.casefold())
+            for case in probe.cases:
+                check_name(self.study, ("probes", name, "cases"), "case", case, self.study.file.cases)
+            probed = [i for i, case in enumerate(self.cases) if not probe.cases or case.name in probe.cases]
+            self._signal(("probes", name, "signal"), probe.signal, probed)
+            if probe.event is not None:
+                self._signal(("probes", name, "event"), probe.event, probed)
+
+    def _chosen(self, key: Key, where: Mapping[str, Any], *, one: bool) -> list[int]:
+        """Places of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
+        for name in where:
+            check_name(self.study, (*key, "where", name), "column", name, self.columns)
+        asked = {name: value for name, value in where.items() if name in self.axes}
+        found = [i for i, case in enumerate(self.cases) if matches(case.columns, asked)]
+        if not found or (one and len(found) > 1 and len(asked) == len(where)):
+            what = f"{'no' if not found else len(found)} case{'s' * (len(found) > 1)}"
+            wanted = f" {'has' if len(found) < 2 else 'have'} {in_words(asked)}" if asked else " to choose from"
+            raise self.study.error((*key, "where"), f"{what}{wanted}, expected {'one' if one else 'at least one'}")
+        return found
+
+    def _published(self, key: Key, values: Iterable[str], axis: str) -> None:
+        numeric = not are_names(self._values(axis))
+        for value in values:
+            if numeric and are_names([value]):
+                raise self.study.error((*key, "published"), f'got "{value}", expected a number as {axis} has them')
+
+    def _values(self, axis: str) -> list[Any]:
+        """What the cases have on an axis."""
+        return [case.columns[axis] for case in self.cases if axis in case.columns]
+
+    def _table(self, key: Key, table: TableSpec) -> None:
+        if table.index is not None:
+            check_name(self.study, (*key, "index"), "axis", table.index, self.columns)
+            self._chosen(key, table.where, one=False)
+        if table.across is not None:
+            check_name(self.study, (*key, "across"), "axis", table.across, self.axes)
+        forms: dict[str, Sequence[Column | Row]] = {"columns": table.columns, "rows": table.rows}
+        for form, items in forms.items():
+            for i, item in enumerate(items):
+                place = (*key, form, i)
+                check_name(self.study, (*place, "result"), "figure", item.result, self.columns)
+                self._unit((*place, "unit"), unit_of_column(item.result), item.unit)
+        for i, row in enumerate(table.rows):
+            self._chosen((*key, "rows", i), {**table.where, **row.where}, one=True)
+        for i, column in enumerate(table.columns):
+            self._chosen((*key, "columns", i), {**table.where, **column.where}, one=False)
+            self._published((*key, "columns", i), column.published, str(table.index))
+        if table.index in self.axes and {*table.where, *(k for c in table.columns for k in c.where)} <= {*self.axes}:
+            try:
+                lay_out(table, [case.columns for case in self.cases], self.axes)
+            except LayoutError as error:
+                raise self.study.error((*key, *error.key), str(error)) from None
+
+    def _break_even(self, key: Key, even: BreakEvenTable) -> None:
+        check_name(self.study, (*key, "axis"), "axis", even.axis, self.axes)
+        self._chosen(key, even.where, one=False)
+        for i, account in enumerate(even.accounts):
+            for j, name in enumerate(account.columns):
+                check_name(self.study, (*key, "accounts", i, "columns", j), "figure", name, self.figures)
+
+    @cached_property
+    def _overlays(self) -> list[Overlay]:
+        """Measured curves that figures can draw."""
+        return overlays_of(self.study)
+
+    def _figure(self, key: Key, figure: FigureSpec) -> None:
+        for i, panel in enumerate(figure.panels):
+            if panel.measured_rpm is not None and not self._overlays:
+                message = "there is no [friction_curves] with a file of measured curves"
+                raise self.study.error((*key, "panels", i, "measured_rpm"), message)
+            for j, curve in enumerate(panel.curves):
+                place = (*key, "panels", i, "curves", j)
+                if panel.x in self.columns:
+                    self._curve_of_results(place, panel, curve)
+                else:
+                    self._curve_of_signals(place, panel, curve)
+
+    def _curve_of_results(self, key: Key, panel: Panel, curve: Curve) -> None:
+        check_name(self.study, (*key, "y"), "figure", curve.y, self.columns)
+        self._chosen(key, curve.where, one=False)
+        self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
+        try:
+            if panel.x in self.axes:
+                shown_unit(panel.x, self._values(panel.x), panel.x_unit)
+            elif panel.x_unit is not None:
+                shown_factor(unit_of_column(panel.x), panel.x_unit)
+        except QuantityError as error:
+            raise self.study.error((*key[:4], "x" if panel.x_unit is None else "x_unit"), str(error)) from None
+        self._published(key, curve.published, panel.x)
+
+    def _curve_of_signals(self, key: Key, panel: Panel, curve: Curve) -> None:
+        for name in curve.where:
+            check_name(self.study, (*key, "where", name), "axis", name, self.axes)
+        case = self._chosen(key, curve.where, one=True)[0]
+        units = signal_units()
+        x_unit = units.get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+        for coordinate, name, shown in (("x", curve.x or panel.x, x_unit), ("y", curve.y, panel.y_unit)):
+            place = key if coordinate == "y" or curve.x else key[:4]
+            self._signal((*place, coordinate), name, [case])
+            self._unit((*key[:4], f"{coordinate}_unit"), units.get(name, "1"), shown)
+
+    def warnings(self) -> list[str]:
+        """What may be meant, and seldom is: far references, too little after the transient, rotations not held."""
+        found = dict.fromkeys(
+            line for section, table in sections_of(self.study) for line in section.warnings(table, self._checked)
+        )
+        seen: set[str] = set()
+        for case, item in zip(self.cases, self.resolved, strict=True):
+            turned = repr((case.tables["plant"], item.setup.rotation_speed, item.belief, item.setup.sample_time))
+            if turned not in seen:
+                seen.add(turned)
+                if message := rotation_warning(case, item):
+                    found[str(located(self.study, case, ("plant", "rotation"), message))] = None
+            name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
+            point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
+            if item.signal is None or repr(point) in seen:
+                continue
+            seen.add(repr(point))
+            if item.setup.reference is not None and (reach := _reach(item)) > 0.5 * travel:
+                message = f"reaches {reach:g} m, the stroke ends at +-{0.5 * travel:g} m"
+                found[str(located(self.study, case, ("references", name), message))] = None
+            period, left = item.signal.period, item.setup.duration - item.transient
+            if item.setup.reference is not None and period is not None and whole_periods(left, period) == 0:
+                message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
+                found[str(located(self.study, case, ("simulation", "duration"), message))] = None
+            if self._errors_are_asked_for and (jump := _last_jump(item)) is not None and jump < item.transient:
+                message = (
+                    f'"{name}" jumps for the last time at {jump:g} s, and the transient of {item.transient:g} s leaves '
+                    f"nothing of that to {' and '.join(WINDOWED)}; shorten it, or ask for steady-state errors"
+                )
+                found[str(located(self.study, case, ("simulation", "transient"), message))] = None
+        return list(found)
+
+    @cached_property
+    def _errors_are_asked_for(self) -> bool:
+        """Whether a table asks for the errors after the transient; without tables any figure may be meant."""
+        tables = self.study.file.tables
+        asked = {one.result for table in tables for one in table.columns}
+        asked |= {one.result for table in tables for one in table.rows}
+        return not tables or not asked.isdisjoint(WINDOWED)
+
+    def without_use(self) -> None:
+        """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads.
+
+        What a machine says is no mistake: it is whole, whichever of its plants a study asks for.
+        """
+        without: dict[Key, tuple[Case, str]] = {}
+        used: set[Key] = set()
+        for case, item in zip(self.cases, self.resolved, strict=True):
+            for key, message in {**_plant_settings(case, item), **_controller_settings(case, item)}.items():
+                if message:
+                    without.setdefault(key, (case, message))
+                else:
+                    used.add(key)
+        for key, (case, message) in without.items():
+            if key not in used and not self._of_machine(case, key):
+                raise located(self.study, case, key, message)
+
+    def _of_machine(self, case: Case, key: Key) -> bool:
+        """Whether the machine of a case says this."""
+        table: Any = self.study.file.machines.get(str(case.axes.get(MACHINE.axis)), {})
+        for part in key:
+            if not isinstance(table, Mapping) or part not in table:
+                return False
+            table = table[str(part)]
+        return True
+
+
+def _reach(item: Resolved) -> float:
+    """Largest magnitude (m) of a case's reference."""
+    setup = item.setup
+    instants = min(round(setup.duration / setup.sample_time) + 1, REACH_INSTANTS)
+    return (
+        float(np.max(np.abs(setup.reference(np.linspace(0.0, setup.duration, instants))[0])))
+        if setup.reference
+        else 0.0
+    )
+
+
+def _last_jump(item: Resolved) -> float | None:
+    """When steps jump for the last time within a case (s)."""
+    reference = item.setup.reference
+    return reference.dwells(item.setup.duration)[-1][0] if isinstance(reference, Steps) else None
+
+
+def _family(case: Case, plant: Plant) -> list[Plant]:
+    """The plants that the model of a case stands for."""
+    if case.tables["plant"].get("model") != "by_rpm":
+        return [plant]
+    return [plants()["non_rotating"], plants()["rotating_helical"]]
+
+
+def _plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
+    family = _family(case, item.setup.plant)
+    names = {field.name for plant in family for field in fields(plant.Parameters)} - {FLOW_SHARE}
+    found = {}
+    for key, applies in _applies(case, family, names).items():
+        found[key] = ""
+        if not applies:
+            hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
+            found[key] = f'plant "{family[0].name}" has no use for it; {hint}'
+    return found
+
+
+def _controller_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting that a case's controller is given: why it changes nothing, "" if it does."""
+    name = named(case, "controller")
+    reasons = idle(item.setup.loop.controller, item.settings)
+    table = case.tables["controllers"][name]
+    return {("controllers", name, key): reasons.get(key, "") for key in table if key != "type"}
+
+
+def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dict[Key, bool]:
+    """The settings of a case's plant and belief, and whether they mean something to it."""
+    table = case.tables["plant"]
+    rotates = any(plant.rotary_command is not None for plant in family)
+    valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))
+    features = {"bristle": rotates, "inertia": rotates, "rotation": rotates, "start": rotates, "flow": valve}
+    features |= {"motor": rotates, "motor_limits": rotates}
+    features["command"] = table["model"] == "drive"
+    found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
+    for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):
+        for name in case.tables[section[0]].get(section[1], {}):
+            found[(*section, name)] = name in names
+    return found

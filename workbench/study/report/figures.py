@@ -1,0 +1,164 @@
+"""Figures of a study: signals over time, signal against signal, figures of the results over an axis.
+
+Each is written as PDF (for a thesis), SVG (for a page) and PNG.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from workbench.errors import UserError
+from workbench.publish.pictures import save
+from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
+from workbench.publish.tables import shown_number, with_unit
+from workbench.study.axis_values import are_names, numbers, shown_unit
+from workbench.study.names import shown_factor, signal_units, unit_of_column
+from workbench.study.report.schema import Curve, FigureSpec, Panel
+from workbench.study.report.select import rows, trajectory
+from workbench.study.sections import Overlay
+
+BELOW_LABELS = 30.0
+"""Points below a panel at which its note stands."""
+
+
+def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[Overlay] = ()) -> Figure:
+    """Draw a figure from the results and trajectories in `folder`, over `measured` friction where it asks for it.
+
+    Raises:
+        UserError: a curve picks no case or several, or its trajectory was not kept.
+    """
+    with figure_style():
+        figure = Figure(figsize=(WIDTH, PANEL_HEIGHT * len(spec.panels) + 0.4))
+        FigureCanvasAgg(figure)
+        figure.suptitle(spec.title)
+        for axes, panel in zip(figure.subplots(len(spec.panels), squeeze=False)[:, 0], spec.panels, strict=True):
+            _draw_panel(axes, panel, frame, folder, spec.name, measured)
+        return figure
+
+
+def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[Overlay] = ()) -> list[Path]:
+    """Draw a figure of the results in `folder` and write it to its folder `figures`."""
+    return save(draw(spec, frame, folder, measured), spec.name, folder / "figures")
+
+
+def _draw_panel(
+    axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[Overlay]
+) -> None:
+    number, x_unit = -1, _x_unit(panel, frame)
+    first_dash = int(any(curve.style == "reference" for curve in panel.curves))
+    if panel.measured_rpm is not None:
+        _draw_measured(axes, panel, x_unit, measured)
+    for name_of_level, level in panel.levels.items():
+        axes.axhline(level, **REFERENCE, label=name_of_level)
+    for i, curve in enumerate(panel.curves):
+        labelled = any(earlier.label for earlier in panel.curves[:i])
+        continued = labelled and not curve.label  # it goes on with the line before it
+        number += curve.style != "reference" and not continued
+        style = dict(REFERENCE) if curve.style == "reference" else line_style(number, first_dash)
+        if curve.style == "points":
+            style |= {"linestyle": "none", "marker": marker(number)}
+        if panel.x in frame.columns:
+            _draw_column(axes, panel, x_unit, curve, frame, number, style)
+        else:
+            table = trajectory(folder, frame, curve.where, f"figure {name}")
+            _draw_signal(axes, panel, x_unit, curve, table, style)
+    if panel.title:
+        axes.set_title(panel.title)
+    axes.set_xlabel(with_unit(panel.x_label, x_unit))
+    axes.set_ylabel(with_unit(panel.y_label, panel.y_unit))
+    if panel.x_range:
+        axes.set_xlim(*panel.x_range)
+    if panel.y_range:
+        axes.set_ylim(*panel.y_range)
+    if panel.note:
+        below: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": "small"}
+        axes.annotate(panel.note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
+    if panel.levels or panel.measured_rpm is not None or any(curve.label for curve in panel.curves):
+        beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
+        placed: dict[str, Any] = beside if panel.legend == "outside" else {"loc": panel.legend}
+        axes.legend(**placed)
+
+
+def _x_unit(panel: Panel, frame: pd.DataFrame) -> str:
+    """The unit in which a panel's x is shown."""
+    if panel.x in frame.columns:
+        return shown_unit(panel.x, frame[panel.x].dropna().tolist(), panel.x_unit)
+    return signal_units().get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+
+
+def _draw_measured(axes: Axes, panel: Panel, x_unit: str, measured: Sequence[Overlay]) -> None:
+    x_scale, y_scale = shown_factor("m/s", x_unit), shown_factor("N", panel.y_unit)
+    for number, curve in enumerate(curve for curve in measured if curve.rpm == panel.measured_rpm):
+        axes.plot(curve.x * x_scale, curve.y * y_scale, label=None if number else "measured", **REFERENCE)
+
+
+def _draw_signal(
+    axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.DataFrame, style: dict[str, Any]
+) -> None:
+    x_name, units = curve.x or panel.x, signal_units()
+    for name in (x_name, curve.y):
+        if name not in table:
+            raise UserError(f'the plant of that case has no signal "{name}"')
+    time = table["time"].to_numpy()
+    window = (time >= panel.start) & (time <= (panel.end if panel.end is not None else np.inf))
+    x = table[x_name].to_numpy()[window] * shown_factor(units.get(x_name, "1"), x_unit)
+    y = table[curve.y].to_numpy()[window] * shown_factor(units.get(curve.y, "1"), panel.y_unit)
+    label = curve.label
+    if curve.fit and np.unique(x).size > FITS[curve.fit]:  # else too little is left of a run that ended early
+        label = f"{label}\n{_fit(axes, x, y, curve.fit, style['color'])}".lstrip("\n")
+    axes.plot(x, y, label=label or None, **style)
+
+
+FITS = {"line": 1, "cubic": 3}
+DIGITS = 4
+"""Significant digits of what a fit says."""
+
+
+def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> str:
+    """Draw the least-squares polynomial of y on x; returns it in words, with R^2.
+
+    Terms that move y nowhere by one unit of the last digit shown are left out.
+    """
+    polynomial = np.polynomial.Polynomial.fit(x, y, FITS[kind])
+    grid = np.linspace(np.min(x), np.max(x), 200)
+    axes.plot(grid, polynomial(grid), color=colour, linewidth=0.8, alpha=0.6)
+    reach, visible = float(np.max(np.abs(x))), 10.0**-DIGITS * float(np.max(np.abs(y)))
+    formula = ""
+    for power, coefficient in reversed(list(enumerate(polynomial.convert().coef.tolist()))):
+        if abs(coefficient) * reach**power > visible:
+            variable = "" if power == 0 else " x" if power == 1 else f" x$^{power}$"
+            formula += f"{' - ' if coefficient < 0.0 else ' + '}{shown_number(abs(coefficient), DIGITS)}{variable}"
+    formula = f"-{formula[3:]}" if formula.startswith(" -") else formula[3:]
+    scatter = float(np.sum((y - np.mean(y)) ** 2))
+    quality = f",  R$^2$ = {1.0 - float(np.sum((y - polynomial(x)) ** 2)) / scatter:.4f}" if scatter else ""
+    return f"y = {formula or '0'}{quality}"
+
+
+def _draw_column(
+    axes: Axes, panel: Panel, x_unit: str, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
+) -> None:
+    found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
+    scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
+    names = are_names(frame[panel.x].dropna().tolist())
+
+    def placed(values: Sequence[Any]) -> Sequence[Any]:
+        return values if names else numbers(panel.x, values, x_unit)
+
+    x = placed(found[panel.x].tolist())
+    axes.plot(x, found[curve.y] * scale, label=curve.label or None, **{"marker": marker(number), **style})
+    if curve.published:
+        axes.plot(
+            placed(list(curve.published)),
+            list(curve.published.values()),
+            linestyle="none",
+            marker="x",
+            markersize=7,
+            color=COLOURS[-1],
+            label="published",
+        )

@@ -1,0 +1,99 @@
+"""Limit cycles of a study's results, each beside what the describing function predicts for its loop."""
+
+import math
+from pathlib import Path
+
+import pandas as pd
+
+from controllers.pid import PID
+from plants.equation import fields
+from plants.friction import Friction
+from workbench.linear.describing_function import Prediction, predict
+from workbench.publish.tables import shown_number
+from workbench.simulation.simulate import Setup
+from workbench.study.runner import Plan
+
+NAME = "limit_cycles"
+TITLE = "Limit cycles: simulated against describing function"
+NOTE = (
+    "Peak to peak and period of each simulated cycle, sustained, decaying or too short to tell, and of the describing "
+    "function for a PID with friction as a static function of velocity; error: predicted less simulated, for sustained "
+    "cycles. It knows neither sticking nor presliding: the simulation decides. It does not apply to other controllers "
+    "than a PID."
+)
+FOUND, NOT_FOUND, NOT_ASKED = "predicted", "none predicted", "does not apply"
+DIGITS = 4
+MM = 1e3
+
+
+def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
+    """One row for each case of `frame` with a limit cycle, as text; empty without any.
+
+    `frame` holds the results of `planned`, its index that of the cases.
+    """
+    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(
+        subset="limit_cycle_amplitude_m"
+    )
+    lines = []
+    for index, row in cycling.iterrows():
+        number = int(str(index))
+        setup = planned.resolved[number].setup
+        asked = _applies(setup)
+        prediction, lasting = _predicted(setup) if asked else None, row["limit_cycle"] == "sustained"
+        lines.append(
+            {
+                **{name: _cell(row[name]) for name in planned.axes},
+                "verdict": row["limit_cycle"],
+                "describing function": FOUND if prediction else NOT_FOUND if asked else NOT_ASKED,
+                **_beside(
+                    "peak to peak", "mm", row["limit_cycle_amplitude_m"] * MM, prediction, "amplitude", MM, lasting
+                ),
+                **_beside("period", "s", row["limit_cycle_period_s"], prediction, "period", 1.0, lasting),
+            }
+        )
+    return pd.DataFrame(lines)
+
+
+def _applies(setup: Setup) -> bool:
+    """Whether a PID holds a mass with a contact that follows the LuGre law."""
+    friction = getattr(setup.parameters, "friction", None)
+    pushed = "disturbance_force" in [item.name for item in fields(setup.plant.Inputs)]
+    return setup.loop.controller is PID and isinstance(friction, Friction) and pushed
+
+
+def _predicted(setup: Setup) -> Prediction | None:
+    """The prediction for a run under a PID, the rod turning at its wanted speed."""
+    motor = getattr(setup.parameters, "motor", None)
+    surface_speed = setup.rotation_speed * motor.piston_radius if motor is not None else 0.0
+    return predict(setup.plant, setup.parameters, setup.loop.gains, surface_speed)
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _beside(
+    label: str, unit: str, simulated: float, prediction: Prediction | None, name: str, factor: float, lasting: bool
+) -> dict[str, str]:
+    """A figure of the cycle as simulated and as predicted, with the error of the prediction for a `lasting` one."""
+    number = None if prediction is None else getattr(prediction, name) * factor
+    return {
+        f"{label} ({unit}), simulated": shown_number(simulated, DIGITS),
+        f"{label} ({unit}), predicted": "" if number is None else shown_number(number, DIGITS),
+        f"{label}, error (%)": ""
+        if number is None or not lasting
+        else f"{100.0 * (number - simulated) / simulated:+.1f}",
+    }
+
+
+def write_limit_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> Path:
+    """Write tables/limit_cycles.csv and .md of results that hold limit cycles; returns the .md."""
+    table = limit_cycle_table(planned, frame)
+    csv, markdown = (folder / "tables" / f"{NAME}.{ending}" for ending in ("csv", "md"))
+    csv.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(csv, index=False, lineterminator="\n")
+    body = table.to_markdown(index=False, disable_numparse=True)
+    markdown.write_text("\n\n".join([f"**{TITLE}**", body, NOTE]) + "\n", encoding="utf-8")
+    return markdown

@@ -1,0 +1,185 @@
+"""What a study file may ask of its results: probes, tables, figures, and pages."""
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from workbench.toml.quantities import Second
+from workbench.toml.reading import Strict
+
+
+class Probe(Strict):
+    """[probes.NAME]: one more figure of each run, a column of that name behind the others (SI).
+
+    Events are upward crossings of the signal `event` through `event_level`: `interval` is the mean time between
+    them, `change` the mean change of `signal` from one to the next; every other figure is taken from the first to
+    the last event where there are events, else over the window of the metrics. `share_below` is the share of time
+    in which |signal| is below `level`; `decay_rate` (1/s) that at which the signal approaches its final value.
+    """
+
+    signal: str
+    take: Literal[
+        "maximum", "minimum", "peak_to_peak", "mean", "rms", "final", "share_below", "decay_rate", "interval", "change"
+    ]
+    level: float | None = None
+    event: str | None = None
+    event_level: float = 0.0
+    cases: list[str] = []
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Probe":
+        if (self.take == "share_below") != (self.level is not None):
+            raise ValueError("level belongs to take = share_below, which needs one")
+        if self.take in ("interval", "change") and self.event is None:
+            raise ValueError(f'take = "{self.take}" needs an event')
+        return self
+
+
+class Column(Strict):
+    """One column of a table over an axis: a figure of the results, beside its published values by axis value.
+
+    `where` picks its cases among those of the table, as where columns come from different references. What is smaller
+    than `least`, a number in the unit shown, or an error than its solver error, is shown as "< least".
+    """
+
+    result: str
+    label: str
+    unit: str = "1"
+    digits: int = 4
+    published: dict[str, float] = {}
+    where: dict[str, Any] = {}
+    least: float = Field(0.0, ge=0.0)
+
+
+class Row(Strict):
+    """One row of a table of single figures."""
+
+    where: dict[str, Any] = {}
+    result: str
+    label: str
+    unit: str = "1"
+    digits: int = 4
+    published: float | None = None
+    remark: str = ""
+    least: float = Field(0.0, ge=0.0)
+
+
+class TableSpec(Strict):
+    """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both.
+
+    `compared_with` heads the values under `published`: "reference" where they come from a formula or from another
+    computation and are printed nowhere. With `across`, another axis, the values of one column stand side by side, each
+    with its place among its neighbours above and below (none with `places` = false): the smallest in magnitude first, a
+    power by its value; those below what is told apart share a place.
+    """
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    source: str = ""
+    note: str = ""
+    compared_with: Literal["published", "reference"] = "published"
+    index: str | None = None
+    index_label: str = ""
+    across: str | None = None
+    places: bool | None = None
+    where: dict[str, Any] = {}
+    columns: list[Column] = []
+    rows: list[Row] = []
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "TableSpec":
+        if bool(self.rows) == bool(self.columns) or bool(self.columns) != (self.index is not None):
+            raise ValueError("expected index with columns, or rows")
+        if self.across is not None and (len(self.columns) != 1 or self.columns[0].published):
+            raise ValueError("across: expected index with one column, without published values")
+        if self.places is not None and self.across is None:
+            raise ValueError("places: belongs to a table with across")
+        headings = [(column.label, column.unit) for column in self.columns]
+        if len(set(headings)) < len(headings):
+            raise ValueError("two columns have the same label: expected different ones")
+        return self
+
+
+class Curve(Strict):
+    """One line of a panel: a signal of the run that `where` picks, or a column of the results over an axis.
+
+    One without a label, behind one that has a label, goes on with the line before it: the same of another run.
+    """
+
+    y: str
+    x: str | None = None
+    where: dict[str, Any] = {}
+    label: str = ""
+    fit: Literal["line", "cubic"] | None = None
+    published: dict[str, float] = {}
+    style: Literal["line", "points", "reference"] = "line"
+
+
+class Panel(Strict):
+    """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them.
+    Without `x_unit` it is that of the signal, of the column, or of the axis as the study writes its values.
+
+    `measured_rpm` draws the measured friction of [friction_curves] at that speed of rotation under signals over
+    velocity; how far each of them is off it goes to the table `validation`.
+    """
+
+    title: str = ""
+    x: str = "time"
+    x_label: str
+    y_label: str
+    x_unit: str | None = None
+    y_unit: str = "1"
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    start: Second = 0.0
+    end: Second | None = None
+    legend: Literal[
+        "best",
+        "upper left",
+        "upper center",
+        "upper right",
+        "center left",
+        "center",
+        "center right",
+        "lower left",
+        "lower center",
+        "lower right",
+        "outside",
+    ] = "best"
+    levels: dict[str, float] = {}
+    measured_rpm: float | None = None
+    note: str = ""
+    curves: list[Curve] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _measured_over_velocity(self) -> "Panel":
+        if self.measured_rpm is not None and self.x != "velocity":
+            raise ValueError('measured_rpm draws measured friction over velocity: expected x = "velocity"')
+        return self
+
+
+class FigureSpec(Strict):
+    """[[figures]]: panels one above the other."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    source: str = ""
+    panels: list[Panel] = Field(min_length=1)
+
+
+class Account(Strict):
+    """One way to count: the sum of columns of the results."""
+
+    label: str
+    columns: list[str] = Field(min_length=1)
+
+
+class BreakEvenTable(Strict):
+    """[[break_even]]: where along the axis the sum of some columns is less than at its first value, by each account."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    title: str
+    axis: str = "rpm"
+    where: dict[str, Any] = {}
+    accounts: list[Account] = Field(min_length=1)
+    note: str = ""

@@ -1,0 +1,173 @@
+"""Thesis-style tables: ours beside the published value and the difference, as CSV, Markdown and LaTeX (booktabs)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.errors import UserError
+from workbench.publish.tables import (
+    REMARK,
+    shown_number,
+    with_unit,
+    write_frame,
+)
+from workbench.study.names import matches, shown_factor, unit_of_column
+from workbench.study.report.schema import Column, Row, TableSpec
+from workbench.study.report.select import one_row, rows
+from workbench.study.report.table_layout import Heading, LayoutError, lay_out
+
+OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
+
+SOLVER_ERROR = "solver_error_m"
+
+
+def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    """The table of a spec, as text ready to be shown. A figure that does not apply is empty.
+
+    Raises:
+        UserError: a row asks for a case that does not exist, or a place of the table for two cases.
+    """
+    return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
+
+
+def _shown(row: Mapping[str, Any], figure: Column | Row) -> tuple[str, float | None]:
+    """A figure of a case as text in the unit shown, and as a number in it if it is one."""
+    value = row[figure.result]
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "", None
+    if isinstance(value, str):
+        return value, None
+    number = float(value) * shown_factor(unit_of_column(figure.result), figure.unit)
+    floor = _floor(row, figure)
+    return (f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)), number
+
+
+def _floor(row: Mapping[str, Any], figure: Column | Row) -> float:
+    """The magnitude, in the unit shown, below which a figure of a case says nothing."""
+    solver_error = row.get(SOLVER_ERROR) if figure.result.endswith("_error_m") else None
+    if figure.result == SOLVER_ERROR or solver_error is None or math.isnan(solver_error):
+        return figure.least
+    return max(figure.least, float(solver_error) * shown_factor("m", figure.unit))
+
+
+def _compared(number: float | None, published: float | None, digits: int, heading: str) -> dict[str, str]:
+    """The published (or reference) value under its heading, and how far ours is from it."""
+    if number is None or published is None:
+        return {heading: "" if published is None else f"{published:g}", DIFFERENCE: "", PERCENT: ""}
+    difference = number - published
+    percent = f"{100.0 * difference / published:+.2f}" if published else ""
+    sign = "+" if difference > 0.0 else ""
+    return {
+        heading: f"{published:g}",
+        DIFFERENCE: sign + shown_number(difference, min(digits, 3)),
+        PERCENT: "0.00" if percent in ("+0.00", "-0.00") else percent,
+    }
+
+
+def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    for column in spec.columns:
+        rows(frame.head(0), {**spec.where, **column.where})  # names that the results lack are told
+    records = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    try:
+        layout = lay_out(spec, records, axes)
+    except LayoutError as error:
+        raise UserError(f"table {spec.name}: {error}") from None
+    several = sum(bool(column.published) for column in spec.columns) > 1
+    headed = {spec.index: spec.index_label or str(spec.index)}
+    table = pd.DataFrame(
+        [{headed.get(name, name): _label(value) for name, value in line.values.items()} for line in layout.lines]
+    )
+    for number, heading in enumerate(layout.headings):
+        places = [line.cases[number] for line in layout.lines]
+        cases = [None if place is None else records[place] for place in places]
+        found = _cells(spec, heading, cases, [line.values[str(spec.index)] for line in layout.lines], several)
+        table = pd.concat([table, pd.DataFrame(found)], axis=1)
+    return table
+
+
+def _cells(
+    spec: TableSpec,
+    heading: Heading,
+    cases: Sequence[Mapping[str, Any] | None],
+    values: Sequence[Any],
+    several: bool,
+) -> list[dict[str, str]]:
+    """What stands under a heading, line by line: a figure with its place, or beside its published value."""
+    column = heading.column
+    shown = [("", None) if case is None else _shown(case, column) for case in cases]
+    label = column.label if heading.across is None else f"{column.label}, {_label(heading.across)}"
+    title = with_unit(label, column.unit)
+    if heading.across is not None and spec.places is not False:
+        return [{title: text} for text in _placed(column, shown, cases)]
+    if not column.published:
+        return [{title: text} for text, _ in shown]
+    found = []
+    for (text, number), value in zip(shown, values, strict=True):
+        beside = _compared(number, _published(column, value), column.digits, spec.compared_with)
+        cells = {f"{column.label}, {name}" if several else name: cell for name, cell in beside.items()}
+        found.append({f"{title}, {OURS}": text} | cells)
+    return found
+
+
+def _placed(
+    column: Column, shown: Sequence[tuple[str, float | None]], cases: Sequence[Mapping[str, Any] | None]
+) -> list[str]:
+    """Figures with their places: the smallest in magnitude first, a power by its value; what says nothing is 0."""
+    sizes = [
+        None if number is None or case is None else _size(column, number, _floor(case, column))
+        for (_, number), case in zip(shown, cases, strict=True)
+    ]
+    places = pd.Series(sizes, dtype=float).rank(method="min")
+    texts = [text for text, _ in shown]
+    return [text if math.isnan(place) else f"{text} ({place:.0f})" for text, place in zip(texts, places, strict=True)]
+
+
+def _size(column: Column, number: float, floor: float) -> float:
+    """By what a figure is ordered."""
+    if abs(number) < floor:
+        return 0.0
+    return number if unit_of_column(column.result) == "W" else abs(number)
+
+
+def _published(column: Column, value: Any) -> float | None:
+    """The published figure at this value of the axis."""
+    return next((number for key, number in column.published.items() if matches({"": value}, {"": key})), None)
+
+
+def _label(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
+    lines = [_single(spec, row, frame) for row in spec.rows]
+    table = pd.DataFrame(lines)
+    return table.drop(columns=[name for name in table.columns if not table[name].any()])
+
+
+def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
+    found = one_row(frame, {**spec.where, **row.where}, f'table {spec.name}, row "{row.label}"')
+    text, number = _shown({str(name): value for name, value in found.items()}, row)
+    return {
+        "quantity": row.label,
+        "unit": row.unit if row.unit != "1" else "",
+        OURS: text,
+        **_compared(number, row.published, row.digits, spec.compared_with),
+        REMARK: row.remark,
+    }
+
+
+def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
+    return write_frame(spec.name, spec.title, make_table(spec, frame), _notes(spec), folder)
+
+
+def _notes(spec: TableSpec) -> list[str]:
+    return [
+        text
+        for text in (f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else "", spec.note)
+        if text
+    ]

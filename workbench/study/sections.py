@@ -1,0 +1,139 @@
+"""Sections: the tables of a study file that belong to a question of their own, such as [tune].
+
+The package that answers the question declares the table and all that a study has to do with it, as one `Section`; here
+it has a name and a place. Another package brings its own by an entry point of the group `GROUP`.
+"""
+
+import importlib
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import pandas as pd
+from pydantic import create_model
+
+from workbench.errors import UserError
+from workbench.study.resolve import Resolved
+from workbench.study.schema import StudyFile
+from workbench.study.study import Case, Study
+from workbench.toml.reading import Strict
+
+T = TypeVar("T", bound=Strict)
+
+GROUP = "friction_workbench.sections"
+
+OURS = {
+    "comparison": "workbench.compare.section:COMPARISON",
+    "friction_curves": "workbench.friction_curves.section:FRICTION_CURVES",
+    "tune": "workbench.tune.section:TUNE",
+    "decide": "workbench.decide.section:DECIDE",
+}
+"""Where each section is declared. It is imported where a study has its table, and not before."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A study with its cases, what they resolve to, and the axes that tell them apart."""
+
+    study: Study
+    cases: Sequence[Case]
+    resolved: Sequence[Resolved]
+    axes: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Overlay:
+    """A measured curve that a figure of signals can draw under its own: at a speed of rotation (rpm), in SI."""
+
+    rpm: float
+    x: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True)
+class Again:
+    """Cases to be run once more, on so many draws that nothing was chosen on; `said` is who they are."""
+
+    wanted: Sequence[Mapping[str, object]]
+    draws: int
+    said: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section(Generic[T]):
+    """A table of a study file, and what the study has to do with it; each function is handed the table first.
+
+    Attributes:
+        name: of the table.
+        table: what may stand in it.
+        command: whose question it is. A study whose only question is not that of `run` has nothing to run.
+        check: raises UserError for the first mistake that only the cases show.
+        warnings: what may be meant, and seldom is.
+        describe: in lines what the command would do; raises UserError for any mistake in it.
+        overlays: measured curves for the study's figures.
+        again: which cases are run once more, from the results and from those of earlier rounds; None: no more.
+        tables: writes what is asked for of the results in a folder; returns the paths of Markdown tables.
+        pages: the same, for pages with all that is on them; returns the pages.
+    """
+
+    name: str
+    table: type[T]
+    command: str = "run"
+    check: Callable[[T, Checked], None] = lambda table, checked: None
+    warnings: Callable[[T, Checked], Iterable[str]] = lambda table, checked: ()
+    describe: Callable[[T, Study], Sequence[str]] = lambda table, study: ()
+    overlays: Callable[[T, Study], Sequence[Overlay]] = lambda table, study: ()
+    again: Callable[[T, pd.DataFrame, pd.DataFrame | None], Again | None] = lambda table, searched, fresh: None
+    tables: Callable[[T, Study, pd.DataFrame, Path], list[Path]] = lambda table, study, frame, folder: []
+    pages: Callable[[T, Study, pd.DataFrame, Path], list[Path]] = lambda table, study, frame, folder: []
+
+
+def places() -> dict[str, str]:
+    """Where every section is declared, by the name of its table; ours cannot be taken by others."""
+    return {**{point.name: point.value for point in entry_points(group=GROUP)}, **OURS}
+
+
+def load(name: str) -> Section[Any]:
+    """The section of that name.
+
+    Raises:
+        UserError: another package's, which cannot be used.
+    """
+    module, _, attribute = places()[name].partition(":")
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"[{name}]: {places()[name]} cannot be used ({error}); mend or uninstall its package") from None
+    if not isinstance(found, Section):
+        raise UserError(f"[{name}]: {places()[name]} is a {type(found).__name__}, expected a Section")
+    return found
+
+
+def file_model(used: Collection[str]) -> type[StudyFile]:
+    """What a study file may hold that has tables of these names: the study's own, and those of sections.
+
+    A section that is not `used` is known by its name alone, so that a slip of the pen finds it.
+    """
+    tables: dict[str, Any] = {name: (load(name).table | None if name in used else None, None) for name in places()}
+    return create_model("StudyFile", __base__=StudyFile, **tables)
+
+
+def sections_of(study: Study) -> list[tuple[Section[Any], Any]]:
+    """The sections of a study, each with its table."""
+    tables = {name: getattr(study.file, name, None) for name in places()}
+    return [(load(name), table) for name, table in tables.items() if table is not None]
+
+
+def overlays_of(study: Study) -> list[Overlay]:
+    """The measured curves that a study's figures can draw."""
+    return [curve for section, table in sections_of(study) for curve in section.overlays(table, study)]
+
+
+def other_command(study: Study) -> Section[Any] | None:
+    """The section that is all a study asks: it has no motions of its own, and nothing for `run`."""
+    if study.file.references or study.file.cases:
+        return None
+    return next((section for section, _ in sections_of(study) if section.command != "run"), None)

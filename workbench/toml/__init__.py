@@ -1,0 +1,1 @@
+"""TOML files and what stands in them: reading with every mistake told, quantities with units, gain files."""

@@ -1,0 +1,122 @@
+"""A gain file: a controller's tuned settings, which a study names, and how they were found.
+
+    [controllers.lugre]
+    gains = "tuned/{machine}/lugre.toml"
+
+`type` and the `settings` of an entry are what such a table may say itself; what stands beside `gains` goes before them.
+A file has one entry for all speeds of rotation, or one for each speed at which the controller was tuned; a case takes
+that of its rpm. `{machine}` stands for the case's value on the axis machine.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from workbench.errors import UserError
+from workbench.toml import reading as files
+from workbench.toml.reading import Strict
+
+KEY = "gains"
+"""The key of a controller's table that names a gain file."""
+
+MACHINE = "{machine}"
+"""What stands in the name of a gain file for the machine of a case."""
+
+SAME_RPM = 1e-6
+"""rpm within which two speeds are the same."""
+
+
+class MarginsTable(Strict):
+    """[at.margins]: of the loop, linearised while it slides at `speed`; the smallest over the cases."""
+
+    gain_margin_dB: float | None = None  # noqa: N815 - the unit's own spelling
+    phase_margin_deg: float | None = None
+    speed: str
+
+
+class Entry(Strict):
+    """[[at]]: the settings for one speed of rotation, `rpm`, or for all of them. A margin that is not there is
+    infinite. `objective` and `search` say how they were found, and by how much the seeds of the search differ.
+    """
+
+    rpm: float | None = None
+    settings: dict[str, float | str]
+    rotation: dict[str, float | str] = {}
+    objective: dict[str, Any]
+    margins: MarginsTable
+    search: dict[str, Any]
+
+
+class GainFile(Strict):
+    """A whole gain file."""
+
+    title: str
+    source: str
+    type: str
+    at: list[Entry] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _one_each(self) -> "GainFile":
+        speeds = [entry.rpm for entry in self.at]
+        if len(speeds) > 1 and (None in speeds or len(set(speeds)) < len(speeds)):
+            raise ValueError("several [[at]] entries: expected each to have an rpm of its own")
+        return self
+
+
+def is_gain_file(data: Mapping[str, Any]) -> bool:
+    """Whether the content of a file looks like one."""
+    return {"type", "at"} <= set(data)
+
+
+def read_gain_file(path: Path) -> GainFile:
+    """A gain file.
+
+    Raises:
+        UserError: unreadable, or not one.
+    """
+    data, text = files.read_toml(path)
+    return files.validate(GainFile, data, path, text)
+
+
+def entry_at(found: GainFile, rpm: float) -> Entry:
+    """The entry of a speed (rpm).
+
+    Raises:
+        UserError: there is none for it.
+    """
+    for entry in found.at:
+        if entry.rpm is None or abs(entry.rpm - rpm) <= SAME_RPM:
+            return entry
+    speeds = ", ".join(f"{entry.rpm:g}" for entry in found.at)
+    raise UserError(
+        f"was not tuned at {rpm:g} rpm, only at {speeds} rpm; tune it there too, or take one of these speeds"
+    )
+
+
+def with_gains(
+    table: Mapping[str, Any],
+    folder: Path,
+    rpm: float,
+    machine: str | None,
+    read: Callable[[Path], GainFile] = read_gain_file,
+) -> dict[str, Any]:
+    """A controller's table with what the gain file says that it names, relative to `folder`, for a speed (rpm) and a
+    machine.
+
+    Raises:
+        UserError: as `read_gain_file` and `entry_at`; a file by machine in a study without machines.
+    """
+    own = {key: value for key, value in table.items() if key != KEY}
+    name = str(table[KEY])
+    if MACHINE in name:
+        if machine is None:
+            raise UserError(f'"{name}" goes by machine, and this case has none; give the study an axis machine')
+        name = name.replace(MACHINE, machine)
+    found = read(folder / name)
+    try:
+        entry = entry_at(found, rpm)
+    except UserError as error:
+        raise UserError(f"{folder / name}: {error}") from None
+    return {"type": found.type, **entry.settings, **own}

@@ -1,0 +1,1 @@
+"""A finished tuning as a page, tables and figures."""

@@ -1,0 +1,184 @@
+"""What `workbench tune` leaves in its folder.
+
+tuned/NAME.toml            gains of each controller, as a study names them
+results.csv, trials.csv    a row a controller; a row a trial (SI)
+tuning.html, tables/, figures/
+results.sqlite             the trials, while they are found: a row a trial
+study.toml, run.json       the study, and what ran it; run.json is there only where all is
+"""
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workbench.errors import UserError
+from workbench.publish.folders import held, remove, write_whole
+from workbench.publish.pictures import save
+from workbench.publish.style import figure_style
+from workbench.publish.tables import write_frame
+from workbench.study.runner import PACKAGES, ran_on
+from workbench.study.store import DATABASE, STUDY_COPY, write_json
+from workbench.tune.gains import gain_files, history
+from workbench.tune.report.bode import bode_picture
+from workbench.tune.report.page import page
+from workbench.tune.report.panels import Picture, Pictures
+from workbench.tune.report.rows import row_of
+from workbench.tune.report.search import history_picture, importance_picture
+from workbench.tune.report.tables import Table, brief, tables_of
+from workbench.tune.report.traces import error_picture, step_picture, traces_of
+from workbench.tune.report.words import first_lines, infeasible_lines
+from workbench.tune.study import Tuning, identity_of
+from workbench.tune.task import tune_table
+
+GAINS, RESULTS, TRIALS, PAGE, RECORD = "tuned", "results.csv", "trials.csv", "tuning.html", "run.json"
+MOST_DRAWN = 24
+"""Tunings of which figures are drawn."""
+
+LAST = (PAGE, RECORD)
+"""What is there only where all is."""
+
+SAID = (GAINS, RESULTS, TRIALS, "tables", "figures")
+REPLACED = (STUDY_COPY, *SAID, *LAST, DATABASE)
+"""What a tuning may write, and replace; the database, which marks the folder as its own, last."""
+
+
+def open_folder(folder: Path, *, resume: bool, overwrite: bool) -> Path:
+    """Make the folder ready; returns where the trials go.
+
+    Raises:
+        UserError: it holds trials already, or files of the same names that are not of a tuning.
+    """
+    database = folder / DATABASE
+    if resume and overwrite:
+        raise UserError("--resume and --overwrite: choose one")
+    if resume and not database.exists():
+        raise UserError(f"{folder}: holds no trials to resume; leave --resume out")
+    if database.exists() and not (resume or overwrite):
+        raise UserError(f"{folder}: holds trials already; go on with --resume, start anew with --overwrite")
+    foreign = held(folder, REPLACED)
+    if foreign and not database.exists():
+        raise UserError(f"{folder}: holds {foreign} that no tuning wrote; choose another folder with --out")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in () if resume else REPLACED:
+            remove(folder / name)
+    except OSError as error:
+        raise UserError(f"{folder}: cannot be written ({error}); choose another folder with --out") from None
+    return database
+
+
+@dataclass(frozen=True, eq=False)
+class Written:
+    """What a tuning has left: its folder, its results a row a controller, and what is said of them."""
+
+    folder: Path
+    results: pd.DataFrame
+    lines: Sequence[str]
+    table: Table
+
+
+def write_tuning(
+    tuning: Tuning,
+    folder: Path,
+    *,
+    began: float,
+    jobs: int | None = None,
+    tell: Callable[[str, float], None] = lambda said, done: None,
+) -> Written:
+    """Write gains, results, trials, tables, figures and the page; run.json, which says that all are there, last.
+
+    `began`: when the tuning did (s since the epoch). `tell` is told what is being made, and how far all is.
+    """
+    for name in LAST:
+        remove(folder / name)
+    (folder / STUDY_COPY).write_text(tuning.study.text, encoding="utf-8")
+    _write_gains(tuning, folder / GAINS)
+    _write_frame([row for one in tuning.found for row in history(one)], folder / TRIALS)
+    results = _write_frame([row_of(one) for one in tuning.found], folder / RESULTS)
+    for name in ("tables", "figures"):
+        remove(folder / name)
+    tables = tables_of(tuning)
+    for name, table in tables.items():
+        write_frame(name, table.title, table.cells, list(table.notes), folder / "tables")
+    tell("figures", 0.95)
+    pictures = _pictures(tuning, jobs)
+    for name, picture in {**pictures.shared, **pictures.own}.items():
+        with figure_style():
+            picture.figure.draw_without_rendering()
+            picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
+        save(picture.figure, name, folder / "figures")
+    html = page(tuning, tables, pictures)
+    write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
+    write_json(folder / RECORD, _record(tuning, began, jobs))
+    lines = [*first_lines(tuning), *infeasible_lines(tuning)]
+    return Written(folder, results, lines, tables["tuning"])
+
+
+def _write_gains(tuning: Tuning, folder: Path) -> None:
+    """A gain file of each controller, by machine where it is tuned for several, with the entries that there are."""
+    remove(folder)
+    folder.mkdir()
+    for name, text in gain_files(tuning.found).items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        write_whole(folder / name, partial(Path.write_text, data=text, encoding="utf-8"))
+
+
+def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
+    frame = pd.DataFrame(rows)
+    write_whole(path, lambda beside: frame.to_csv(beside, index=False, lineterminator="\n"))
+    return frame
+
+
+def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
+    if len(tuning.found) > MOST_DRAWN:
+        return Pictures(
+            {}, {}, [f"No figures: {len(tuning.found)} tunings are more than the {MOST_DRAWN} that are drawn."]
+        )
+    if tune_table(tuning.study).per:
+        return Pictures({"history": history_picture(tuning)}, {}, [])
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+        traced = traces_of(tuning, executor)
+    shared = {
+        "history": history_picture(tuning),
+        "importance": importance_picture(tuning),
+        "step": step_picture(traced),
+        "error": error_picture(traced),
+    }
+    own = {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
+    return Pictures(
+        {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
+        {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
+        [drawn for drawn in (*shared.values(), *own.values()) if isinstance(drawn, str)],
+    )
+
+
+def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
+    """What ran: as run.json of a study says it."""
+    table = tune_table(tuning.study)
+    seeds: dict[str, Any] = {"search": list(range(table.seed, table.seed + table.seeds))}
+    controllers = list(dict.fromkeys(one.task.name for one in tuning.found))
+    if tuning.study.file.uncertainty is not None:
+        seeds["draws"] = tuning.study.file.uncertainty.seed
+    return {
+        "title": tuning.study.file.title,
+        **json.loads(identity_of(tuning.study, table, controllers)),
+        "controllers": controllers,
+        "trials": table.trials,
+        "seeds": seeds,
+        **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna")),
+    }
+
+
+def say_tuning(written: Written) -> None:
+    """Print what a tuning found, and where it is."""
+    print("\n".join(written.lines))
+    print(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n")
+    print(f"wrote {written.folder / PAGE}")
+    print(f"results in {written.folder}: {', '.join(name for name in SAID if (written.folder / name).exists())}")

@@ -1,0 +1,75 @@
+"""The page of a tuning: what the numbers say, what was held equal, tables and figures."""
+
+from collections.abc import Mapping
+
+from workbench.publish.html import html_environment
+from workbench.tune.report.panels import Pictures
+from workbench.tune.report.tables import Table
+from workbench.tune.report.words import held_equal, sentences
+from workbench.tune.study import Tuning
+
+_HTML = """\
+{% extends "frame" %}
+{% block title %}Tuning: {{ title }}{% endblock %}
+{% block gap %}0.6em{% endblock %}
+{% block style -%}
+.wide { overflow-x: auto; }
+th:first-child, td:first-child { text-align: left; }
+td { white-space: nowrap; }
+.pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(26em, 1fr)); gap: 0 1em; }
+{% endblock %}
+{% block body %}
+{%- macro show(table) %}
+<div class="wide"><table>
+<caption>{{ table.title }}</caption>
+<tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{% for line in table.notes %}<p>{{ line }}</p>
+{% endfor %}
+{%- endmacro %}
+{%- macro draw(name) %}
+<figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">
+<figcaption>{{ pictures[name].caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
+{%- endmacro -%}
+<h1>{{ title }}</h1>
+{% if question %}<p>{{ question }}</p>{% endif %}
+<ul>
+{% for line in words %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<h2>What was held equal</h2>
+<ul>
+{% for line in equal %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<h2>Tables</h2>
+{% for table in tables %}{{ show(table) }}
+{% endfor %}
+<h2>Figures</h2>
+{% for name in shared %}{{ draw(name) }}
+{% endfor %}
+<div class="pairs">
+{% for name in own %}{{ draw(name) }}
+{% endfor %}</div>
+{% for line in missing %}<p>{{ line }}</p>
+{% endfor %}
+<p>Files: tuned/NAME.toml (a study names one by <code>gains = "tuned/NAME.toml"</code>),
+<a href="results.csv">results.csv</a> and <a href="trials.csv">trials.csv</a> (SI, for programs), tables/, figures/,
+<a href="run.json">run.json</a>.</p>
+{% endblock %}
+"""
+
+
+def page(tuning: Tuning, tables: Mapping[str, Table], pictures: Pictures) -> str:
+    """The page as HTML; it names the figures in `figures/` beside it."""
+    template = html_environment().from_string(_HTML)
+    return template.render(
+        title=tuning.study.file.title,
+        question=tuning.study.file.question,
+        words=sentences(tuning),
+        equal=held_equal(tuning),
+        tables=list(tables.values()),
+        pictures={**pictures.shared, **pictures.own},
+        shared=list(pictures.shared),
+        own=list(pictures.own),
+        missing=pictures.missing,
+    )

@@ -1,0 +1,130 @@
+"""What became of each controller of a tuning, as numbers: the rows of results.csv, and what tables and words take."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from workbench.study.study import Case
+from workbench.tune.objective import Ran, Score
+from workbench.tune.space import Dimension
+from workbench.tune.study import Tuning
+from workbench.tune.task import tune_table
+from workbench.tune.tuning import Quantile, Tuned, infeasible
+
+TUNED = "tuned"
+"""The outcome of a controller with gains that keep all constraints."""
+
+AT_AN_END = 0.01
+"""A gain within this share of its range from an end stands at that end; of the range's logarithm where it has one."""
+
+NEAR = 0.05
+"""A constraint within this share of what is asked is one that the gains run into."""
+
+When = Literal["before", "after"]
+Basis = Literal["declared", "searched", "fresh"]
+
+
+def basis_of(tuning: Tuning) -> Basis:
+    """On which machines controllers are compared: draws that the search has not seen where there are any."""
+    table = tune_table(tuning.study)
+    if not table.draws:
+        return "declared"
+    return "fresh" if table.fresh_draws else "searched"
+
+
+def objective_of(one: Tuned, when: When, basis: Basis) -> Quantile | None:
+    """The objective on the declared machine, or its quantile on draws; None where there is none."""
+    if basis == "declared":
+        score = one.start if when == "before" else one.score
+        return None if score is None else Quantile(score.nominal, score.nominal, score.nominal, 0)
+    quantiles = one.on_fresh if basis == "fresh" else one.on_searched
+    return quantiles.get("start" if when == "before" else "tuned")
+
+
+def case_labels(cases: Sequence[Case]) -> list[str]:
+    """What tells the cases of a controller apart, in words; "" where there is one."""
+    differing = [name for name in cases[0].columns if len({repr(case.columns.get(name)) for case in cases}) > 1]
+    labels = ["_".join(dict.fromkeys(str(case.columns.get(name)) for name in differing)) for case in cases]
+    alike = len(set(labels)) < len(labels)
+    return [f"{label}_{i + 1}" if alike else label for i, label in enumerate(labels)]
+
+
+def broken(score: Score) -> list[str]:
+    """The constraints that gains break."""
+    return [name for name, beyond in score.violations.items() if beyond > 0.0]
+
+
+def end_of(one: Dimension, value: float) -> Literal["", "lower", "upper"]:
+    """At which end of its range a gain stands, "" where it stands between them."""
+    low, high, here = one.low, one.high, value
+    if one.logarithmic:
+        low, high, here = math.log(low), math.log(high), math.log(here)
+    share = (here - low) / (high - low)
+    return "lower" if share <= AT_AN_END else "upper" if share >= 1.0 - AT_AN_END else ""
+
+
+def active(one: Tuned) -> dict[str, int | None]:
+    """The constraints that hold a controller back, with how many trials would be better and break it.
+
+    None of a constraint that no better trial breaks, and that the tuned gains stand near to.
+    """
+    if one.score is None:
+        return {}
+    asked = tune_table(one.task.study).constraints
+    limits = {"saturation": asked.saturated, "gain margin": 1.0, "phase margin": 1.0}
+    near = {
+        name: None for name, limit in limits.items() if limit and -NEAR * limit <= one.score.violations[name] <= 0.0
+    }
+    return near | dict(_better_but_broken(one, one.score.nominal))
+
+
+def _better_but_broken(one: Tuned, best: float) -> Mapping[str, int]:
+    better = [trial for trial in one.trials if trial.nominal < best]
+    counts = Counter(name for trial in better for name, beyond in trial.violations.items() if beyond > 0.0)
+    return {name: count for name, count in counts.items() if count}
+
+
+def row_of(one: Tuned) -> dict[str, Any]:
+    """The row of a controller in results.csv (SI): objective, margins, quantiles, figures of each case.
+
+    On draws `objective` and `objective_before` are quantiles over those of the search, and `..._declared` stand on the
+    declared machine.
+    """
+    draws = bool(tune_table(one.task.study).draws)
+    basis: Basis = "searched" if draws else "declared"
+    before, after = objective_of(one, "before", basis), objective_of(one, "after", basis)
+    row: dict[str, Any] = {
+        "controller": one.task.name,
+        **one.task.at,
+        "outcome": infeasible(one) if one.score is None else TUNED,
+        "objective_before": None if before is None else before.value,
+        "objective": None if after is None else after.value,
+        "breaks_before": ", ".join(broken(one.start)),
+        "trials": len(one.trials),
+        "best_trial": None if one.best is None else one.number,
+        "seeds_differ": one.seeds_differ,
+    }
+    if draws:
+        row |= {"declared_before": one.start.nominal, "declared": None if one.score is None else one.score.nominal}
+    for kind, quantiles in (("searched", one.on_searched), ("fresh", one.on_fresh)):
+        for when, quantile in quantiles.items():
+            row |= {f"{when}_on_{kind}_{key}": getattr(quantile, key) for key in ("value", "low", "high")}
+    labels = case_labels(one.task.cases)
+    for when, score in (("before", one.start), ("after", one.score)):
+        if score is None:
+            continue
+        row |= {f"gain_margin_dB_{when}": score.margins.gain_dB, f"phase_margin_deg_{when}": score.margins.phase_deg}
+        for label, ran in zip(labels, score.ran, strict=True):
+            row |= {figure_column(name, label, when): value for name, value in _figures(ran).items()}
+    return row
+
+
+def figure_column(name: str, label: str, when: str) -> str:
+    """The column of results.csv that holds a figure of a case."""
+    return "_".join(part for part in (name, label, when) if part)
+
+
+def _figures(ran: Ran) -> Mapping[str, float | None]:
+    """Figures of a run; none of one that failed."""
+    return dict.fromkeys(ran.figures) if ran.broken else ran.figures

@@ -1,0 +1,268 @@
+"""Tables of a tuning as text: what was reached, the gains, and classic tunings of a PID beside them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import pandas as pd
+
+from controllers.pid import PID
+from controllers.settings import settings_of
+from workbench.publish.tables import REMARK, shown_number, with_unit
+from workbench.study.names import shown_factor, unit_of_column
+from workbench.tune.objective import Score
+from workbench.tune.report.rows import TUNED, Basis, When, broken, case_labels, end_of, objective_of
+from workbench.tune.space import RPM, THRESHOLD, Dimension
+from workbench.tune.study import Tuning
+from workbench.tune.task import tune_table
+from workbench.tune.tuning import Quantile, Tuned, interval
+
+DIGITS = 3
+
+FIGURE_WORDS = {
+    "rms_error_m": ("rms error", "mm"),
+    "max_error_m": ("largest error", "mm"),
+    "steady_state_error_m": ("steady-state error", "mm"),
+    "phase_lag_deg": ("phase lag", "deg"),
+    "total_power_W": ("power", "W"),
+    "motor_electric_power_W": ("electric power", "W"),
+    "jerk_rms_m_per_s3": ("jerk, rms", "m/s^3"),
+}
+"""What a figure that may be weighed is called, and the unit in which it is shown."""
+
+WIDEST = 13
+"""Columns of the result that a terminal shows."""
+
+PID_GAINS = ("kp", "ki", "kd")
+
+Line = dict[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table of text with its title and what a reader must know of it."""
+
+    title: str
+    cells: pd.DataFrame
+    notes: Sequence[str] = ()
+
+
+def tables_of(tuning: Tuning) -> dict[str, Table]:
+    """Tables by name; none that is empty."""
+    found = {"tuning": result_table(tuning), "gains": gains_table(tuning), "classic": classic_table(tuning)}
+    return {name: table for name, table in found.items() if not table.cells.empty}
+
+
+def brief(table: Table) -> pd.DataFrame:
+    """The columns of the result that fit a terminal: without the figures of each case where there are many."""
+    if len(table.cells.columns) <= WIDEST:
+        return table.cells
+    kept = ("controller", "machine", "rpm", "objective", "gain margin", "phase margin", "seeds", "outcome")
+    chosen = [name for name in table.cells.columns if name.startswith(kept) or " quantile, " in name]
+    return table.cells[chosen]
+
+
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """A number as a table shows it; "" where there is none."""
+    if value is None or math.isnan(value):
+        return ""
+    return shown_number(value, digits) if math.isfinite(value) else ("infinite" if value > 0.0 else "-infinite")
+
+
+def margin(value: float) -> str:
+    """A margin (dB, degrees) with one decimal."""
+    return f"{value:.1f}" if math.isfinite(value) else ("infinite" if value > 0.0 else "unstable")
+
+
+def with_interval(one: Quantile, share: float) -> str:
+    """The quantile of a `share` with the interval in which that of all machines is: "0.41 (0.38 to 0.47)"."""
+    if math.isfinite(one.high):
+        return f"{number(one.value)} ({number(one.low)} to {number(one.high)})"
+    few = math.isinf(interval([0.0] * one.draws, share).high)
+    why = "not bounded by so few draws" if few else "infinite: runs fail on too many draws"
+    return f"{number(one.value)} ({number(one.low)} upwards, {why})"
+
+
+# --- what was reached ---
+
+
+def result_table(tuning: Tuning) -> Table:
+    """controller | objective, quantiles, figures of each case, margins, before and after | seeds | outcome."""
+    table = tune_table(tuning.study)
+    cells = pd.DataFrame([_result(one, bool(table.draws), table.quantile) for one in tuning.found]).fillna("")
+    notes = [
+        f"Before: with the gains of the study; after: with the tuned ones. {yardstick_words(tuning)}",
+        "Gain and phase margin are the smallest over the cases, of the loop linearised while the rod slides.",
+    ]
+    if table.draws:
+        notes.append(
+            f"The {table.quantile:g} quantile of the objective over drawn machines, with its 95 % interval: on the "
+            f"{table.draws} that the search saw, and on {table.fresh_draws} that it has not seen."
+        )
+    if table.seeds > 1:
+        notes.append(f"Seeds differ: by how much the worst of {table.seeds} searches is above the best of them.")
+    return Table("What tuning reached", _without_empty(cells), notes)
+
+
+def _result(one: Tuned, draws: bool, share: float) -> Line:
+    objective = "objective, declared machine" if draws else "objective"
+    line = {"controller": one.task.name, **{axis: str(value) for axis, value in one.task.at.items()}}
+    for when in _WHENS:
+        score = _score(one, when)
+        line[f"{objective}, {when}"] = "" if score is None else number(score.nominal)
+    for basis in _ON_DRAWS if draws else ():
+        for when in _WHENS:
+            found = objective_of(one, when, basis)
+            line[f"{share:g} quantile, {basis} draws, {when}"] = "" if found is None else with_interval(found, share)
+    line |= _figures(one)
+    for heading, name in (("gain margin", "gain_dB"), ("phase margin", "phase_deg")):
+        for when in _WHENS:
+            score = _score(one, when)
+            unit = name.rpartition("_")[2]
+            line[f"{heading}, {when} ({unit})"] = "" if score is None else margin(getattr(score.margins, name))
+    line["breaks, before"] = ", ".join(broken(one.start))
+    line["seeds differ"] = differ_words(one.seeds_differ)
+    return line | {"outcome": TUNED if one.score is not None else "no feasible gains"}
+
+
+_WHENS: tuple[When, When] = ("before", "after")
+_ON_DRAWS: tuple[Basis, Basis] = ("searched", "fresh")
+
+
+def _score(one: Tuned, when: When) -> Score | None:
+    return one.start if when == "before" else one.score
+
+
+def _figures(one: Tuned) -> Line:
+    """Figures that are weighed, of each case, in units that are read."""
+    line: Line = {}
+    for column in tune_table(one.task.study).objective.used:
+        words, unit = FIGURE_WORDS[column]
+        scale = shown_factor(unit_of_column(column), unit)
+        for i, label in enumerate(case_labels(one.task.cases)):
+            for when in _WHENS:
+                score = _score(one, when)
+                heading = with_unit(", ".join(part for part in (words, plain(label), when) if part), unit)
+                line[heading] = "" if score is None else _figure(score, i, column, scale)
+    return line
+
+
+def _figure(score: Score, case: int, column: str, scale: float) -> str:
+    ran = score.ran[case]
+    value = ran.figures[column]
+    return ran.outcome if ran.broken else "" if value is None else number(scale * value)
+
+
+def differ_words(share: float | None) -> str:
+    """By how much seeds differ: "0.4 %"; "" where there is one."""
+    if share is None:
+        return ""
+    if math.isinf(share):
+        return "one found no gains"
+    return "< 0.1 %" if share < 1e-3 else f"{100.0 * share:.1f} %"
+
+
+def yardstick(tuning: Tuning) -> str:
+    """The controller whose figures are the unit of the objective."""
+    return tune_table(tuning.study).yardstick or next(iter(tuning.study.file.controllers))
+
+
+def yardstick_words(tuning: Tuning) -> str:
+    """What the yardstick's objective is: the sum of the weights."""
+    weights = sum(tune_table(tuning.study).objective.used.values())
+    return f"An objective of {weights:g} is that of {yardstick(tuning)} with the gains of the study."
+
+
+def plain(name: str) -> str:
+    """A name in words."""
+    return name.replace("_", " ")
+
+
+# --- gains ---
+
+
+def gains_table(tuning: Tuning) -> Table:
+    """controller | gain | unit | before | after | range | whether it stands at an end of it."""
+    lines = [_gain(one, dimension) for one in tuning.found for dimension in one.task.dimensions]
+    notes = ["Before: what the study says, or where that lies outside the range the end next to it."]
+    if any(one.task.rotates for one in tuning.found):
+        notes.append("Of a rotation that is tuned it is the end of the range from which the search begins.")
+    return Table("Tuned gains", pd.DataFrame(lines), notes)
+
+
+def _gain(one: Tuned, dimension: Dimension) -> Line:
+    unit, scale = shown_unit(dimension)
+    after = None if one.best is None else one.best[dimension.name]
+    end = "" if after is None else end_of(dimension, after)
+    return {
+        "controller": one.task.name,
+        **{axis: str(value) for axis, value in one.task.at.items()},
+        "gain": dimension.name,
+        "unit": "" if unit == "1" else unit,
+        "before": number(scale * one.task.start[dimension.name], 4),
+        "after": "" if after is None else number(scale * after, 4),
+        "min": number(scale * dimension.low, 4),
+        "max": number(scale * dimension.high, 4),
+        "scale": "logarithmic" if dimension.logarithmic else "linear",
+        "at an end": end,
+    }
+
+
+def shown_unit(dimension: Dimension) -> tuple[str, float]:
+    """The unit in which a gain is shown, and what to multiply its value in SI with."""
+    return {RPM: ("rpm", 30.0 / pi), THRESHOLD: ("mm/s", 1e3)}.get(dimension.name, (dimension.unit, 1.0))
+
+
+# --- classic tunings ---
+
+
+def classic_table(tuning: Tuning) -> Table:
+    """controller | method | gains | objective | margins | what it breaks | remark; the tuned PID controllers below."""
+    first = tuning.found[0].task
+    command = first.declared(first.start)[0].setup.plant.command_unit
+    lines = [
+        _tuning(point.name, point.method, point.settings, score, command, point.note)
+        for point, score in ((each.point, each.score) for each in tuning.classics)
+    ]
+    if lines:
+        lines += [_tuned_pid(one, command) for one in tuning.found if is_pid(one) and one.best is not None]
+    notes = [
+        "All on the declared machine, by the same objective and constraints. A classic tuning was searched for "
+        "nothing: it is what its method gives."
+    ]
+    return Table("Classic tunings of a PID beside the tuned ones", _without_empty(pd.DataFrame(lines)), notes)
+
+
+def is_pid(one: Tuned) -> bool:
+    """Whether a controller is one of the PID family."""
+    return one.task.cases[0].tables["controllers"][one.task.name].get("type") == PID.name
+
+
+def _tuned_pid(one: Tuned, command: str) -> Line:
+    assert one.best is not None
+    assert one.score is not None
+    return _tuning(one.task.name, "tuned here", one.task.settings_at(one.best)._asdict(), one.score, command, "")
+
+
+def _tuning(name: str, method: str, settings: Mapping[str, Any], score: Score, command: str, note: str) -> Line:
+    declared = settings_of(PID.Settings)
+    gains = {
+        f"{gain} ({declared[gain].unit.replace('command', command)})": number(float(settings.get(gain, 0.0)) or None, 4)
+        for gain in PID_GAINS
+    }
+    return {
+        "controller": name,
+        "method": method,
+        **gains,
+        "objective": number(score.nominal),
+        "gain margin (dB)": margin(score.margins.gain_dB),
+        "phase margin (deg)": margin(score.margins.phase_deg),
+        "breaks": ", ".join(broken(score)),
+        REMARK: note,
+    }
+
+
+def _without_empty(cells: pd.DataFrame) -> pd.DataFrame:
+    return cells.drop(columns=[name for name in cells.columns if not cells[name].any()])
