@@ -58,20 +58,20 @@ def decided(folder: Path, text: str = STUDY) -> Decision:
 
 def test_machines_are_the_same_for_all_and_nested_over_the_spread(tmp_path: Path) -> None:
     plan = planned(tmp_path, STUDY.replace("draws = 3", "draws = 3\nspreads = [0, 0.5]"))
-    first, other = (plan.machine((name, 0.0), 0.02, 1.0, 2, "search").setup for name in ("feed", "lugre"))
+    first, other = (plan.sampled((name, 0.0), 0.02, 1.0, 2, "search").setup for name in ("feed", "lugre"))
     assert (first.parameters, first.sensors, first.seed) == (other.parameters, other.sensors, other.seed)
-    turning = plan.machine(("feed", 125.0), 0.02, 1.0, 2, "search").setup
+    turning = plan.sampled(("feed", 125.0), 0.02, 1.0, 2, "search").setup
     assert (turning.parameters.friction, turning.seed) == (first.parameters.friction, first.seed)
 
-    drawn = [plan.machine(("feed", 0.0), 0.02, spread, 2, "search").setup for spread in (0.0, 0.5, 1.0)]
+    drawn = [plan.sampled(("feed", 0.0), 0.02, spread, 2, "search").setup for spread in (0.0, 0.5, 1.0)]
     none, half, whole = (setup.parameters.friction.positive for setup in drawn)
     for name in none._fields:
         of_half, of_whole = getattr(half, name) - getattr(none, name), getattr(whole, name) - getattr(none, name)
         assert of_half != 0.0
         assert of_half == pytest.approx(0.5 * of_whole)
     assert len({setup.parameters.body.mass for setup in drawn}) == 1
-    assert plan.machine(("feed", 0.0), 0.02, 1.0, 1, "search").setup.parameters != first.parameters
-    assert plan.machine(("feed", 0.0), 0.02, 1.0, 2, "fresh").setup.parameters != first.parameters
+    assert plan.sampled(("feed", 0.0), 0.02, 1.0, 1, "search").setup.parameters != first.parameters
+    assert plan.sampled(("feed", 0.0), 0.02, 1.0, 2, "fresh").setup.parameters != first.parameters
 
 
 def test_a_large_accuracy_takes_plain_control(tmp_path: Path) -> None:

@@ -115,10 +115,10 @@ def test_all_meet_the_same_machines(tmp_path: Path) -> None:
     study, names = ready(tmp_path, robust(), "all")
     tasks = [task_for(study, name) for name in names]
     for number in range(3):
-        machines = [task.drawn(task.start, number)[0].setup for task in tasks]
+        machines = [task.sampled(task.start, number)[0].setup for task in tasks]
         assert len({to_array(one.parameters).tobytes() for one in machines}) == 1
         assert len({one.seed for one in machines}) == 1
-    first, second = (to_array(tasks[0].drawn(tasks[0].start, number)[0].setup.parameters) for number in range(2))
+    first, second = (to_array(tasks[0].sampled(tasks[0].start, number)[0].setup.parameters) for number in range(2))
     assert not np.array_equal(first, second)
 
 

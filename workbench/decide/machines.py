@@ -87,7 +87,7 @@ def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
     """All controllers on one machine, which is built once a speed: they differ in nothing but their loop."""
     rows, first = [], next(iter(batch.speeds))
     built = {
-        speed: plan.machine((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
+        speed: plan.sampled((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
         for speed in dict.fromkeys(speed for speeds in batch.speeds.values() for speed in speeds)
     }
     for name, speeds in batch.speeds.items():

@@ -12,11 +12,12 @@ from workbench.metrics import COLUMNS
 from workbench.simulation.simulate import Loop
 from workbench.study.checks.checks import Checks
 from workbench.study.layers import MACHINE
+from workbench.study.overrides import Overrides
 from workbench.study.reading import with_files
-from workbench.study.resolve import Resolved, resolve
+from workbench.study.resolve import ParsedCase, Resolved, parse_case, resolve
 from workbench.study.schema import SimulationTable
 from workbench.study.study import Case, Study
-from workbench.study.uncertainty import check_scales, drawn_case
+from workbench.study.uncertainty import check_scales, plant_sample
 from workbench.study.unfold import unfold
 from workbench.toml.reading import SchemaError, conform
 
@@ -45,7 +46,7 @@ class Plan:
     spreads: Sequence[float]
     draws: int
     fresh_draws: int
-    cases: Mapping[float, Mapping[Candidate, Case]]
+    cases: Mapping[float, Mapping[Candidate, ParsedCase]]
     loops: Mapping[Candidate, Loop]
 
     @property
@@ -56,7 +57,7 @@ class Plan:
     @property
     def plant(self) -> Mapping[str, Any]:
         """What is declared of the plant: the study's, under what its machine says."""
-        return next(iter(self.cases[self.table.speed].values())).declared
+        return next(iter(self.cases[self.table.speed].values())).case.declared
 
     @property
     def runs(self) -> int:
@@ -70,13 +71,13 @@ class Plan:
         moving = sum(self.table.cycles * self.table.period(speed) for speed in self.speeds)
         return each * (moving + self.table.hold_duration)
 
-    def machine(self, candidate: Candidate, speed: float, spread: float, number: int, stage: Stage) -> Resolved:
-        """A candidate's case on the machine of a draw, with friction spread by `spread` standard deviations."""
+    def sampled(self, candidate: Candidate, speed: float, spread: float, number: int, stage: Stage) -> Resolved:
+        """A candidate's case on a plant sample, whose friction is spread by `spread` standard deviations."""
         case, uncertainty = self.cases[speed][candidate], self.study.file.uncertainty
-        if uncertainty is not None:
-            drawn = uncertainty.model_copy(update={"friction": spread})
-            case = drawn_case(case, drawn, number, STREAMS[stage])
-        return resolve(self.study, case)
+        if uncertainty is None:
+            return case.resolve()
+        sample = replace(plant_sample(uncertainty, number, STREAMS[stage]), friction=spread)
+        return case.resolve(Overrides(sample=sample))
 
 
 def plan_decision(study: Study, machine: str | None = None) -> Plan:
@@ -100,12 +101,17 @@ def plan_decision(study: Study, machine: str | None = None) -> Plan:
     sample_time = _sample_time(study)
     check_motions(study, table, speeds, sample_time)
     rotations = [round(speed * 30.0 / math.pi, 6) for speed in table.rpm]
-    cases = {speed: _cases(study, table, speed, sample_time, names, rotations) for speed in speeds}
-    check_still(study, table, resolve(study, _still(cases[table.speed])))
-    resolved = {candidate: resolve(study, case) for candidate, case in cases[table.speed].items()}
+    unfolded = {speed: _cases(study, table, speed, sample_time, names, rotations) for speed in speeds}
+    asked = unfolded[table.speed]
+    check_still(study, table, resolve(study, _still(asked)))
+    cases = {
+        speed: {candidate: parse_case(study, case) for candidate, case in own.items()}
+        for speed, own in unfolded.items()
+    }
+    resolved = {candidate: parsed.resolve() for candidate, parsed in cases[table.speed].items()}
     check_candidates(study, table, resolved)
-    check_scales(study, cases[table.speed].values())
-    Checks(study, list(cases[table.speed].values()), list(resolved.values()), [], COLUMNS).without_use()
+    check_scales(study, asked.values())
+    Checks(study, list(asked.values()), list(resolved.values()), [], COLUMNS).without_use()
     planned = Plan(
         study,
         table,
@@ -196,6 +202,6 @@ def _check_draws(planned: Plan) -> None:
     for candidate in planned.candidates[: len(planned.table.rpm)]:
         for spread in planned.spreads:
             try:
-                planned.machine(candidate, planned.table.speed, spread, 0, "search")
+                planned.sampled(candidate, planned.table.speed, spread, 0, "search")
             except SchemaError as mistake:
                 raise planned.study.error(mistake.key, mistake.message) from None

@@ -1,36 +1,28 @@
 """From the tables of a case to everything that a run depends on: plant, belief, controllers, reference, sensors."""
 
-import json
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from controllers import rotation_on_demand, speed_servo
 from controllers.interface import Controller
-from controllers.open_loop import OPEN_LOOP
-from controllers.registry import CONTROLLERS
 from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
-from controllers.settings import ANY, Setting, settings_of, usable
-from plants.equation import fields
 from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.motor import current_limit
-from plants.plugins import Registry
 from plants.registry import PLANTS
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
+from workbench.study.controller_tables import ControllerCase, parse_controller
+from workbench.study.overrides import Overrides, overridden
 from workbench.study.parameter_tables import build_belief, build_truth
-from workbench.study.reference_tables import KINDS
+from workbench.study.registered import registered
 from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
 from workbench.study.study import Case, Study, located
 from workbench.toml import reading as files
 from workbench.toml.reading import SchemaError
-from workbench.toml.units import QuantityError, si
-
-T = TypeVar("T")
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
 """Models of [plant] that stand for several plants; any registered plant's own name serves too."""
@@ -67,20 +59,56 @@ class Resolved:
         return self.setup.reference or next((feed.signal for feed in self.setup.feeds), None)
 
 
-def resolve(study: Study, case: Case) -> Resolved:
-    """Build what a case runs.
+@dataclass(frozen=True, eq=False)
+class ParsedCase:
+    """A case whose tables are read: what is left to do is to build it, with these overrides or with others."""
+
+    study: Study
+    case: Case
+    tables: CaseTables
+    controller: ControllerCase
+
+    def resolve(self, overrides: Overrides | None = None) -> Resolved:
+        """What the case runs with `overrides`, by default its own.
+
+        Raises:
+            UserError: whatever does not serve the plant, with file, line and key.
+        """
+        try:
+            return _resolve(self, self.case.overrides if overrides is None else overrides)
+        except SchemaError as mistake:
+            raise _located(self.study, self.case, mistake) from None
+
+
+def parse_case(study: Study, case: Case) -> ParsedCase:
+    """Read the tables of a case.
+
+    Raises:
+        UserError: whatever is wrong in them, with file, line and key.
+    """
+    try:
+        tables = files.conform(CaseTables, case.tables)
+        return ParsedCase(study, case, tables, parse_controller(tables, _plant(tables), case.folder))
+    except SchemaError as mistake:
+        raise _located(study, case, mistake) from None
+
+
+def resolve(study: Study, case: Case, overrides: Overrides | None = None) -> Resolved:
+    """Build what a case runs, with `overrides` in place of its own.
 
     Raises:
         UserError: whatever is wrong, with file, line and key.
     """
-    try:
-        return _resolve(files.conform(CaseTables, case.tables), case)
-    except SchemaError as mistake:
-        errors = [located(study, case, each.key, each.message) for each in (mistake, *mistake.others)]
-        raise files.lines_of(errors) from None
+    return parse_case(study, case).resolve(overrides)
 
 
-def _resolve(tables: CaseTables, case: Case) -> Resolved:
+def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
+    return files.lines_of([located(study, case, each.key, each.message) for each in (mistake, *mistake.others)])
+
+
+def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
+    case, wanted = parsed.case, parsed.controller
+    tables = overridden(parsed.tables, overrides, case.folder)
     plant = _plant(tables)
     parameters = build_truth(plant, tables, case.folder)
     belief = build_belief(plant, tables, case)
@@ -90,11 +118,15 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     state = _within_limits(state, parameters)
     rotation_speed, surface_speed = _rotation(plant, belief, tables)
     rotary, inputs = _rotary(plant, belief, rotation_speed, surface_speed, tables)
-    loop, settings, reference, feeds = _position_loop(plant, belief, tables, case.folder)
+    settings = wanted.settings._replace(**overrides.settings)
+    loop = _position_loop(wanted, settings, plant, belief, tables.simulation.sample_time)
     plant = _gauged(plant, loop.controller, tables)
     sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
     simulation = tables.simulation
+    reference, feeds = wanted.signal, tuple[Feed, ...]()
+    if wanted.fed and wanted.signal is not None:
+        reference, feeds = None, (Feed(wanted.fed, wanted.signal, settings.hold == "linear"),)
     setup = Setup(
         plant,
         parameters,
@@ -113,6 +145,15 @@ def _resolve(tables: CaseTables, case: Case) -> Resolved:
     )
     band = max(SIGMAS * position.noise, position.resolution)
     return Resolved(setup, simulation.transient, band, settings, belief, simulation.hold_limit)
+
+
+def _position_loop(wanted: ControllerCase, settings: Any, plant: Plant, belief: Any, sample_time: float) -> Loop:
+    """The controller with its gains, designed for what it believes of the plant."""
+    controller = wanted.controller
+    with designing(f'type "{wanted.type}"', plant, belief, ("controllers", wanted.name)):
+        if controller.choose is not None:
+            controller = controller.choose(settings, belief)
+        return Loop(controller, controller.design(settings, belief, sample_time))
 
 
 def _within_limits(state: Any, parameters: Any) -> Any:
@@ -181,17 +222,6 @@ def _rotary(
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
 
 
-def _registered(registry: Registry[T], name: str, key: files.Key, shorthands: tuple[str, ...] = ()) -> T:
-    """The plant or controller of that name."""
-    known, broken = registry.working(), registry.broken()
-    if name in known:
-        return known[name]
-    if name in broken:
-        raise SchemaError(key, broken[name])
-    hint = nearest(name, dict.fromkeys((*shorthands, *known)))
-    raise SchemaError(key, f'unknown {registry.kind.__name__.lower()} "{name}"; {hint}')
-
-
 def _plant(tables: CaseTables) -> Plant:
     table, rpm = tables.plant, tables.rpm
     model = table.model
@@ -201,108 +231,7 @@ def _plant(tables: CaseTables) -> Plant:
         model = f"rotating_{table.bristle}{'_ideal' if table.rotation == 'ideal' else ''}"
     elif model == "drive":
         model = f"drive_{table.command}"
-    plant = _registered(PLANTS, model, ("plant", "model"), MODELS)
+    plant = registered(PLANTS, model, ("plant", "model"), MODELS)
     if rpm and not plant.rotary_command:
         raise SchemaError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
     return plant
-
-
-def _chosen(kind: str, name: str | None, available: dict[str, Any]) -> str | None:
-    """The name that an axis gives, or that of the only one there is."""
-    if name is None and len(available) > 1:
-        *others, last = available
-        message = f'there is "{others[0]}" too: expected an axis {kind} that says which'
-        raise SchemaError((f"{kind}s", last), message)
-    return name or next(iter(available), None)
-
-
-def _position_loop(
-    plant: Plant, belief: Any, tables: CaseTables, folder: Path
-) -> tuple[Loop, Any, ReferenceSignal | None, tuple[Feed, ...]]:
-    """The controller with its gains, its settings, its reference (None in open loop), and what is fed to inputs."""
-    name = _chosen("controller", tables.controller, tables.controllers)
-    if name is None:
-        raise SchemaError(("controllers",), "is missing: expected a table such as [controllers.p]")
-    controller, settings = _controller(name, tables, plant.command_unit)
-    key = ("controllers", name)
-    with designing(f'type "{tables.controllers[name]["type"]}"', plant, belief, key):
-        if controller.choose is not None:
-            controller = controller.choose(settings, belief)
-        gains = controller.design(settings, belief, tables.simulation.sample_time)
-    unit, target = "m", ""
-    if controller is OPEN_LOOP:
-        target = settings.input or plant.command
-        units = {item.name: item.unit for item in fields(plant.Inputs)}
-        if target not in units:
-            raise SchemaError((*key, "input"), f'plant {plant.name} has no input "{target}"; {nearest(target, units)}')
-        unit = units[target]
-    reference_name = _chosen("reference", tables.reference, tables.references)
-    if reference_name is None:
-        return Loop(controller, gains), settings, None, ()
-    signal = _reference(reference_name, tables.references[reference_name], unit, folder)
-    if target:
-        return Loop(controller, gains), settings, None, (Feed(target, signal, settings.hold == "linear"),)
-    return Loop(controller, gains), settings, signal, ()
-
-
-def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
-    key = ("controllers", name)
-    table = dict(tables.controllers[name])
-    if "type" not in table:
-        hint = nearest("", CONTROLLERS.working())
-        raise SchemaError((*key, "type"), f"is missing; this key is needed here; {hint}")
-    controller = _registered(CONTROLLERS, str(table.pop("type")), (*key, "type"))
-    declared, offered = settings_of(controller.Settings), usable(controller)
-    mistakes = [
-        SchemaError((*key, item), f"unknown key; {nearest(item, [*offered, 'type'])}")
-        for item in table
-        if item not in declared
-    ]
-    mistakes += [
-        SchemaError((*key, item.name), "is missing; this key is needed here")
-        for item in declared.values()
-        if item.name not in table and item.default is None
-    ]
-    if mistakes:
-        raise files.together(mistakes)
-    values: dict[str, Any] = {}
-    for item, value in table.items():
-        try:
-            values[item] = _setting_value(declared[item], value, command_unit)
-        except QuantityError as error:
-            raise SchemaError((*key, item), str(error)) from None
-    settings: Any = controller.Settings
-    return controller, settings(**values)
-
-
-def _setting_value(item: Setting, value: Any, command_unit: str) -> float | str:
-    """A setting's value in SI, or its choice.
-
-    Raises:
-        QuantityError: the wrong unit, out of its range, or no such choice.
-    """
-    if item.unit:
-        number = si(value, item.unit, command_unit)
-        if not item.about.admits(number):
-            raise QuantityError(f"got {json.dumps(value)}, expected {item.about.expected}")
-        return number
-    if not isinstance(value, str) or (item.choices != (ANY,) and value not in item.choices):
-        expected = "a name" if item.choices == (ANY,) else f"one of {', '.join(item.choices)}"
-        raise QuantityError(f"got {value!r}, expected {expected}")
-    return value
-
-
-def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
-    key = ("references", name)
-    kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        message = "is missing; this key is needed here" if kind is None else f'unknown kind "{kind}"'
-        raise SchemaError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
-    try:
-        return files.conform(KINDS[kind], table).build(unit, folder)
-    except SchemaError as error:
-        raise files.together(
-            [SchemaError((*key, *each.key), each.message) for each in (error, *error.others)]
-        ) from None
-    except UserError as error:
-        raise SchemaError(key, str(error)) from None

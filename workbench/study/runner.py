@@ -25,7 +25,7 @@ from workbench.simulation.simulate import Run, finer, largest_distance, simulate
 from workbench.study.checks.checks import Checks
 from workbench.study.names import matches
 from workbench.study.probes import probe_values
-from workbench.study.resolve import Resolved, resolve
+from workbench.study.resolve import ParsedCase, Resolved, parse_case, resolve
 from workbench.study.run_on import evaluated
 from workbench.study.store import (
     Store,
@@ -38,7 +38,7 @@ from workbench.study.store import (
     write_trajectory,
 )
 from workbench.study.study import Case, Study
-from workbench.study.uncertainty import DRAW, on_drawn_machines
+from workbench.study.uncertainty import DRAW, on_plant_samples
 from workbench.study.unfold import unfold
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
@@ -53,12 +53,13 @@ Progress = Callable[[int, int, Case], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """A study that has been checked to the last key: its cases, and what each of them is on the machine as `declared`,
-    not drawn.
+    """A study that has been checked to the last key: its cases, each as `parsed`, and what it is on the machine as
+    `declared`, not drawn.
     """
 
     study: Study
     cases: list[Case]
+    parsed: list[ParsedCase]
     declared: list[Resolved]
     warnings: Sequence[str] = ()
 
@@ -66,8 +67,8 @@ class Plan:
     def resolved(self) -> list[Resolved]:
         """What each case runs."""
         return [
-            resolve(self.study, case) if DRAW in case.axes else declared
-            for case, declared in zip(self.cases, self.declared, strict=True)
+            parsed.resolve(case.overrides) if DRAW in case.axes else declared
+            for case, parsed, declared in zip(self.cases, self.parsed, self.declared, strict=True)
         ]
 
     @property
@@ -121,9 +122,7 @@ def plan(study: Study) -> Plan:
     Raises:
         UserError: the first mistake in any case, table or figure.
     """
-    cases = unfold(study)
-    resolved = [resolve(study, case) for case in cases]
-    planned = _drawn(study, cases, resolved)
+    planned = _drawn(study, unfold(study))
     checks = Checks(study, planned.cases, planned.declared, planned.axes, COLUMNS)
     checks.all()
     return replace(planned, warnings=checks.warnings())
@@ -134,14 +133,16 @@ def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> 
     study, table = planned.study, planned.study.file.uncertainty
     chosen = [case for case in unfold(study) if any(matches(case.columns, where) for where in wanted)]
     first = 1 + (table.draws if table is not None else 0)
-    return _drawn(study, chosen, [resolve(study, case) for case in chosen], range(first, first + draws))
+    return _drawn(study, chosen, range(first, first + draws))
 
 
-def _drawn(study: Study, cases: list[Case], resolved: list[Resolved], numbers: range | None = None) -> Plan:
-    """The plan of these cases on each machine that is drawn."""
-    drawn = on_drawn_machines(study, cases, numbers)
-    each = len(drawn) // len(cases) if cases else 1
-    return Plan(study, drawn, [item for item in resolved for _ in range(each)])
+def _drawn(study: Study, cases: list[Case], numbers: range | None = None) -> Plan:
+    """The plan of these cases on each plant sample, where the study draws any."""
+    parsed = [parse_case(study, case) for case in cases]
+    declared = [each.resolve() for each in parsed]
+    drawn = on_plant_samples(study, cases, numbers)
+    times = range(len(drawn) // len(cases) if cases else 1)
+    return Plan(study, drawn, [each for each in parsed for _ in times], [each for each in declared for _ in times])
 
 
 def needed_trajectories(planned: Plan) -> set[int]:

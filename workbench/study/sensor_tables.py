@@ -7,6 +7,9 @@ from workbench.study.schema import ChannelTable, SensorsTable
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError, si
 
+CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement) if item.name in SENSORS}
+"""The unit (SI) of each sensor, by its name in [sensors]."""
+
 
 def build_sensors(table: SensorsTable) -> Sensors:
     """The sensors that a table describes, in SI; what it does not say is ideal.
@@ -15,23 +18,21 @@ def build_sensors(table: SensorsTable) -> Sensors:
         SchemaError: a setting of the wrong unit, or an impossible one.
     """
     channels = {}
-    for item in fields(Measurement):
-        if item.name not in SENSORS:
-            continue
-        channel: ChannelTable = getattr(table, item.name)
-        resolution = _value(channel, "resolution", item.name, item.unit)
+    for name, unit in CHANNEL_UNITS.items():
+        channel: ChannelTable = getattr(table, name)
+        resolution = _value(channel, "resolution", name, unit)
         if channel.bits is not None:
-            resolution = _value(channel, "range", item.name, item.unit) / 2**channel.bits
-        travel = _value(channel, "calibration_travel", item.name, item.unit)
+            resolution = _value(channel, "range", name, unit) / 2**channel.bits
+        travel = _value(channel, "calibration_travel", name, unit)
         if channel.calibration_error is not None and travel == 0.0:
-            raise SchemaError(("sensors", item.name, "calibration_travel"), "got 0, expected a value above 0")
-        channels[item.name] = Channel(
-            _value(channel, "noise", item.name, item.unit),
+            raise SchemaError(("sensors", name, "calibration_travel"), "got 0, expected a value above 0")
+        channels[name] = Channel(
+            _value(channel, "noise", name, unit),
             resolution,
             channel.anti_alias,
-            _value(channel, "offset", item.name, item.unit, signed=True),
+            _value(channel, "offset", name, unit, signed=True),
             channel.gain_error,
-            _value(channel, "calibration_error", item.name, item.unit),
+            _value(channel, "calibration_error", name, unit),
             travel,
             channel.calibration_seed,
         )

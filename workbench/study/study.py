@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from workbench.errors import UserError, nearest
 from workbench.study.layers import LAYERS
+from workbench.study.overrides import DECLARED, Overrides
 from workbench.study.schema import OVERRIDES, StudyFile
 from workbench.toml import reading as files
 from workbench.toml.quantities import rpm_si
@@ -66,8 +67,9 @@ class Case:
     """One point of a study, before anything is built: `tables` is what the file says there.
 
     `axes` are its columns in the results; `declared` is the plant table of its machine, without what scenario and axes
-    changed: what a controller may believe. Plain data, so that it can travel to another process. `tells_solver_error`
-    is false on all draws but the first: what the integration adds is the loop's own, and costs more than the run.
+    changed: what a controller may believe. `overrides` go before the tables. Plain data, so that it can travel to
+    another process. `tells_solver_error` is false on all draws but the first: what the integration adds is the loop's
+    own, and costs more than the run.
     """
 
     index: int
@@ -76,6 +78,7 @@ class Case:
     tables: dict[str, Any]
     declared: dict[str, Any]
     folder: Path
+    overrides: Overrides = DECLARED
     tells_solver_error: bool = True
 
     @property

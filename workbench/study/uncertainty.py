@@ -1,38 +1,32 @@
-"""Machines that may be met: draws of friction, payload, pressures and noise, the same for whoever is compared.
+"""Plants that may be met: samples of friction, payload, pressures and noise, the same for whoever is compared."""
 
-A draw changes what a case says of its plant and sensors, as a scenario does; what controllers believe stays.
-"""
-
-import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from plants.equation import NEGATIVE, fields
-from plants.interface import SENSORS, Measurement
 from workbench.errors import nearest
-from workbench.parameters.sets import parameter_path, read_deviations, read_parameters
-from workbench.records.schema import FRICTION
+from workbench.parameters.sets import parameter_path, read_parameters
+from workbench.study.overrides import PlantSample, SensorSample, spread_names
+from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.study.study import Case, Study
 from workbench.study.uncertainty_schema import FactorTable, UncertaintyTable
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError, si
 
-CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement) if item.name in SENSORS}
-
 LAST_SEED = 2**31 - 1
+"""Seeds of noise and curves are below it: what a study file and an int32 can hold."""
 
 DRAW = "draw"
-"""The column that numbers the machines of a case."""
+"""The column that numbers the plant samples of a case."""
 
 RUN_STREAM = 3
-"""The stream of draws of `workbench run`: none of those on which gains are tuned or decisions made."""
+"""The stream of samples of `workbench run`: none of those on which gains are tuned or decisions made."""
 
 
-def on_drawn_machines(study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None) -> list[Case]:
-    """Each case on each machine of these `numbers` (default: 1 to the study's number of draws), in that order.
+def on_plant_samples(study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None) -> list[Case]:
+    """Each case on each plant sample of these `numbers` (default: 1 to the study's number of draws), in that order.
 
     The cases as they are where a study draws none. Results get a column `draw`; the first number tells solver errors.
 
@@ -43,17 +37,24 @@ def on_drawn_machines(study: Study, cases: Sequence[Case], numbers: Iterable[int
     if table is None or not table.draws:
         return list(cases)
     check_scales(study, cases)
-    found: list[Case] = []
     numbered = list(numbers or range(1, table.draws + 1))
-    for case in cases:
-        for number in numbered:
-            try:
-                drawn = drawn_case(case, table, number, RUN_STREAM)
-            except SchemaError as mistake:
-                raise study.error(mistake.key, mistake.message) from None
-            axes, first = {**case.axes, DRAW: number}, number == numbered[0]
-            found.append(replace(drawn, index=len(found), axes=axes, tells_solver_error=first))
-    return found
+    try:
+        for parameters in {str(case.tables["plant"]["parameters"]) for case in cases} if table.friction else ():
+            spread_names(parameters, study.path.parent)
+        samples = {number: plant_sample(table, number, RUN_STREAM) for number in numbered}
+    except SchemaError as mistake:
+        raise study.error(mistake.key, mistake.message) from None
+    return [
+        replace(
+            case,
+            index=i * len(numbered) + j,
+            axes={**case.axes, DRAW: number},
+            overrides=replace(case.overrides, sample=samples[number]),
+            tells_solver_error=j == 0,
+        )
+        for i, case in enumerate(cases)
+        for j, number in enumerate(numbered)
+    ]
 
 
 def check_scales(study: Study, cases: Iterable[Case]) -> None:
@@ -73,47 +74,27 @@ def check_scales(study: Study, cases: Iterable[Case]) -> None:
             raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
 
 
-def drawn_case(case: Case, table: UncertaintyTable, number: int, stream: int = 0) -> Case:
-    """A case on the machine of draw `number`: each draw of a `stream` is the same machine for every controller.
+def plant_sample(table: UncertaintyTable, number: int, stream: int = 0) -> PlantSample:
+    """The plant of draw `number`: each draw of a `stream` is the same plant for every case and controller.
 
-    Its friction is drawn by the standard deviations of the parameter set times `table.friction`; factors are drawn
-    uniformly, or so in their logarithm, and multiply what a scenario says already. The seed of its noise is its own.
+    Factors are drawn uniformly, or so in their logarithm. Every channel takes as many random numbers, whichever of
+    its errors a case bounds.
 
     Raises:
-        SchemaError: a channel that there is not, or a parameter set without standard deviations.
+        SchemaError: a channel that there is not, or a noise of another unit.
     """
     generator = np.random.default_rng([table.seed, stream, number])
-    own = ("simulation", "plant", "sensors")  # all else is the case's, shared by its draws
-    tables = {**case.tables, **{name: copy.deepcopy(case.tables.get(name, {})) for name in own}}
-    tables["simulation"]["seed"] = int(generator.integers(LAST_SEED))
-    plant, sensors = tables["plant"], tables["sensors"]
-    if table.friction:
-        names = _spread_names(str(plant["parameters"]), case)
-        plant["spread"] = {**dict.fromkeys(names, table.friction), **plant.get("spread", {})}
-    scale = dict(plant.get("scale", {}))
-    for name, factors in table.scale.items():
-        scale[name] = scale.get(name, 1.0) * _factor(factors, generator.random())
-    plant["scale"] = scale
+    seed = int(generator.integers(LAST_SEED))
+    factors = {name: _factor(limits, generator.random()) for name, limits in table.scale.items()}
+    noise = dict[str, float]()
     for channel, limits in table.noise.items():
         low, high = (_noise(channel, key, value) for key, value in (("min", limits.min), ("max", limits.max)))
-        sensor = sensors.setdefault(channel, {})
-        sensor["noise"] = low + (high - low) * generator.random()
-    if table.calibration:
-        _draw_calibration(sensors, generator)
-    return replace(case, tables=tables)
-
-
-def _draw_calibration(sensors: dict[str, Any], generator: np.random.Generator) -> None:
-    """Lay over sensors what a draw has of their systematic errors; every channel takes as many random numbers."""
-    for channel, unit in CHANNEL_UNITS.items():
-        sensor, shares = sensors.get(channel, {}), generator.uniform(-1.0, 1.0, 2)
-        curve = int(generator.integers(LAST_SEED))
-        if "offset" in sensor:
-            sensor["offset"] = float(shares[0]) * si(sensor["offset"], unit)
-        if "gain_error" in sensor:
-            sensor["gain_error"] = float(shares[1]) * sensor["gain_error"]
-        if "calibration_error" in sensor:
-            sensor["calibration_seed"] = curve
+        noise[channel] = low + (high - low) * generator.random()
+    sensors = dict[str, SensorSample]()
+    for channel in CHANNEL_UNITS if table.calibration else ():
+        offset, gain_error = generator.uniform(-1.0, 1.0, 2)
+        sensors[channel] = SensorSample(float(offset), float(gain_error), int(generator.integers(LAST_SEED)))
+    return PlantSample(seed, table.friction, factors, noise, sensors)
 
 
 def _factor(factors: FactorTable, share: float) -> float:
@@ -130,15 +111,3 @@ def _noise(channel: str, key: str, value: Any) -> float:
         return si(value, CHANNEL_UNITS[channel])
     except QuantityError as error:
         raise SchemaError(("uncertainty", "noise", channel, key), str(error)) from None
-
-
-def _spread_names(parameters: str, case: Case) -> list[str]:
-    """Friction parameters of a set that have a standard deviation."""
-    deviations: Mapping[str, float] = read_deviations(parameter_path(parameters, case.folder))
-    names = [name for name in deviations if name.startswith(FRICTION) and not name.endswith(f"_{NEGATIVE}")]
-    if not names:
-        raise SchemaError(
-            ("uncertainty", "friction"),
-            f'"{parameters}" gives no standard deviation of friction; set friction = 0, or take another set',
-        )
-    return names

@@ -39,11 +39,11 @@ class Bench:
 
     def on_machines(self, point: Point, numbers: Iterable[int], stream: int) -> list[float]:
         """J of a point on each of the machines drawn with these numbers."""
-        return [self.goal.on_machine(self._run(self.task.drawn(point, number, stream))) for number in numbers]
+        return [self.goal.on_machine(self._run(self.task.sampled(point, number, stream))) for number in numbers]
 
     def hunting(self, point: Point, numbers: Iterable[int], stream: int) -> float:
         """Share of the machines drawn with these numbers on which a step that is held ends in a limit cycle."""
-        machines = [hold(self.task.drawn(point, number, stream), self.goal.table.constraints) for number in numbers]
+        machines = [hold(self.task.sampled(point, number, stream), self.goal.table.constraints) for number in numbers]
         held = [one for cases in machines for one in self._run(cases)]
         return sum(bool(one.hunting) for one in held) / len(held) if held else 0.0
 

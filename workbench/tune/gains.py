@@ -34,7 +34,7 @@ def gain_file(tunings: Sequence[Tuned]) -> str:
     head = {
         "title": f"{task.name}, tuned" + (f", {task.at['machine']}" if "machine" in task.at else ""),
         "source": f"workbench tune, {task.study.path.name}: {task.study.file.title}",
-        "type": str(task.cases[0].tables["controllers"][task.name]["type"]),
+        "type": task.cases[0].controller.type,
     }
     lines = list(_lines(head))
     for found in sorted(tunings, key=lambda one: one.task.rpm or 0.0):
@@ -59,9 +59,7 @@ def _entry(found: Tuned) -> dict[str, Any]:
     task, table = found.task, tune_table(found.task.study)
     tuned = in_user_units(task, found.best)
     rotation = {name: value for name, value in tuned.items() if name in (RPM, THRESHOLD)}
-    own = {
-        key: value for key, value in task.cases[0].tables["controllers"][task.name].items() if key not in ("type", KEY)
-    }
+    own = {key: value for key, value in task.cases[0].tables.controllers[task.name].items() if key not in ("type", KEY)}
     differ = found.seeds_differ
     return {
         **({} if task.rpm is None else {"rpm": task.rpm}),

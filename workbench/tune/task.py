@@ -1,6 +1,5 @@
 """From a point of what is tuned to everything that its runs depend on."""
 
-import copy
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,21 +7,21 @@ from math import pi
 from typing import Any
 
 from controllers.interface import Controller
-from controllers.registry import CONTROLLERS
 from controllers.settings import settings_of
 from workbench.errors import UserError
 from workbench.study.names import in_words, matches
-from workbench.study.resolve import Resolved, resolve
+from workbench.study.overrides import Overrides
+from workbench.study.resolve import ParsedCase, Resolved, parse_case
 from workbench.study.study import Case, Study, named
-from workbench.study.uncertainty import check_scales, drawn_case
+from workbench.study.uncertainty import check_scales, plant_sample
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.study.unfold import unfold
 from workbench.toml.reading import SchemaError
 from workbench.tune.schema import TuneTable
 from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, rotation_of, space_of
 
-MACHINES = 4096
-"""Drawn machines that are kept resolved."""
+SAMPLES = 4096
+"""Plant samples that are kept resolved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,7 @@ class Task:
     name: str
     controller: Controller
     settings: Any
-    cases: Sequence[Case]
+    cases: Sequence[ParsedCase]
     dimensions: Sequence[Dimension]
     uncertainty: UncertaintyTable
     at: Mapping[str, Any] = field(default_factory=dict)
@@ -50,7 +49,7 @@ class Task:
     @property
     def rpm(self) -> float | None:
         """The speed of rotation (rpm) for which it is tuned; None where it is tuned for all of them."""
-        return self.cases[0].rpm if RPM in self.at else None
+        return self.cases[0].case.rpm if RPM in self.at else None
 
     @property
     def rotates(self) -> bool:
@@ -70,41 +69,35 @@ class Task:
         """The cases at a point, on the declared machine."""
         return _at(self, tuple(sorted(point.items())))
 
-    def drawn(self, point: Point, number: int, stream: int = 0) -> list[Resolved]:
-        """The cases at a point, on the machine of a draw."""
+    def sampled(self, point: Point, number: int, stream: int = 0) -> list[Resolved]:
+        """The cases at a point, on the plant sample of that number."""
         rotation = tuple((name, point[name]) for name in (RPM, THRESHOLD) if name in point)
-        machines = _machine(self, rotation, number, stream)
+        samples = _samples(self, rotation, number, stream)
         loops = [case.setup.loop for case in self.declared(point)]
         return [
-            replace(machine, setup=replace(machine.setup, loop=loop))
-            for machine, loop in zip(machines, loops, strict=True)
+            replace(sample, setup=replace(sample.setup, loop=loop)) for sample, loop in zip(samples, loops, strict=True)
         ]
 
 
 @functools.lru_cache(maxsize=64)
 def _at(task: Task, point: tuple[tuple[str, float], ...]) -> list[Resolved]:
-    return [resolve(task.study, _moved(task, case, dict(point))) for case in task.cases]
+    overrides = overrides_at(dict(point))
+    return [case.resolve(overrides) for case in task.cases]
 
 
-@functools.lru_cache(maxsize=MACHINES)
-def _machine(task: Task, rotation: tuple[tuple[str, float], ...], number: int, stream: int) -> list[Resolved]:
-    """The cases of a task on a drawn machine, with the gains of the study."""
-    moved = [_moved(task, case, dict(rotation)) for case in task.cases]
-    return [resolve(task.study, drawn_case(case, task.uncertainty, number, stream)) for case in moved]
+@functools.lru_cache(maxsize=SAMPLES)
+def _samples(task: Task, rotation: tuple[tuple[str, float], ...], number: int, stream: int) -> list[Resolved]:
+    """The cases of a task on a plant sample, with the gains of the study."""
+    sample = plant_sample(task.uncertainty, number, stream)
+    overrides = replace(overrides_at(dict(rotation)), sample=sample)
+    return [case.resolve(overrides) for case in task.cases]
 
 
-def _moved(task: Task, case: Case, point: Point) -> Case:
-    """A case at a point: settings and rotation as numbers in SI."""
-    tables = copy.deepcopy(case.tables)
-    own = tables["controllers"][task.name]
-    for name, value in point.items():
-        if name == RPM:
-            tables["rpm"] = value * 30.0 / pi
-        elif name == THRESHOLD:
-            tables["plant"][THRESHOLD] = value
-        else:
-            own[name] = value
-    return replace(case, tables=tables)
+def overrides_at(point: Point) -> Overrides:
+    """What a point changes of a case."""
+    settings = {name: value for name, value in point.items() if name not in (RPM, THRESHOLD)}
+    rpm = point[RPM] * 30.0 / pi if RPM in point else None
+    return Overrides(settings, rpm, point.get(THRESHOLD))
 
 
 def combinations(study: Study, cases: Sequence[Case]) -> list[dict[str, Any]]:
@@ -170,26 +163,23 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
 
 def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, Any], *, tuned: bool = True) -> Task:
     table = tune_table(study)
-    cases = cases_for(study, all_cases, name, at)
-    first = resolve(study, cases[0])
-    settings = first.settings
-    own = cases[0].tables["controllers"][name]
-    controller = CONTROLLERS.working()[str(own["type"])]
-    if controller.choose is not None:
-        controller = first.setup.loop.controller
+    chosen = cases_for(study, all_cases, name, at)
+    cases = [parse_case(study, case) for case in chosen]
+    first = cases[0].resolve()
+    settings, controller = first.settings, first.setup.loop.controller
     try:
         dimensions = list[Dimension]()
         if tuned:
             dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
-            dimensions += rotation_of(table, cases[0].rpm, cases[0].tables["plant"].get(THRESHOLD))
+            dimensions += rotation_of(table, chosen[0].rpm, cases[0].tables.plant.minimum_helical_speed)
         uncertainty = study.file.uncertainty or UncertaintyTable()
         task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at)
         if table.draws and study.file.uncertainty is None:
             raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
-            check_scales(study, cases)
-            resolve(study, drawn_case(cases[0], uncertainty, 0))
-        if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in cases}) > 1:
+            check_scales(study, chosen)
+            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0)))
+        if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in chosen}) > 1:
             raise SchemaError(("tune", "rotation", "rpm"), "is tuned: expected one value on the axis rpm, its start")
     except SchemaError as mistake:
         raise study.error(mistake.key, mistake.message) from None

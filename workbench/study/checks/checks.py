@@ -345,4 +345,6 @@ def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dic
     for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):
         for name in case.tables[section[0]].get(section[1], {}):
             found[(*section, name)] = name in names
+    if (sample := case.overrides.sample) is not None:
+        found |= {("plant", "scale", name): name in names for name in sample.factors}
     return found

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from workbench.study.study import Case
+from workbench.study.resolve import ParsedCase
 from workbench.tune.objective import Ran, Score
 from workbench.tune.space import Dimension
 from workbench.tune.study import Tuning
@@ -42,10 +42,11 @@ def objective_of(one: Tuned, when: When, basis: Basis) -> Quantile | None:
     return quantiles.get("start" if when == "before" else "tuned")
 
 
-def case_labels(cases: Sequence[Case]) -> list[str]:
+def case_labels(cases: Sequence[ParsedCase]) -> list[str]:
     """What tells the cases of a controller apart, in words; "" where there is one."""
-    differing = [name for name in cases[0].columns if len({repr(case.columns.get(name)) for case in cases}) > 1]
-    labels = ["_".join(dict.fromkeys(str(case.columns.get(name)) for name in differing)) for case in cases]
+    columns = [parsed.case.columns for parsed in cases]
+    differing = [name for name in columns[0] if len({repr(each.get(name)) for each in columns}) > 1]
+    labels = ["_".join(dict.fromkeys(str(each.get(name)) for name in differing)) for each in columns]
     alike = len(set(labels)) < len(labels)
     return [f"{label}_{i + 1}" if alike else label for i, label in enumerate(labels)]
 

@@ -237,7 +237,7 @@ def classic_table(tuning: Tuning) -> Table:
 
 def is_pid(one: Tuned) -> bool:
     """Whether a controller is one of the PID family."""
-    return one.task.cases[0].tables["controllers"][one.task.name].get("type") == PID.name
+    return one.task.cases[0].controller.type == PID.name
 
 
 def _tuned_pid(one: Tuned, command: str) -> Line:

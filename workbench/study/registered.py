@@ -1,0 +1,24 @@
+"""Plants and controllers by name, those of plug-ins among them."""
+
+from typing import TypeVar
+
+from plants.plugins import Registry
+from workbench.errors import nearest
+from workbench.toml.reading import Key, SchemaError
+
+T = TypeVar("T")
+
+
+def registered(registry: Registry[T], name: str, key: Key, shorthands: tuple[str, ...] = ()) -> T:
+    """The plant or controller of that name, which stands at `key`; `shorthands` are names that stand for several.
+
+    Raises:
+        SchemaError: there is none of that name, or its package cannot be used.
+    """
+    known, broken = registry.working(), registry.broken()
+    if name in known:
+        return known[name]
+    if name in broken:
+        raise SchemaError(key, broken[name])
+    hint = nearest(name, dict.fromkeys((*shorthands, *known)))
+    raise SchemaError(key, f'unknown {registry.kind.__name__.lower()} "{name}"; {hint}')
