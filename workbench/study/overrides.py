@@ -5,10 +5,8 @@ Typed, and in SI but for rpm: a search tries thousands of points of one case, wh
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from plants.equation import NEGATIVE
-from workbench.parameters.sets import parameter_path, read_deviations
 from workbench.records.schema import FRICTION
 from workbench.study.schema import CaseTables, ChannelTable, PlantTable, SensorsTable
 from workbench.study.sensor_tables import CHANNEL_UNITS
@@ -62,8 +60,8 @@ DECLARED = Overrides()
 """Nothing otherwise than the tables say."""
 
 
-def overridden(tables: CaseTables, overrides: Overrides, folder: Path) -> CaseTables:
-    """The tables of a case with rotation and sample laid over them; `folder` is where parameter files are looked for.
+def overridden(tables: CaseTables, overrides: Overrides, deviations: Mapping[str, float]) -> CaseTables:
+    """The tables of a case with rotation and sample laid over them; `deviations` are those of its parameter set.
 
     Raises:
         SchemaError: a parameter set without standard deviations of friction, a helical speed of another rotation.
@@ -76,26 +74,25 @@ def overridden(tables: CaseTables, overrides: Overrides, folder: Path) -> CaseTa
         plant = plant.model_copy(update={"minimum_helical_speed": overrides.minimum_helical_speed})
     changed: dict[str, object] = {"rpm": rotation, "plant": plant}
     if (sample := overrides.sample) is not None:
-        changed["plant"] = _sampled_plant(plant, sample, folder)
+        changed["plant"] = _sampled_plant(plant, sample, deviations)
         changed["sensors"] = _sampled_sensors(tables.sensors, sample)
         changed["simulation"] = tables.simulation.model_copy(update={"seed": sample.seed})
     return tables.model_copy(update=changed)
 
 
-def _sampled_plant(plant: PlantTable, sample: PlantSample, folder: Path) -> PlantTable:
+def _sampled_plant(plant: PlantTable, sample: PlantSample, deviations: Mapping[str, float]) -> PlantTable:
     factors = {name: plant.scale.get(name, 1.0) * factor for name, factor in sample.factors.items()}
-    names = spread_names(plant.parameters, folder) if sample.friction else []
+    names = spread_names(plant.parameters, deviations) if sample.friction else []
     spread = {**dict.fromkeys(names, sample.friction), **plant.spread}
     return plant.model_copy(update={"scale": {**plant.scale, **factors}, "spread": spread})
 
 
-def spread_names(parameters: str, folder: Path) -> list[str]:
+def spread_names(parameters: str, deviations: Mapping[str, float]) -> list[str]:
     """Friction parameters of a set that have a standard deviation.
 
     Raises:
         SchemaError: none has.
     """
-    deviations = read_deviations(parameter_path(parameters, folder))
     names = [name for name in deviations if name.startswith(FRICTION) and not name.endswith(f"_{NEGATIVE}")]
     if not names:
         raise SchemaError(
@@ -113,7 +110,8 @@ def _sampled_sensors(sensors: SensorsTable, sample: PlantSample) -> SensorsTable
         values: dict[str, float] = {}
         if channel in sample.noise:
             values["noise"] = sample.noise[channel]
-        if (errors := sample.sensors.get(channel)) is not None:
+        errors = sample.sensors.get(channel)
+        if errors is not None and (table.offset or table.gain_error or table.calibration_error):
             values["offset"] = errors.offset * si(table.offset, unit)
             values["gain_error"] = errors.gain_error * table.gain_error
             values["calibration_seed"] = errors.calibration_seed

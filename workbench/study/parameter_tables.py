@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,32 @@ from workbench.study.schema import CaseTables
 from workbench.study.study import Case
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError
+
+
+@dataclass(frozen=True)
+class ParameterValues:
+    """What the sets or files of a case and its `set` tables say of parameters (SI, by canonical name): true values,
+    their standard deviations, and what controllers believe them to be, which is of the set `source`.
+    """
+
+    true: Mapping[str, float]
+    deviations: Mapping[str, float]
+    believed: Mapping[str, float]
+    source: str
+
+
+def read_values(tables: CaseTables, case: Case) -> ParameterValues:
+    """The values of [plant], and of [belief], else of what [plant] declares; never of a scenario.
+
+    Raises:
+        SchemaError: an unknown set or parameter, an impossible value.
+    """
+    table, belief, declared = tables.plant, tables.belief, case.declared
+    true = _values(table.parameters, table.set, case.folder, "plant")
+    source = belief.parameters or declared.get("parameters", table.parameters)
+    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
+    believed = _values(source, overrides, case.folder, "belief")
+    return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder)), believed, source)
 
 
 def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
@@ -32,7 +59,7 @@ def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str
     return values
 
 
-def _rotated(plant: Plant, values: dict[str, float], table: Mapping[str, Any]) -> dict[str, float]:
+def _rotated(plant: Plant, values: Mapping[str, float], table: Mapping[str, Any]) -> Mapping[str, float]:
     """Values with what a study says of rotation in [plant]: `inertia`, `motor` and `motor_limits`.
 
     Inertia "mass" is the thesis's M R^2 (section 3.3.1.2). A "consistent" motor has the back-EMF constant of its torque
@@ -51,15 +78,14 @@ def _rotated(plant: Plant, values: dict[str, float], table: Mapping[str, Any]) -
     return values
 
 
-def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
-    """The plant's parameters: a set or file of [plant], with `set`, `spread` and `scale` over it, in that order.
+def build_truth(plant: Plant, tables: CaseTables, read: ParameterValues) -> Any:
+    """The plant's parameters: the values of [plant], with its `spread` and `scale` over them, in that order.
 
     Raises:
-        SchemaError: unknown parameters, impossible values, or values that do not serve the plant.
+        SchemaError: unknown parameters, or values that do not serve the plant.
     """
-    table = tables.plant
-    values = _values(table.parameters, table.set, folder, "plant")
-    _spread(values, tables, folder)
+    table, values = tables.plant, dict(read.true)
+    _spread(values, tables, read.deviations)
     for name, ratio in table.scale.items():
         if name not in values:
             raise SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
@@ -76,10 +102,9 @@ def build_truth(plant: Plant, tables: CaseTables, folder: Path) -> Any:
         ) from None
 
 
-def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
+def _spread(values: dict[str, float], tables: CaseTables, deviations: Mapping[str, float]) -> None:
     """Draw the parameters of [plant.spread] about their values, each direction apart where the file has both."""
     table = tables.plant
-    deviations = read_deviations(parameter_path(table.parameters, folder))
     for name, times in table.spread.items():
         if name not in deviations:
             hint = nearest(name, deviations)
@@ -91,20 +116,16 @@ def _spread(values: dict[str, float], tables: CaseTables, folder: Path) -> None:
                 values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
 
 
-def build_belief(plant: Plant, tables: CaseTables, case: Case) -> Any:
-    """What controllers believe the parameters to be: [belief], else what [plant] declares; never a scenario.
+def build_belief(plant: Plant, tables: CaseTables, declared: Mapping[str, Any], read: ParameterValues) -> Any:
+    """What controllers believe the parameters to be, of a plant table as `declared`.
 
     Whether the motor has limits is on its nameplate: there belief follows the truth.
 
     Raises:
-        SchemaError: as `build_truth`.
+        SchemaError: values that do not serve the plant.
     """
-    belief, declared = tables.belief, case.declared
-    source = belief.parameters or declared.get("parameters", tables.plant.parameters)
-    overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
-    values = _values(source, overrides, case.folder, "belief")
     try:
-        values = _rotated(plant, values, {**declared, "motor_limits": tables.plant.motor_limits})
-        return build(plant.Parameters, values, belief.flow or declared.get("flow", "derived"))
+        values = _rotated(plant, read.believed, {**declared, "motor_limits": tables.plant.motor_limits})
+        return build(plant.Parameters, values, tables.belief.flow or declared.get("flow", "derived"))
     except UserError as error:
-        raise SchemaError(("belief", "parameters"), f'"{source}" does not serve {plant.name}: {error}') from None
+        raise SchemaError(("belief", "parameters"), f'"{read.source}" does not serve {plant.name}: {error}') from None

@@ -16,7 +16,7 @@ from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
 from workbench.study.controller_tables import ControllerCase, parse_controller
 from workbench.study.overrides import Overrides, overridden
-from workbench.study.parameter_tables import build_belief, build_truth
+from workbench.study.parameter_tables import ParameterValues, build_belief, build_truth, read_values
 from workbench.study.registered import registered
 from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
@@ -66,6 +66,7 @@ class ParsedCase:
     study: Study
     case: Case
     tables: CaseTables
+    values: ParameterValues
     controller: ControllerCase
 
     def resolve(self, overrides: Overrides | None = None) -> Resolved:
@@ -88,7 +89,8 @@ def parse_case(study: Study, case: Case) -> ParsedCase:
     """
     try:
         tables = files.conform(CaseTables, case.tables)
-        return ParsedCase(study, case, tables, parse_controller(tables, _plant(tables), case.folder))
+        plant, values = _plant(tables), read_values(tables, case)
+        return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder))
     except SchemaError as mistake:
         raise _located(study, case, mistake) from None
 
@@ -108,10 +110,10 @@ def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
 
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     case, wanted = parsed.case, parsed.controller
-    tables = overridden(parsed.tables, overrides, case.folder)
+    tables = overridden(parsed.tables, overrides, parsed.values.deviations)
     plant = _plant(tables)
-    parameters = build_truth(plant, tables, case.folder)
-    belief = build_belief(plant, tables, case)
+    parameters = build_truth(plant, tables, parsed.values)
+    belief = build_belief(plant, tables, case.declared, parsed.values)
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
     state, _ = plant.equilibrium(parameters, turning)
     state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from workbench.errors import nearest
-from workbench.parameters.sets import parameter_path, read_parameters
+from workbench.parameters.sets import parameter_path, read_deviations, read_parameters
 from workbench.study.overrides import PlantSample, SensorSample, spread_names
 from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.study.study import Case, Study
@@ -40,7 +40,7 @@ def on_plant_samples(study: Study, cases: Sequence[Case], numbers: Iterable[int]
     numbered = list(numbers or range(1, table.draws + 1))
     try:
         for parameters in {str(case.tables["plant"]["parameters"]) for case in cases} if table.friction else ():
-            spread_names(parameters, study.path.parent)
+            spread_names(parameters, read_deviations(parameter_path(parameters, study.path.parent)))
         samples = {number: plant_sample(table, number, RUN_STREAM) for number in numbered}
     except SchemaError as mistake:
         raise study.error(mistake.key, mistake.message) from None
