@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.decide.decision import decide
-from workbench.decide.judged import judge
-from workbench.decide.machines import batches, run_batches
+from workbench.decide.batches import batches, run_batches
+from workbench.decide.candidate import candidate_results
 from workbench.decide.plan import Plan, plan_decision
+from workbench.decide.run import decide
 from workbench.study.reading import read_study
 
 MACHINES = ("thesis_simulation", "thesis_rig")
@@ -111,13 +111,13 @@ def specification(folder: Path, seed: int) -> Plan:
 
 def check(plan: Plan, machines: int, jobs: int) -> Checked | None:
     """Decide, then run what the answer names on so many further machines; None where it names nothing measured."""
-    found = decide(plan, jobs)
-    named = found.asked.answer().best
+    decision = decide(plan, jobs)
+    named = decision.asked.answer().best
     if named.stage != "fresh":
         return None
     numbers = range(plan.fresh_draws, plan.fresh_draws + machines)
     wanted = [(named.candidate, named.speed, named.spread)]
-    (later,) = judge(run_batches(plan, batches("fresh", wanted, numbers), jobs), plan.table)
+    (later,) = candidate_results(run_batches(plan, batches("fresh", wanted, numbers), jobs), plan.table)
     table = plan.table
     words = (
         f"{table.accuracy * 1e3:.4f} mm, {table.speed * 1e3:.1f} mm/s, {table.amplitude * 1e3:.1f} mm, "
@@ -133,10 +133,10 @@ def checked(count: int, machines: int, jobs: int) -> Iterator[Checked]:
     with tempfile.TemporaryDirectory() as folder:
         while count:
             seed += 1
-            one = check(specification(Path(folder), seed), machines, jobs)
-            if one is not None:
+            each = check(specification(Path(folder), seed), machines, jobs)
+            if each is not None:
                 count -= 1
-                yield one
+                yield each
 
 
 def main() -> None:
@@ -147,11 +147,11 @@ def main() -> None:
     options.add_argument("--jobs", type=int, default=1)
     given = options.parse_args()
     inside = 0
-    for one in checked(given.specifications, given.machines, given.jobs):
-        inside += one.inside
+    for each in checked(given.specifications, given.machines, given.jobs):
+        inside += each.inside
         print(
-            f"{one.words}: {one.candidate}, {one.probability:.3f} ({one.low:.3f} to {one.high:.3f}), "
-            f"later {one.later:.3f}: {'inside' if one.inside else 'OUTSIDE'}",
+            f"{each.words}: {each.candidate}, {each.probability:.3f} ({each.low:.3f} to {each.high:.3f}), "
+            f"later {each.later:.3f}: {'inside' if each.inside else 'OUTSIDE'}",
             flush=True,
         )
     print(f"{inside} of {given.specifications} inside")

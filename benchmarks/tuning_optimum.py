@@ -22,10 +22,11 @@ from scipy.optimize import NonlinearConstraint, differential_evolution
 
 from workbench.study.reading import read_study
 from workbench.study.study import Study
-from workbench.tune.evaluator import SEARCHED, Bench
+from workbench.tune.evaluator import SEARCHED, Evaluator, evaluator_of
 from workbench.tune.objective import margins_of
-from workbench.tune.study import bench_of, prepared, tune_all
-from workbench.tune.task import task_for, tune_table
+from workbench.tune.prepare import prepared, task_for
+from workbench.tune.run import tune_all
+from workbench.tune.schema import tune_table
 
 TIMES, SEEDS = 10, 5
 MEMBERS = 10
@@ -36,14 +37,16 @@ class Spent(Exception):  # noqa: N818 - no error
     """No run is left."""
 
 
-def evolved(bench: Bench, runs: int) -> tuple[float, dict[str, float]]:
+def evolved(evaluator: Evaluator, runs: int) -> tuple[float, dict[str, float]]:
     """The least objective that differential evolution finds in so many runs, and where."""
-    task, table = bench.task, bench.goal.table
+    task, table = evaluator.task, evaluator.objective.table
     best: tuple[float, dict[str, float]] = (np.inf, {})
     count = 0
 
     def point_at(shares: np.ndarray) -> dict[str, float]:
-        return {one.name: one.at(float(share)) for one, share in zip(task.dimensions, shares, strict=True)}
+        return {
+            dimension.name: dimension.at(float(share)) for dimension, share in zip(task.dimensions, shares, strict=True)
+        }
 
     def objective(shares: np.ndarray) -> float:
         nonlocal best, count
@@ -51,19 +54,19 @@ def evolved(bench: Bench, runs: int) -> tuple[float, dict[str, float]]:
             raise Spent
         count += 1
         point = point_at(shares)
-        score = bench.on_draws(point)
+        score = evaluator.on_draws(point)
         if not score.feasible or not np.isfinite(score.value):
             return 1e9
         if score.value < best[0]:
             judged = range(table.draws if table.constraints.limit_cycle else 0)
-            if bench.hunting(point, judged, SEARCHED) > 1.0 - table.quantile + 1e-9:
+            if evaluator.hunting(point, judged, SEARCHED) > 1.0 - table.quantile + 1e-9:
                 return 1e9
             best = (score.value, point)
         return score.value
 
     def beyond(shares: np.ndarray) -> list[float]:
-        found = margins_of(task.declared(point_at(shares)), table.constraints)
-        violations = bench.goal.violations(found, (), ())
+        smallest = margins_of(task.declared(point_at(shares)), table.constraints)
+        violations = evaluator.objective.violations(smallest, (), ())
         return [violations["gain margin"], violations["phase margin"]]
 
     with contextlib.suppress(Spent):
@@ -84,13 +87,13 @@ def compared(study: Study, name: str) -> str:
     """A line of the table."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
-        found = tune_all(study, [name], Path(folder) / "trials.sqlite").found[0]
+        tuned = tune_all(study, [name], Path(folder) / "trials.sqlite").tuned[0]
     took = time.process_time() - began
-    assert found.score is not None
-    least, _ = evolved(bench_of(task_for(study, name)), TIMES * tune_table(study).trials)
-    above = 100.0 * (found.score.value / least - 1.0)
-    differ = 100.0 * (found.seeds_differ or 0.0)
-    return f"| {name} | {found.score.value:.6g} | {least:.6g} | {above:+.2f} | {differ:.2f} | {took:.1f} |"
+    assert tuned.score is not None
+    least, _ = evolved(evaluator_of(task_for(study, name)), TIMES * tune_table(study).trials)
+    above = 100.0 * (tuned.score.value / least - 1.0)
+    differ = 100.0 * (tuned.seeds_differ or 0.0)
+    return f"| {name} | {tuned.score.value:.6g} | {least:.6g} | {above:+.2f} | {differ:.2f} | {took:.1f} |"
 
 
 def main() -> None:

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from workbench.decide.answer import Cell
-from workbench.decide.confirm import sureness
-from workbench.decide.judged import Judged, Kind, judge
+from workbench.decide.candidate import CandidateResult, Kind, candidate_results
 from workbench.decide.order import non_dominated, ordered
-from workbench.decide.results import results
+from workbench.decide.result import Cell
+from workbench.decide.rows import results
+from workbench.decide.run import sureness
 from workbench.decide.schema import DecideTable
 from workbench.metrics.statistics import (
     deciding_counts,
@@ -28,12 +28,12 @@ TABLE = DecideTable.model_validate(
 )
 
 
-def judged(controller: str, rpm: float, error: float, power: float, met: int = 0, draws: int = 64) -> Judged:
+def judged(controller: str, rpm: float, error: float, power: float, met: int = 0, draws: int = 64) -> CandidateResult:
     """A candidate with this error quantile and power, which `met` of its draws keep to."""
     passed = (True,) * met + (False,) * (draws - met)
     kind: Kind = "rotation" if rpm else "plain"
     failures = {"accuracy": draws - met} if met < draws else {}
-    return Judged(
+    return CandidateResult(
         *(controller, rpm, 8e-3, 1.0, kind, "search", "completed", passed, failures, 0),
         *(0.95, *share_interval(met, draws), 0.5, 1.0, error, 0.9 * error, 1.1 * error, power, power, power, 0.0, rpm),
     )
@@ -112,7 +112,9 @@ def test_intervals_of_all_that_are_measured_hold_together() -> None:
     assert sureness(1) == 0.975
 
 
-def drawn(row: Judged, probability: float, draws: int, sure: float, generator: np.random.Generator) -> Judged:
+def drawn(
+    row: CandidateResult, probability: float, draws: int, sure: float, generator: np.random.Generator
+) -> CandidateResult:
     """The same candidate on draws that it meets with a probability that is known."""
     passed = tuple(bool(one) for one in generator.random(draws) < probability)
     low, high = share_interval(sum(passed), draws, sure)
@@ -129,7 +131,7 @@ def test_having_been_picked_flatters_none() -> None:
         cell = Cell(8e-3, 1.0, table, rows)
         while (row := cell.next()) is not None:
             sure = sureness(len(cell.measured) + 1)
-            cell.measured.append(replace(drawn(row, truth[row.controller], 200, sure, generator), stage="fresh"))
+            cell = cell.with_measured([replace(drawn(row, truth[row.controller], 200, sure, generator), stage="fresh")])
         named = cell.answer().best
         if named.stage == "fresh":
             chosen += 1
@@ -149,7 +151,7 @@ def test_the_walk_goes_on_where_the_fresh_draws_rule_out() -> None:
         row = cell.next()
         assert row is not None
         fresh = judged(row.controller, 0.0, row.error, row.mean_power, met, 200)
-        cell.measured.append(replace(fresh, stage="fresh"))
+        cell = cell.with_measured([replace(fresh, stage="fresh")])
     assert cell.next() is None
     assert [(row.controller, row.standing(TABLE)) for row in cell.measured] == [("cheap", "fails"), ("next", "meets")]
     given = cell.answer()
@@ -160,8 +162,8 @@ def test_what_cannot_be_told_is_said() -> None:
     """A plain controller whose interval holds 0.9 leaves the kind open, though rotation is sure to do."""
     rows = [judged("feed", 0.0, 1e-6, 3.0, 64), judged("feed", 25.0, 1e-6, 30.0, 64)]
     cell = Cell(8e-3, 1.0, TABLE, rows)
-    cell.measured += [replace(judged("feed", 0.0, 1e-6, 3.0, 182, 200), stage="fresh")]
-    cell.measured += [replace(judged("feed", 25.0, 1e-6, 30.0, 200, 200), stage="fresh")]
+    cell = cell.with_measured([replace(judged("feed", 0.0, 1e-6, 3.0, 182, 200), stage="fresh")])
+    cell = cell.with_measured([replace(judged("feed", 25.0, 1e-6, 30.0, 200, 200), stage="fresh")])
     given = cell.answer()
     assert (given.kind, given.settled, [row.rpm for row in given.open]) == ("rotation", False, [0.0])
     assert given.doubtful == ("plain",)
@@ -198,7 +200,7 @@ def test_what_fails_is_told_by_draw() -> None:
         | {"supply_power_W": 3.0, "motor_electric_power_W": None, "rotation_speed_mean_rpm": None}
         for i, (outcome, accurate, within, hunts) in enumerate(draws)
     ]
-    (found,) = judge(pd.DataFrame(rows), TABLE)
+    (found,) = candidate_results(pd.DataFrame(rows), TABLE)
     assert found.failures == {"stuck": 1, "torque-limited": 1, "accuracy": 2, "power": 1, "hunting": 1}
     assert (found.met, found.hunting, found.main_failure, found.error) == (1, 1, "hunting", math.inf)
     assert found.outcome == "5 completed, 1 stuck, 1 torque-limited"

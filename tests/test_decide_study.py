@@ -6,14 +6,15 @@ import pandas as pd
 import pytest
 from command import STUDIES, changed, fails, workbench, write
 
-from workbench.decide.decision import Decision, decide
-from workbench.decide.judged import judge
-from workbench.decide.machines import batches, run_batches
+from workbench.decide.batches import batches, run_batches
+from workbench.decide.candidate import candidate_results
 from workbench.decide.plan import Plan, plan_decision
 from workbench.decide.report.answer import paragraph
 from workbench.decide.report.map import failing
 from workbench.decide.report.names import millimetres, watts
 from workbench.decide.report.words import assumptions, price, question
+from workbench.decide.result import Decision
+from workbench.decide.run import decide
 from workbench.study.reading import read_study
 
 STUDY = """\
@@ -237,7 +238,7 @@ def test_the_interval_holds_what_further_machines_do(tmp_path: Path) -> None:
     named = found.asked.answer().best
     assert named.stage == "fresh"
     wanted = [(named.candidate, named.speed, named.spread)]
-    (later,) = judge(run_batches(found.plan, batches("fresh", wanted, range(60, 360)), 2), found.table)
+    (later,) = candidate_results(run_batches(found.plan, batches("fresh", wanted, range(60, 360)), 2), found.table)
     assert named.low <= later.probability <= named.high
 
 

@@ -23,16 +23,16 @@ from workbench.metrics.statistics import quantile
 from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
 from workbench.study.unfold import unfold
-from workbench.toml.gain_file import read_gain_file
-from workbench.tune.gains import gain_file
-from workbench.tune.study import Tuning
-from workbench.tune.task import task_for
-from workbench.tune.tuning import classic_points, infeasible, interval
+from workbench.toml.gain_file import gain_file_text, read_gain_file
+from workbench.tune.prepare import task_for
+from workbench.tune.report.gain_files import gain_file
+from workbench.tune.result import Tuning, infeasible, interval
+from workbench.tune.starts import classic_points
 
 
 def outcome(tuning: Tuning) -> list[object]:
     """All that has to be the same."""
-    return [(one.task.label, one.best, one.number, one.seeds, one.trials) for one in tuning.found]
+    return [(one.task.label, one.best, one.number, one.seeds, one.trials) for one in tuning.tuned]
 
 
 # --- the same gains whatever happens ---
@@ -44,9 +44,9 @@ def test_jobs_do_not_change_the_gains(tmp_path: Path, text: str) -> None:
     one = tuned(tmp_path / "one", several, ("p", "lugre"), trials=24, jobs=1)
     two = tuned(tmp_path / "two", several, ("p", "lugre"), trials=24, jobs=2)
     assert outcome(one) == outcome(two)
-    assert [found.task.name for found in one.found] == ["p", "lugre"]
-    assert len(one.found[1].trials) <= 2 * 24
-    assert list(one.found[1].seeds) == [1, 2]
+    assert [found.task.name for found in one.tuned] == ["p", "lugre"]
+    assert len(one.tuned[1].trials) <= 2 * 24
+    assert list(one.tuned[1].seeds) == [1, 2]
 
 
 def test_going_on_does_not_change_the_gains(tmp_path: Path) -> None:
@@ -91,11 +91,11 @@ def stored(folder: Path) -> int:
 def test_one_controller_and_all_of_them_share_a_folder(tmp_path: Path) -> None:
     """A PD that is added beside others makes no other study of theirs; nor does a change of another controller."""
     without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
-    alone = tuned(tmp_path, without, "lugre", trials=4).found[0]
+    alone = tuned(tmp_path, without, "lugre", trials=4).tuned[0]
     every = tuned(tmp_path, without, "all", trials=4)
-    assert every.found[1].best == alone.best
+    assert every.tuned[1].best == alone.best
     changed = without.replace('law = "valve_inversion"', 'law = "acceleration_feedback"')
-    assert tuned(tmp_path, changed, "p", trials=4).found[0].best == every.found[0].best
+    assert tuned(tmp_path, changed, "p", trials=4).tuned[0].best == every.tuned[0].best
     with pytest.raises(UserError, match="its trials of lugre, seed 1 are of another study"):
         tuned(tmp_path, changed, "lugre", trials=4)
 
@@ -154,7 +154,7 @@ def test_every_controller_documents_ranges_about_its_defaults() -> None:
 
 def test_a_hunting_loop_is_never_returned(tmp_path: Path) -> None:
     """K_i 1000 V/(m s) hunts on soft hoses and 500 does not; the error falls with K_i all the way."""
-    found = tuned(tmp_path, HUNTING, "pi", jobs=2).found[0]
+    found = tuned(tmp_path, HUNTING, "pi", jobs=2).tuned[0]
     hunting = [trial for trial in found.trials if trial.violations["limit cycle"] > 0.0]
     assert min(found.trials, key=lambda trial: trial.value) in hunting
     assert all(trial.point["ki"] > 500.0 for trial in hunting)
@@ -166,7 +166,7 @@ def test_a_hunting_loop_is_never_returned(tmp_path: Path) -> None:
 
 def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> None:
     text = STUDY + "[tune.constraints]\nphase_margin_deg = 89\n"
-    found = tuned(tmp_path, text, "p").found[0]
+    found = tuned(tmp_path, text, "p").tuned[0]
     assert found.best is None
     most, count = max(trial.phase_margin_deg for trial in found.trials), len(found.trials)
     assert infeasible(found) == (
@@ -184,8 +184,8 @@ def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> No
 def test_a_gain_file_carries_the_margins_of_its_loop(tmp_path: Path) -> None:
     """Read again, the gains give the margins; those of a P also come from the plant's own transfer function."""
     tuning = tuned(tmp_path, STUDY, "all", trials=8, jobs=2)
-    for found in tuning.found:
-        path = write(tmp_path, gain_file([found]), f"{found.task.name}.toml")
+    for found in tuning.tuned:
+        path = write(tmp_path, gain_file_text(gain_file([found])), f"{found.task.name}.toml")
         (kept,) = read_gain_file(path).at
         using = STUDY.replace("[controllers]\n", f'[controllers]\nagain = {{ gains = "{path.name}" }}\n')
         using = using.replace('controller = ["p", "pd", "lugre"]', 'controller = ["again"]')
@@ -203,9 +203,9 @@ def test_a_gain_file_carries_the_margins_of_its_loop(tmp_path: Path) -> None:
 
 
 def test_a_study_runs_with_a_gain_file_as_with_its_numbers(tmp_path: Path) -> None:
-    found = tuned(tmp_path, STUDY, "lugre").found[0]
+    found = tuned(tmp_path, STUDY, "lugre").tuned[0]
     assert found.best is not None
-    write(tmp_path, gain_file([found]), "lugre.toml")
+    write(tmp_path, gain_file_text(gain_file([found])), "lugre.toml")
     using = STUDY.replace(
         'lugre = { type = "lugre", law = "valve_inversion" }', 'lugre = { gains = "lugre.toml", injection = 0.2 }'
     )
@@ -240,7 +240,7 @@ def test_the_interval_of_a_quantile_has_its_probability() -> None:
 
 
 def test_the_gains_are_measured_on_machines_that_the_search_has_not_met(tmp_path: Path) -> None:
-    found = tuned(tmp_path, robust(), "pd").found[0]
+    found = tuned(tmp_path, robust(), "pd").tuned[0]
     assert found.score is not None
     assert found.on_searched["tuned"].value == found.score.value == found.trials[found.number].value
     assert (found.on_searched["tuned"].draws, found.on_fresh["tuned"].draws) == (8, 12)

@@ -15,13 +15,14 @@ from workbench.errors import UserError
 from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
 from workbench.study.unfold import unfold
-from workbench.toml.gain_file import entry_at, read_gain_file
-from workbench.tune.gains import gain_files
+from workbench.toml.gain_file import entry_at, gain_file_text, read_gain_file
 from workbench.tune.objective import margins_of
+from workbench.tune.prepare import task_for, tasks_for
 from workbench.tune.refine import descend
+from workbench.tune.report.gain_files import gain_files
 from workbench.tune.report.places import place_lines, seeds_line
 from workbench.tune.report.tables import number
-from workbench.tune.task import task_for, tasks_for, tune_table
+from workbench.tune.schema import tune_table
 from workbench.tune.trials import key_of
 
 PLACES = (
@@ -74,7 +75,7 @@ def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_pat
     def lacking(kp: float) -> float:
         return margins_of(task.declared({"kp": kp}), tune_table(study).constraints).phase_deg - 45.0
 
-    found = tuned(tmp_path, STUDY.replace("seeds = 1", "seeds = 3"), "p", trials=40).found[0]
+    found = tuned(tmp_path, STUDY.replace("seeds = 1", "seeds = 3"), "p", trials=40).tuned[0]
     assert found.best is not None
     assert found.best["kp"] == pytest.approx(brentq(lacking, 500.0, 4000.0), rel=5e-3)
     assert found.seeds_differ is not None
@@ -87,11 +88,11 @@ def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_pat
 def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
     """The same controller on the same belief has other gains on another machine; a file has an entry a speed."""
     tuning = tuned(tmp_path, PLACES, "p", trials=16)
-    assert [one.task.label for one in tuning.found] == [
+    assert [one.task.label for one in tuning.tuned] == [
         f"p, machine {machine}, rpm {rpm}" for machine in ("light", "heavy") for rpm in ("0", "60 rpm")
     ]
-    assert len({repr(one.best) for one in tuning.found}) > 1
-    texts = gain_files(tuning.found)
+    assert len({repr(one.best) for one in tuning.tuned}) > 1
+    texts = {name: gain_file_text(content) for name, content in gain_files(tuning.tuned).items()}
     assert list(texts) == ["light/p.toml", "heavy/p.toml"]
     assert max(map(len, texts.values())) < 4000
     for name, text in texts.items():
@@ -101,7 +102,7 @@ def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
     using = PLACES.replace('p = { type = "pid", kp = "500 V/m" }', 'p = { gains = "{machine}/p.toml" }')
     study = read_study(write(tmp_path, using, "using.toml"))
     cases = [case for case in unfold(study) if case.axes["controller"] == "p"]
-    for case, one in zip(cases, tuning.found, strict=True):
+    for case, one in zip(cases, tuning.tuned, strict=True):
         assert one.best is not None
         assert resolve(study, case).settings.kp == pytest.approx(one.best["kp"], rel=1e-9)
 
@@ -109,7 +110,7 @@ def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
 def test_gains_for_another_speed_are_refused_in_words(tmp_path: Path) -> None:
     tuning = tuned(tmp_path, PLACES.replace('"light", "heavy"', '"light"'), "p", trials=6)
     (tmp_path / "light").mkdir()
-    path = write(tmp_path, gain_files(tuning.found)["light/p.toml"], "light/p.toml")
+    path = write(tmp_path, gain_file_text(gain_files(tuning.tuned)["light/p.toml"]), "light/p.toml")
     using = PLACES.replace('p = { type = "pid", kp = "500 V/m" }', 'p = { gains = "light/p.toml" }')
     using = using.replace('rpm = [0, "60 rpm"]', "rpm = [0, 25]").replace('"light", "heavy"', '"light"')
     answer = workbench("check", write(tmp_path, using, "using.toml"))
@@ -128,7 +129,7 @@ def replace_rpm(found, rpm):
 
 
 def test_entries_for_the_same_speed_are_refused(tmp_path: Path) -> None:
-    text = gain_files(tuned(tmp_path, PLACES, "p", trials=4).found)["light/p.toml"]
+    text = gain_file_text(gain_files(tuned(tmp_path, PLACES, "p", trials=4).tuned)["light/p.toml"])
     with pytest.raises(UserError, match="entries: expected each to have an rpm of its own"):
         read_gain_file(write(tmp_path, text.replace("rpm = 60.0", "rpm = 0.0"), "twice.toml"))
 
@@ -152,7 +153,7 @@ def test_each_place_is_told_for_itself(tmp_path: Path) -> None:
     tuning = tuned(tmp_path, PLACES.replace("seeds = 1", "seeds = 2"), ("p", "pd"), trials=6)
     lines = place_lines(tuning, "declared")
     assert len(lines) == 4
-    for line, one in zip(lines, tuning.found, strict=False):
+    for line, one in zip(lines, tuning.tuned, strict=False):
         assert one.score is not None
         assert line.startswith(one.task.label.removeprefix("p, ") + ": objective of ")
         assert f"p {number(one.score.nominal)}" in line

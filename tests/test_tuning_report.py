@@ -18,6 +18,7 @@ from workbench.linear.margins import Margins
 from workbench.linear.open_loop import margins
 from workbench.publish.pictures import save
 from workbench.study.reading import read_study
+from workbench.tune.prepare import prepared, task_for
 from workbench.tune.report import folder as report
 from workbench.tune.report.bode import curve_of, lowest_frequency
 from workbench.tune.report.rows import end_of
@@ -25,10 +26,9 @@ from workbench.tune.report.search import history_picture, importance, importance
 from workbench.tune.report.tables import differ_words, margin, number, with_interval
 from workbench.tune.report.traces import SIDES, largest_jump
 from workbench.tune.report.words import first_lines
+from workbench.tune.result import Quantile, Tuning
+from workbench.tune.run import tune_all
 from workbench.tune.space import Dimension
-from workbench.tune.study import Tuning, prepared, tune_all
-from workbench.tune.task import task_for
-from workbench.tune.tuning import Quantile
 
 STUDY = """\
 title = "two controllers, tuned"
@@ -247,12 +247,12 @@ def test_the_sentences_hold_the_numbers_of_the_table(folder: Path, answer: Answe
 
 def test_a_smaller_objective_of_the_table_is_explained(found: Tuning) -> None:
     """Gains of the study that break a constraint stand in the table with a smaller objective than the best's."""
-    p, pd_ = found.found
+    p, pd_ = found.tuned
     assert p.score is not None
     assert pd_.score is not None
     least = min(p.score.nominal, pd_.score.nominal)
     start = replace(pd_.start, nominal=0.5 * least, violations={**pd_.start.violations, "phase margin": 12.0})
-    said = first_lines(replace(found, found=[p, replace(pd_, start=start)]))
+    said = first_lines(replace(found, tuned=[p, replace(pd_, start=start)]))
     assert said[1] == f"The gains of the study give pd less ({number(0.5 * least)}), but they break phase margin."
     assert not any("give" in line for line in first_lines(found))
 
@@ -359,18 +359,18 @@ def test_the_best_so_far_falls_to_the_best(found: Tuning) -> None:
     (line,) = [line for line in axes.lines if line.get_label() == "best so far"]
     heights = np.asarray(line.get_ydata(), dtype=float)
     assert np.all(np.diff(heights) <= 0.0)
-    one = found.found[1]
+    one = found.tuned[1]
     assert heights[-1] == pytest.approx(one.trials[one.number].value)
 
 
 def test_importance_is_told_of_enough_feasible_trials(found: Tuning) -> None:
     """The same trials give the same shares, which make a whole."""
-    assert importance(found.found[0]) == "kp is the only gain"
+    assert importance(found.tuned[0]) == "kp is the only gain"
     with mock.patch("workbench.tune.report.search.FEWEST", 4):
-        shares = importance(found.found[1])
+        shares = importance(found.tuned[1])
         assert isinstance(shares, dict)
         assert sum(shares.values()) == pytest.approx(1.0)
-        assert shares == importance(found.found[1])
+        assert shares == importance(found.tuned[1])
         assert not isinstance(importance_picture(found), str)
 
 

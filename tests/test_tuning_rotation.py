@@ -6,8 +6,8 @@ import numpy as np
 from command import write
 from tuned_study import STUDY, tuned
 
-from workbench.toml.gain_file import read_gain_file
-from workbench.tune.gains import gain_file
+from workbench.toml.gain_file import gain_file_text, read_gain_file
+from workbench.tune.report.gain_files import gain_file
 
 
 def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
@@ -23,12 +23,12 @@ def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
         .replace("[tune.objective]\n", turning)
     )
     dear, free = (
-        tuned(tmp_path / weight, text.replace("WEIGHT", weight), "p", trials=16).found[0] for weight in ("1", "0")
+        tuned(tmp_path / weight, text.replace("WEIGHT", weight), "p", trials=16).tuned[0] for weight in ("1", "0")
     )
     assert dear.best is not None
     assert free.best is not None
     assert dear.best["rpm"] < 0.5 * free.best["rpm"]
-    assert read_gain_file(write(tmp_path, gain_file([free]), "free.toml")).at[0].rotation["rpm"] == (
+    assert read_gain_file(write(tmp_path, gain_file_text(gain_file([free])), "free.toml")).at[0].rotation["rpm"] == (
         f"{free.best['rpm'] * 30.0 / np.pi:.12g} rpm"
     )
 
@@ -45,11 +45,11 @@ def test_the_threshold_of_a_scheduled_rotation_is_tuned(tmp_path: Path) -> None:
             '[tune.rotation]\nminimum_helical_speed = { min = "5 mm/s", max = "60 mm/s" }\n[tune.objective]\n',
         )
     )
-    found = tuned(tmp_path, text, "p", trials=12, jobs=2).found[0]
+    found = tuned(tmp_path, text, "p", trials=12, jobs=2).tuned[0]
     assert found.best is not None
     judged = [trial for trial in found.trials if trial.feasible]
     thresholds = [trial.point["minimum_helical_speed"] for trial in judged]
     assert max(thresholds) > 2.0 * min(thresholds)
     assert found.best["minimum_helical_speed"] == min(thresholds)
-    kept = read_gain_file(write(tmp_path, gain_file([found]), "p.toml"))
+    kept = read_gain_file(write(tmp_path, gain_file_text(gain_file([found])), "p.toml"))
     assert kept.at[0].rotation == {"minimum_helical_speed": f"{found.best['minimum_helical_speed']:.12g} m/s"}

@@ -7,7 +7,8 @@ from command import DRIVE, STUDIES, workbench, write
 from tuned_study import STUDY, robust, tuned
 
 from workbench.study.reading import read_study
-from workbench.tune.study import prepared, tune_all
+from workbench.tune.prepare import prepared
+from workbench.tune.run import tune_all
 
 # --- mistakes ---
 
@@ -77,9 +78,9 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
 ) -> None:
     """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
     study, names = prepared(read_study(STUDIES / "tuning.toml"), [name], 24)
-    found = tune_all(study, names, tmp_path / "results.sqlite", 2).found[0]
+    found = tune_all(study, names, tmp_path / "results.sqlite", 2).tuned[0]
     assert found.score is not None
-    errors = [ran.figures["rms_error_m"] for ran in found.score.ran]
+    errors = [run.metrics["rms_error_m"] for run in found.score.runs]
     assert errors[0] < fast
     assert errors[1] < slow
     assert min(found.score.margins.gain_dB / 6.0, found.score.margins.phase_deg / 45.0) >= 1.0
@@ -112,7 +113,7 @@ def test_what_cannot_be_drawn_or_turned_leaves_no_folder(tmp_path: Path, text: s
 
 def test_the_added_pd_can_be_tuned_alone(tmp_path: Path) -> None:
     without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
-    assert tuned(tmp_path, without, "pd", trials=4).found[0].best is not None
+    assert tuned(tmp_path, without, "pd", trials=4).tuned[0].best is not None
 
 
 def test_a_drive_without_a_largest_command_is_tuned_without_classic_points(tmp_path: Path) -> None:

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from workbench.study.reading import read_study
 from workbench.study.study import Study
-from workbench.tune.study import Tuning, prepared, tune_all
+from workbench.tune.prepare import prepared
+from workbench.tune.result import Tuning
+from workbench.tune.run import tune_all
 
 STUDY = """\
 title = "a study that is tuned"

@@ -19,9 +19,9 @@ def command(
     machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
 ) -> None:
     """Say which controllers meet an accuracy, and how probably."""
-    from workbench.decide.decision import decide
     from workbench.decide.plan import plan_decision
     from workbench.decide.report.folder import check_folder, summary, write_decision
+    from workbench.decide.run import decide
     from workbench.decide.section import description
     from workbench.study.reading import read_study
 
@@ -32,11 +32,11 @@ def command(
     check_folder(out, overwrite)
     try:
         with ProgressLine() as tell:
-            found = decide(planned, jobs, tell)
+            decision = decide(planned, jobs, tell)
             tell("tables, figures, page", 1.0)
-            write_decision(found, out, began, jobs)
+            write_decision(decision, out, began, jobs)
     except KeyboardInterrupt:
         print("stopped; nothing is written", file=sys.stderr)
         raise typer.Exit(130) from None
-    print(summary(found) + "\n")
+    print(summary(decision) + "\n")
     print_contents(out)

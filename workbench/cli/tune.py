@@ -24,18 +24,19 @@ def command(
 ) -> None:
     """Find gains, with the same budget and objective for all."""
     from workbench.study.reading import read_study
+    from workbench.tune.prepare import prepared
     from workbench.tune.report.folder import open_folder, say_tuning, write_tuning
-    from workbench.tune.study import prepared, tune_all
+    from workbench.tune.run import tune_all
 
     ready, names = prepared(read_study(study), controller or ["all"], trials)
     database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
     try:
         with ProgressLine() as tell:
-            found = tune_all(ready, names, database, jobs, tell)
-            written = write_tuning(found, out, began=began, jobs=jobs, tell=tell)
+            tuning = tune_all(ready, names, database, jobs, tell)
+            written = write_tuning(tuning, out, began=began, jobs=jobs, tell=tell)
     except KeyboardInterrupt:
         print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
     say_tuning(written)
-    if not any(one.best for one in found.found):
+    if not any(tuned.best for tuned in tuning.tuned):
         raise typer.Exit(1)

@@ -26,15 +26,15 @@ def check_motions(study: Study, table: DecideTable, speeds: Sequence[float], sam
     for speed in speeds:
         key: Key = ("decide", "speed" if speed == table.speed else "speeds")
         period = table.period(speed)
-        told = f"{speed:g} m/s over {table.amplitude:g} m is a period of {period:.3g} s"
+        motion = f"{speed:g} m/s over {table.amplitude:g} m is a period of {period:.3g} s"
         if period < LEAST_SAMPLES * sample_time:
             most = table.period(1.0) / (LEAST_SAMPLES * sample_time)
             raise study.error(
-                key, f"{told}, under {LEAST_SAMPLES} samples of {sample_time:g} s: at most {most:.3g} m/s"
+                key, f"{motion}, under {LEAST_SAMPLES} samples of {sample_time:g} s: at most {most:.3g} m/s"
             )
         if table.cycles * period > MOST_SAMPLES * sample_time:
             least = table.cycles * table.period(1.0) / (MOST_SAMPLES * sample_time)
-            raise study.error(key, f"{told}, which takes too many samples: expected at least {least:.3g} m/s")
+            raise study.error(key, f"{motion}, which takes too many samples: expected at least {least:.3g} m/s")
 
 
 def check_still(study: Study, table: DecideTable, still: Resolved) -> None:
@@ -59,11 +59,11 @@ def check_candidates(study: Study, table: DecideTable, resolved: Mapping[Candida
     Raises:
         UserError: a controller in open loop, or a rotation whose motor is not modelled.
     """
-    for (name, rpm), one in resolved.items():
-        if one.setup.reference is None:
+    for (name, rpm), case in resolved.items():
+        if case.setup.reference is None:
             raise study.error(("controllers", name), "follows no reference: leave it out of [decide] controllers")
-        if rpm and not _has(one.setup.plant, POWERS[table.power_figure][1]):
-            message = f'{one.setup.plant.name} has no motor: expected power_figure = "total", or another rotation'
+        if rpm and not _has(case.setup.plant, POWERS[table.power_figure][1]):
+            message = f'{case.setup.plant.name} has no motor: expected power_figure = "total", or another rotation'
             raise study.error(("decide", "power_figure"), message)
 
 

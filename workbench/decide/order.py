@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Sequence
 
-from workbench.decide.judged import KINDS, Judged, Kind
+from workbench.decide.candidate import KINDS, CandidateResult, Kind
 from workbench.decide.schema import DecideTable
 
 ALIKE = 0.05
 """Powers that differ by less than this share are one power: which of them is less does not decide."""
 
 
-def ordered(rows: Sequence[Judged], table: DecideTable) -> list[Judged]:
+def ordered(rows: Sequence[CandidateResult], table: DecideTable) -> list[CandidateResult]:
     """First those that seem to meet what is asked, from the least power on; then the others, the nearest to it first.
 
     Of those with about one power, or about equally near (`ALIKE`), the one with the least error quantile comes first.
@@ -22,9 +22,9 @@ def ordered(rows: Sequence[Judged], table: DecideTable) -> list[Judged]:
     return chosen
 
 
-def _by_size(rows: Sequence[Judged], size: Callable[[Judged], float]) -> list[Judged]:
+def _by_size(rows: Sequence[CandidateResult], size: Callable[[CandidateResult], float]) -> list[CandidateResult]:
     """From the least size on; of those whose sizes are alike the one with the least error first."""
-    left, chosen = sorted(rows, key=size), list[Judged]()
+    left, chosen = sorted(rows, key=size), list[CandidateResult]()
     while left:
         least = size(left[0])
         alike = [row for row in left if size(row) <= (1.0 + ALIKE) * least]
@@ -33,34 +33,34 @@ def _by_size(rows: Sequence[Judged], size: Callable[[Judged], float]) -> list[Ju
     return chosen
 
 
-def of_kind(rows: Sequence[Judged], kind: Kind, table: DecideTable) -> Judged | None:
+def of_kind(rows: Sequence[CandidateResult], kind: Kind, table: DecideTable) -> CandidateResult | None:
     """The first of a kind in that order."""
     return next(iter(ordered([row for row in rows if row.kind == kind], table)), None)
 
 
-def possible(rows: Sequence[Judged], table: DecideTable) -> list[Judged]:
+def possible(rows: Sequence[CandidateResult], table: DecideTable) -> list[CandidateResult]:
     """Those that may be chosen, in the order in which they would be: by kind, within one in the order above.
 
     Out is what the draws of the search rule out: their interval is below what is asked, or it hunts on one of them.
     """
     left = [row for row in rows if row.standing(table) != "fails"]
-    return [row for kind in KINDS for row in ordered([one for one in left if one.kind == kind], table)]
+    return [row for kind in KINDS for row in ordered([row for row in left if row.kind == kind], table)]
 
 
-def contenders(rows: Sequence[Judged], table: DecideTable) -> list[Judged]:
+def contenders(rows: Sequence[CandidateResult], table: DecideTable) -> list[CandidateResult]:
     """Of those the first of each kind, as many as [decide] says: they are measured again, in this order."""
     left = possible(rows, table)
-    return [row for kind in KINDS for row in [one for one in left if one.kind == kind][: table.contenders]]
+    return [row for kind in KINDS for row in [row for row in left if row.kind == kind][: table.contenders]]
 
 
-def non_dominated(rows: Sequence[Judged]) -> list[Judged]:
+def non_dominated(rows: Sequence[CandidateResult]) -> list[CandidateResult]:
     """From the least mean power on, those whose error quantile is below that of all that need less.
 
     Of those with about one power (`ALIKE`) the one with the least error stands for all; those without a finite error
     do not count.
     """
     left = sorted((row for row in rows if math.isfinite(row.error)), key=lambda row: row.mean_power)
-    front: list[Judged] = []
+    front: list[CandidateResult] = []
     while left:
         alike = [row for row in left if row.mean_power <= (1.0 + ALIKE) * left[0].mean_power]
         left = left[len(alike) :]

@@ -1,4 +1,4 @@
-"""A study's [decide], checked to the last key: candidates, motions, and the machines on which they are tried."""
+"""A study's [decide], checked to the last key: candidates, motions, and the plant samples on which they are tried."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ Stage = Literal["search", "fresh"]
 """Draws on which candidates are looked for, and draws on which those that may be chosen are measured."""
 
 STREAMS: dict[Stage, int] = {"search": 2, "fresh": 4}
-"""The streams of draws of decisions: none of those on which gains were tuned or studies run, nor each other's."""
+"""The streams of plant samples of decisions: none of those on which gains were tuned or studies run."""
 
 MOTION = "decision"
 """The name of the reference that a decision makes."""
@@ -33,7 +33,7 @@ MOTION = "decision"
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is run: each candidate at each speed (m/s), on each machine of each spread.
+    """What is run: each candidate at each speed (m/s), on each plant sample of each spread.
 
     `cases` holds the declared machine by speed and candidate, `loops` the controller with its gains by candidate: what
     it believes is no matter of draws.
@@ -112,16 +112,17 @@ def plan_decision(study: Study, machine: str | None = None) -> Plan:
     check_candidates(study, table, resolved)
     check_scales(study, asked.values())
     Checks(study, list(asked.values()), list(resolved.values()), [], COLUMNS).without_use()
+    several = study.file.uncertainty is not None
     planned = Plan(
-        study,
-        table,
-        list(resolved),
-        speeds,
-        sorted({*(table.spreads or []), table.spread}),
-        table.draws if study.file.uncertainty is not None else 1,
-        table.fresh_draws if study.file.uncertainty is not None else 0,
-        cases,
-        {candidate: one.setup.loop for candidate, one in resolved.items()},
+        study=study,
+        table=table,
+        candidates=list(resolved),
+        speeds=speeds,
+        spreads=sorted({*(table.spreads or []), table.spread}),
+        draws=table.draws if several else 1,
+        fresh_draws=table.fresh_draws if several else 0,
+        cases=cases,
+        loops={candidate: case.setup.loop for candidate, case in resolved.items()},
     )
     _check_draws(planned)
     return planned

@@ -1,7 +1,7 @@
 """[decide]: what a study has to do with a decision."""
 
-from workbench.decide.confirm import enough
 from workbench.decide.plan import Plan, plan_decision
+from workbench.decide.run import enough
 from workbench.decide.schema import DecideTable
 from workbench.study.sections import Section
 

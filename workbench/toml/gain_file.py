@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import tomli_w
 from pydantic import Field, model_validator
 
 from workbench.errors import UserError
@@ -42,7 +43,7 @@ class Entry(Strict):
     """
 
     rpm: float | None = None
-    settings: dict[str, float | str]
+    settings: dict[str, int | float | str]
     rotation: dict[str, float | str] = {}
     objective: dict[str, Any]
     margins: MarginsTable
@@ -80,16 +81,23 @@ def read_gain_file(path: Path) -> GainFile:
     return files.validate(GainFile, data, path, text)
 
 
-def entry_at(found: GainFile, rpm: float) -> Entry:
+def gain_file_text(content: GainFile) -> str:
+    """The text of a gain file, as `read_gain_file` reads it; tables without a key are left out."""
+    tables = content.model_dump(exclude_none=True)
+    tables["at"] = [{key: value for key, value in entry.items() if value != {}} for entry in tables["at"]]
+    return tomli_w.dumps(tables)
+
+
+def entry_at(content: GainFile, rpm: float) -> Entry:
     """The entry of a speed (rpm).
 
     Raises:
         UserError: there is none for it.
     """
-    for entry in found.at:
+    for entry in content.at:
         if entry.rpm is None or abs(entry.rpm - rpm) <= SAME_RPM:
             return entry
-    speeds = ", ".join(f"{entry.rpm:g}" for entry in found.at)
+    speeds = ", ".join(f"{entry.rpm:g}" for entry in content.at)
     raise UserError(
         f"was not tuned at {rpm:g} rpm, only at {speeds} rpm; tune it there too, or take one of these speeds"
     )
@@ -114,9 +122,9 @@ def with_gains(
         if machine is None:
             raise UserError(f'"{name}" goes by machine, and this case has none; give the study an axis machine')
         name = name.replace(MACHINE, machine)
-    found = read(folder / name)
+    content = read(folder / name)
     try:
-        entry = entry_at(found, rpm)
+        entry = entry_at(content, rpm)
     except UserError as error:
         raise UserError(f"{folder / name}: {error}") from None
-    return {"type": found.type, **entry.settings, **own}
+    return {"type": content.type, **entry.settings, **own}

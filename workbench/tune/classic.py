@@ -115,10 +115,10 @@ def pole_placement(
     real, imaginary = -damping * natural_frequency, natural_frequency * np.sqrt(complex(damping**2 - 1.0))
     poles = [real + imaginary, real - imaginary]
     if integral_pole:
-        found = control.acker(*_with_integral(model), [*poles, -integral_pole]).ravel()
+        gains = control.acker(*_with_integral(model), [*poles, -integral_pole]).ravel()
     else:
-        found = np.append(control.acker(*model.matrices(), poles).ravel(), 0.0)
-    kp, kd, ki = (float(np.real(value)) for value in found)
+        gains = np.append(control.acker(*model.matrices(), poles).ravel(), 0.0)
+    kp, kd, ki = (float(np.real(value)) for value in gains)
     if min(kp, kd, ki) < 0.0:
         raise UserError(
             f"poles of {natural_frequency:g} rad/s, damping {damping:g} need kp {kp:.4g}, ki {ki:.4g}, kd {kd:.4g}; "
@@ -148,8 +148,8 @@ def lqr(model: SlowModel, acceptable_error: float, largest_command: float, integ
     if np.isfinite(integral_time):
         weights.append(1.0 / (acceptable_error * integral_time) ** 2)
         matrices = _with_integral(model)
-    found, _, _ = control.lqr(*matrices, np.diag(weights), np.array([[largest_command**-2]]))
-    kp, kd, ki = np.append(np.ravel(found), 0.0)[:3]
+    gains, _, _ = control.lqr(*matrices, np.diag(weights), np.array([[largest_command**-2]]))
+    kp, kd, ki = np.append(np.ravel(gains), 0.0)[:3]
     return _gains(kp, ki, kd)
 
 
@@ -184,12 +184,12 @@ def starting_points(
 
 def _by_relay(setup: Setup, believed: Setup, speed: float, amplitude: float) -> Iterator[StartingPoint]:
     method = "relay experiment, Ziegler-Nichols"
-    found = relay_test(setup, amplitude, speed)
-    if found.note:
-        yield StartingPoint("ziegler_nichols", method, PID.name, {}, found.note)
+    relay = relay_test(setup, amplitude, speed)
+    if relay.note:
+        yield StartingPoint("ziegler_nichols", method, PID.name, {}, relay.note)
         return
-    ultimate = f"ultimate gain {found.ultimate_gain:.4g}, period {found.ultimate_period:.3g} s"
-    for kind, gains in ziegler_nichols(found.ultimate_gain, found.ultimate_period).items():
+    ultimate = f"ultimate gain {relay.ultimate_gain:.4g}, period {relay.ultimate_period:.3g} s"
+    for kind, gains in ziegler_nichols(relay.ultimate_gain, relay.ultimate_period).items():
         yield _judged(f"ziegler_nichols_{kind}", method, gains, ultimate, believed, speed)
 
 
@@ -226,16 +226,16 @@ def _fastest(
             gains = design(float(frequency))
         except UserError:
             continue  # slower than the plant's own poles
-        found = margins(_under(believed, gains), speed)
-        if found.stable and found.gain_dB >= GAIN_MARGIN_DB and found.phase_deg >= PHASE_MARGIN_DEG:
-            return StartingPoint(name, method, PID.name, gains, f"{frequency:.3g} rad/s; {_words(found)}", found)
+        reached = margins(_under(believed, gains), speed)
+        if reached.stable and reached.gain_dB >= GAIN_MARGIN_DB and reached.phase_deg >= PHASE_MARGIN_DEG:
+            return StartingPoint(name, method, PID.name, gains, f"{frequency:.3g} rad/s; {_words(reached)}", reached)
     note = f"no closed loop of this kind keeps {GAIN_MARGIN_DB:g} dB and {PHASE_MARGIN_DEG:g} degrees at {speed:g} m/s"
     return StartingPoint(name, method, PID.name, {}, note)
 
 
 def _judged(name: str, method: str, gains: PidGains, basis: str, believed: Setup, speed: float) -> StartingPoint:
-    found = margins(_under(believed, gains), speed)
-    return StartingPoint(name, method, PID.name, gains, f"{basis}; {_words(found)}", found)
+    reached = margins(_under(believed, gains), speed)
+    return StartingPoint(name, method, PID.name, gains, f"{basis}; {_words(reached)}", reached)
 
 
 def _under(setup: Setup, gains: PidGains) -> Setup:
@@ -244,7 +244,9 @@ def _under(setup: Setup, gains: PidGains) -> Setup:
     return replace(setup, loop=Loop(PID, PID.design(settings, setup.parameters, setup.sample_time)))
 
 
-def _words(found: Margins) -> str:
-    if not found.stable:
-        return f"not stable at {found.speed:g} m/s on the believed plant: {found.note}"
-    return f"{found.gain_dB:.1f} dB and {found.phase_deg:.0f} degrees at {found.speed:g} m/s on the believed plant"
+def _words(reached: Margins) -> str:
+    if not reached.stable:
+        return f"not stable at {reached.speed:g} m/s on the believed plant: {reached.note}"
+    return (
+        f"{reached.gain_dB:.1f} dB and {reached.phase_deg:.0f} degrees at {reached.speed:g} m/s on the believed plant"
+    )

@@ -1,9 +1,9 @@
-"""What tuning asks of a controller: figures of its runs over those of a yardstick, and constraints that it keeps.
+"""What tuning asks of a controller: metrics of its runs over those of a reference controller, and constraints.
 
-    J = sum over figures k of  w_k * mean over cases of  |f_k| / |f_k of the yardstick in that case|
+    J = sum over metrics k of  w_k * mean over cases of  |m_k| / |m_k of the reference controller in that case|
 
-J = 1 is as good as the yardstick, a controller of the study with the gains that stand there. On machines that are drawn
-J is taken on each, over the yardstick's figures on the declared machine, and its quantile is what counts.
+J = 1 is as good as the reference controller, one of the study with the gains that stand there. On plant samples J is
+taken on each, over the reference controller's metrics on the declared machine, and its quantile is what counts.
 """
 
 import math
@@ -34,10 +34,12 @@ FARTHEST = 5.0
 
 
 @dataclass(frozen=True)
-class Ran:
-    """What one run leaves: wanted figures by column (None: does not apply), its outcome, share of time saturated."""
+class RunMetrics:
+    """What one run leaves: wanted metrics by column (None: does not apply), its outcome, share of time saturated, and
+    whether it hunts where its reference rests (None: it does not rest).
+    """
 
-    figures: Mapping[str, float | None]
+    metrics: Mapping[str, float | None]
     outcome: str
     saturated: float
     hunting: bool | None
@@ -52,21 +54,36 @@ class Ran:
 class Score:
     """Of one point: J on the declared machine, the run of each case, by constraint how far it is beyond (<= 0: kept).
 
-    `margins` are the smallest over the cases. `value` is what is made small: J, or its quantile over draws, of which
-    `on_draws` holds those of all draws. `ran` is empty of a point that was not run, since its margins are too small.
+    `margins` are the smallest over the cases. `value` is what is made small: J, or its quantile over plant samples, of
+    which `on_samples` holds those of all. `runs` is empty of a point that was not run: its margins are too small.
     """
 
     nominal: float
-    ran: Sequence[Ran]
+    runs: Sequence[RunMetrics]
     violations: Mapping[str, float]
     margins: Margins
     value: float
-    on_draws: Sequence[float] = field(default_factory=tuple)
+    on_samples: Sequence[float] = field(default_factory=tuple)
 
     @property
     def feasible(self) -> bool:
         """Whether all constraints are kept."""
         return all(beyond <= 0.0 for beyond in self.violations.values())
+
+    def to_json(self) -> dict[str, Any]:
+        """As JSON holds it: what is infinite is None."""
+        return {
+            "objective": finite(self.value),
+            "objective_on_the_declared_machine": finite(self.nominal),
+            "gain_margin_dB": finite(self.margins.gain_dB),
+            "phase_margin_deg": finite(self.margins.phase_deg),
+            "breaks": [name for name, beyond in self.violations.items() if beyond > 0.0],
+        }
+
+
+def finite(value: float | None) -> float | None:
+    """A number that JSON can hold; None of any other."""
+    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def fastest(resolved: Resolved) -> float:
@@ -85,28 +102,28 @@ def margin_speed(resolved: Resolved, constraints: ConstraintsTable) -> float:
 
 def margins_of(cases: Sequence[Resolved], constraints: ConstraintsTable) -> Margins:
     """The smallest margins over the cases; unstable if any of them is."""
-    found = [margins(case.setup, margin_speed(case, constraints)) for case in cases]
-    worst = [one for one in found if not one.stable] or found
-    by_gain = min(worst, key=lambda one: one.gain_dB)
-    by_phase = min(worst, key=lambda one: one.phase_deg)
+    every = [margins(case.setup, margin_speed(case, constraints)) for case in cases]
+    worst = [each for each in every if not each.stable] or every
+    by_gain = min(worst, key=lambda each: each.gain_dB)
+    by_phase = min(worst, key=lambda each: each.phase_deg)
     return replace(by_phase, gain_dB=by_gain.gain_dB, gain_frequency=by_gain.gain_frequency)
 
 
-def run(resolved: Resolved, columns: Sequence[str]) -> Ran:
+def run(resolved: Resolved, columns: Sequence[str]) -> RunMetrics:
     """Simulate a case and take what is asked of it."""
     setup = resolved.setup
-    done = simulate(setup)
-    judged = [*columns, "limit_cycle"] if rests(resolved) else columns
-    figures = evaluated(resolved, done, judged)
-    last = done.time.size - 1  # 0 of a run that diverges at once
-    start = min(first_sample(done.time, resolved.transient), last) if last else 0
+    record = simulate(setup)
+    wanted = [*columns, "limit_cycle"] if rests(resolved) else columns
+    metrics = evaluated(resolved, record, wanted)
+    last = record.time.size - 1  # 0 of a run that diverges at once
+    start = min(first_sample(record.time, resolved.transient), last) if last else 0
     limit = float(setup.plant.command_limit(setup.parameters))
-    wanted = {name: figures[name] for name in columns}
-    return Ran(
-        {name: value if isinstance(value, float) else None for name, value in wanted.items()},
-        done.outcome,
-        float(np.mean(np.abs(done.command[start:]) >= limit)),
-        None if figures["limit_cycle"] is None else figures["limit_cycle"] in HUNTING,
+    values = {name: metrics[name] for name in columns}
+    return RunMetrics(
+        metrics={name: value if isinstance(value, float) else None for name, value in values.items()},
+        outcome=record.outcome,
+        saturated=float(np.mean(np.abs(record.command[start:]) >= limit)),
+        hunting=None if metrics["limit_cycle"] is None else metrics["limit_cycle"] in HUNTING,
     )
 
 
@@ -129,21 +146,21 @@ def hold(cases: Sequence[Resolved], constraints: ConstraintsTable) -> list[Resol
     return list(held_cases.values())
 
 
-class Goal:
+class Objective:
     """The objective of a study's [tune] over its cases, and its constraints."""
 
-    def __init__(self, table: TuneTable, yardstick: Sequence[Ran]) -> None:
-        """`yardstick`: what the yardstick does in each case on the declared machine.
+    def __init__(self, table: TuneTable, reference: Sequence[RunMetrics]) -> None:
+        """`reference`: what the reference controller does in each case on the declared machine.
 
         Raises:
-            UserError: a figure that is weighed, and that the yardstick has in no case, or has as 0.
+            UserError: a metric that is weighed, and that the reference controller has in no case, or has as 0.
         """
         self.table = table
         self.weights = table.objective.used
         self.columns = tuple(self.weights)
-        self.units = [dict(one.figures) for one in yardstick]
+        self.units = [dict(each.metrics) for each in reference]
         for column in self.columns:
-            known = [abs(value) for one in self.units if (value := one[column]) is not None]
+            known = [abs(value) for each in self.units if (value := each[column]) is not None]
             if not known:
                 raise UserError(
                     f"[tune.objective]: {column} does not apply to any of the cases; leave it out, or tune on others"
@@ -155,37 +172,37 @@ class Goal:
                     "be measured; choose another yardstick, or other cases, or leave it out"
                 )
 
-    def objective(self, ran: Sequence[Ran]) -> float:
+    def value(self, runs: Sequence[RunMetrics]) -> float:
         """J of runs of all cases on one machine; infinite where one of them failed."""
-        if any(one.broken for one in ran):
+        if any(each.broken for each in runs):
             return math.inf
         total = 0.0
         for column, weight in self.weights.items():
-            pairs = [(one.figures[column], unit[column]) for one, unit in zip(ran, self.units, strict=True)]
-            ratios = [abs((figure or 0.0) / unit) for figure, unit in pairs if unit is not None]
+            pairs = [(each.metrics[column], unit[column]) for each, unit in zip(runs, self.units, strict=True)]
+            ratios = [abs((metric or 0.0) / unit) for metric, unit in pairs if unit is not None]
             total += weight * float(np.mean(ratios))
         return total
 
-    def violations(self, found: Margins, ran: Sequence[Ran], held: Sequence[Ran]) -> dict[str, float]:
+    def violations(self, smallest: Margins, runs: Sequence[RunMetrics], held: Sequence[RunMetrics]) -> dict[str, float]:
         """By constraint, how far beyond its limit a point is, as a share of the limit (<= 0: kept)."""
         asked = self.table.constraints
         beyond = {
-            "run to its end": 1.0 if any(one.broken for one in (*ran, *held)) else -1.0,
-            "saturation": max((one.saturated for one in ran), default=0.0) - asked.saturated,
-            "stable loop": -1.0 if found.stable else 1.0,
-            "gain margin": _short(found.gain_dB, asked.gain_margin_dB),
-            "phase margin": _short(found.phase_deg, asked.phase_margin_deg),
+            "run to its end": 1.0 if any(each.broken for each in (*runs, *held)) else -1.0,
+            "saturation": max((each.saturated for each in runs), default=0.0) - asked.saturated,
+            "stable loop": -1.0 if smallest.stable else 1.0,
+            "gain margin": _short(smallest.gain_dB, asked.gain_margin_dB),
+            "phase margin": _short(smallest.phase_deg, asked.phase_margin_deg),
         }
         if asked.limit_cycle:
-            beyond["limit cycle"] = 1.0 if any(one.hunting for one in (*ran, *held)) else -1.0
+            beyond["limit cycle"] = 1.0 if any(each.hunting for each in (*runs, *held)) else -1.0
         return beyond
 
-    def on_machine(self, ran: Sequence[Ran]) -> float:
-        """J on a drawn machine: infinite also where it saturates for too long, or hunts where a reference rests."""
+    def on_sample(self, runs: Sequence[RunMetrics]) -> float:
+        """J on a plant sample: infinite also where it saturates for too long, or hunts where a reference rests."""
         asked = self.table.constraints
-        if any(one.saturated > asked.saturated or (asked.limit_cycle and one.hunting) for one in ran):
+        if any(each.saturated > asked.saturated or (asked.limit_cycle and each.hunting) for each in runs):
             return math.inf
-        return self.objective(ran)
+        return self.value(runs)
 
 
 def _short(value: float, asked: float) -> float:

@@ -1,13 +1,15 @@
-"""What a study file may say of tuning: [tune], [uncertainty]."""
+"""What a study file may say of tuning: [tune]."""
 
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
+from workbench.errors import UserError, nearest
+from workbench.study.study import Study
 from workbench.toml.quantities import Metre, MetrePerSecond, Raw, Rotation, Second
 from workbench.toml.reading import Strict
 
-FIGURES = {
+METRICS = {
     "rms_error": "rms_error_m",
     "max_error": "max_error_m",
     "steady_state_error": "steady_state_error_m",
@@ -20,7 +22,7 @@ FIGURES = {
 
 
 class WeightsTable(Strict):
-    """[tune.objective]: weights of figures, each taken over the yardstick's figure of the same case."""
+    """[tune.objective]: weights of metrics, each taken over that of the reference controller in the same case."""
 
     rms_error: float = Field(0.0, ge=0.0)
     max_error: float = Field(0.0, ge=0.0)
@@ -33,13 +35,13 @@ class WeightsTable(Strict):
     @model_validator(mode="after")
     def _weighs_something(self) -> "WeightsTable":
         if not self.used:
-            raise ValueError(f"all weights are 0; give at least one of {', '.join(FIGURES)} a weight, such as 1")
+            raise ValueError(f"all weights are 0; give at least one of {', '.join(METRICS)} a weight, such as 1")
         return self
 
     @property
     def used(self) -> dict[str, float]:
         """The weights that are not 0, by the column of the results."""
-        return {FIGURES[name]: weight for name, weight in self.model_dump().items() if weight}
+        return {METRICS[name]: weight for name, weight in self.model_dump().items() if weight}
 
 
 class ConstraintsTable(Strict):
@@ -109,11 +111,11 @@ class RotationTable(Strict):
 class TuneTable(Strict):
     """[tune]: how gains are found; the same for every controller.
 
-    `where` chooses the cases that count, `yardstick` is the controller whose figures, with the gains of the study, are
-    the unit of the objective (default: the study's first). Under `gains` each controller may have the numbers that
-    are tuned; otherwise all that its type documents a range for and that are not 0. Each combination of values on the
-    axes that `per` names has a tuning of its own. `trials` are those of each of `seeds` searches, whose seeds are
-    `seed` and those after it.
+    `where` chooses the cases that count, `yardstick` is the reference controller, whose metrics with the gains of the
+    study are the unit of the objective (default: the study's first). Under `gains` each controller may have the
+    numbers that are tuned; otherwise all that its type documents a range for and that are not 0. Each combination of
+    values on the axes that `per` names has a tuning of its own. `trials` are those of each of `seeds` searches, whose
+    seeds are `seed` and those after it.
     """
 
     objective: WeightsTable
@@ -135,3 +137,30 @@ class TuneTable(Strict):
         if self.rotation is not None and self.rotation.rpm is not None and "rpm" in self.per:
             raise ValueError("rpm is tuned itself ([tune.rotation]): it cannot be among per")
         return self
+
+
+def tune_table(study: Study) -> TuneTable:
+    """The [tune] of a study.
+
+    Raises:
+        UserError: it has none.
+    """
+    table = study.section(TuneTable)
+    if table is None:
+        raise UserError(
+            f"{study.path}: has no [tune]; expected at least [tune.objective] with a weight, such as rms_error = 1"
+        )
+    return table
+
+
+def reference_controller(study: Study) -> str:
+    """The name of the controller whose metrics, with the gains of the study, are the unit of the objective.
+
+    Raises:
+        UserError: no [tune], or no such controller.
+    """
+    table, known = tune_table(study), study.file.controllers
+    name = table.yardstick or next(iter(known))
+    if name not in known:
+        raise study.error(("tune", "yardstick"), f'unknown controller "{name}"; {nearest(name, known)}')
+    return name

@@ -1,10 +1,10 @@
-"""The search for gains from one seed: everywhere, then along the constraints, then on drawn machines.
+"""The search for gains from one seed: everywhere, then along the constraints, then on plant samples.
 
 1. everywhere: the given starts, then optuna's TPE sampler. Margins come first; a point that does not keep them is
    not run.
 2. along the constraints: COBYQA (`workbench.tune.refine`) on the declared machine, from the best and from others
    that lie apart from it, until its share of the trials is spent.
-3. on drawn machines, where there are any: COBYQA again, from the best of the declared machine.
+3. on plant samples, where there are any: COBYQA again, from the best of the declared machine.
 
 A search depends on nothing but its seed. What was tried is kept by its point, so that one that was killed goes the same
 way again without running anything twice.
@@ -21,7 +21,7 @@ from optuna.distributions import FloatDistribution
 from optuna.samplers import TPESampler
 from optuna.trial import FrozenTrial, TrialState, create_trial
 
-from workbench.tune.evaluator import SEARCHED, Bench
+from workbench.tune.evaluator import SEARCHED, Evaluator
 from workbench.tune.objective import Score
 from workbench.tune.refine import descend
 from workbench.tune.space import Dimension, Point
@@ -33,7 +33,7 @@ BATCH = 4
 STARTUP = 12
 """Points at random before the sampler learns."""
 
-EVERYWHERE, ON_MACHINES = 0.3, 0.4
+EVERYWHERE, ON_SAMPLES = 0.3, 0.4
 """Shares of the trials of the first and of the last stage; the second has the rest."""
 
 FIRST_RADIUS, NEXT_RADIUS = 0.1, 0.03
@@ -53,33 +53,35 @@ class Search:
     """One search. `known` are trials of it that were run before, by `key_of`; `keep` is told of every new one."""
 
     def __init__(
-        self, bench: Bench, seed: int, known: Mapping[str, Trial], keep: Keep, tell: Callable[[], None]
+        self, evaluator: Evaluator, seed: int, known: Mapping[str, Trial], keep: Keep, tell: Callable[[], None]
     ) -> None:
-        self.bench, self.seed = bench, seed
-        self.dimensions = bench.task.dimensions
+        self.evaluator, self.seed = evaluator, seed
+        self.dimensions = evaluator.task.dimensions
         self.trials: list[Trial] = []
         self._known, self._keep, self._tell = dict(known), keep, tell
         self._by_key: dict[str, Trial] = {}
 
     def run(self, starts: Sequence[Point]) -> list[Trial]:
         """All trials, in order: at most as many as [tune] allows."""
-        table = self.bench.goal.table
+        table = self.evaluator.objective.table
         whole = max(table.trials, 1)
         fewest = 2 * len(self.dimensions) + 3  # of which COBYQA makes something
-        last = round(ON_MACHINES * whole) if table.draws else 0
+        last = round(ON_SAMPLES * whole) if table.draws else 0
         first = max(round(EVERYWHERE * whole), min(len(starts), whole - last), 1)
         if whole - last - first < fewest:
             first = whole - last
         self._everywhere(starts, first)
         self._along(whole - last)
         if table.draws:
-            self._on_machines(whole, fewest)
+            self._on_samples(whole, fewest)
         return self.trials
 
     # --- the stages ---
 
     def _everywhere(self, starts: Sequence[Point], count: int) -> None:
-        distributions = {one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in self.dimensions}
+        distributions = {
+            each.name: FloatDistribution(each.low, each.high, log=each.logarithmic) for each in self.dimensions
+        }
         asked = 0
         while asked < count:
             numbers = range(asked, min(asked + BATCH, count))
@@ -92,7 +94,7 @@ class Search:
         sources = sorted(self.trials, key=_rank)
         used: list[np.ndarray] = []
         while len(self.trials) < until:
-            place = next((i for i, one in enumerate(sources) if one.feasible and self._is_apart(one, used)), None)
+            place = next((i for i, each in enumerate(sources) if each.feasible and self._is_apart(each, used)), None)
             if not used:
                 place = 0
             before, made = self._best("declared"), len(self.trials)
@@ -105,17 +107,17 @@ class Search:
             if place is None and (after > before * (1.0 - NO_GAIN) or len(self.trials) == made):
                 return
 
-    def _on_machines(self, until: int, fewest: int) -> None:
-        """On the machines that are drawn: a descent, or where that has too few trials the best of the declared one."""
+    def _on_samples(self, until: int, fewest: int) -> None:
+        """On the plant samples: a descent, or where that has too few trials the best of the declared one."""
         if until - len(self.trials) < fewest:
-            for one in sorted(self.trials, key=_rank)[: until - len(self.trials)]:
-                self._tried(one.point, "draws")
+            for each in sorted(self.trials, key=_rank)[: until - len(self.trials)]:
+                self._tried(each.point, "draws")
             return
         self._descend(self._least().point, "draws", FIRST_RADIUS, until - len(self.trials))
 
     def _descend(self, start: Point, level: Level, radius: float, count: int) -> None:
         def tried(shares: np.ndarray) -> tuple[float, Mapping[str, float]]:
-            point = {one.name: one.at(float(share)) for one, share in zip(self.dimensions, shares, strict=True)}
+            point = {each.name: each.at(float(share)) for each, share in zip(self.dimensions, shares, strict=True)}
             trial = self._tried(point, level)
             return trial.value, trial.violations
 
@@ -125,7 +127,7 @@ class Search:
 
     def _tried(self, point: Point, level: Level) -> Trial:
         """The trial of a point: known, or run now."""
-        draws = self.bench.goal.table.draws if level == "draws" else 0
+        draws = self.evaluator.objective.table.draws if level == "draws" else 0
         key = key_of(point, draws, level)
         alike = self._by_key.get(key) or self._by_key.get(key_of(point, draws, "screened"))
         if alike is not None and (key in self._by_key or alike.feasible):
@@ -140,35 +142,39 @@ class Search:
         return trial
 
     def _run(self, point: Point, level: Level, draws: int, key: str) -> Trial:
-        judge = {"screened": self.bench.screened, "declared": self.bench.declared, "draws": self.bench.on_draws}
+        judge = {
+            "screened": self.evaluator.screened,
+            "declared": self.evaluator.declared,
+            "draws": self.evaluator.on_draws,
+        }
         trial = _trial(point, judge[level](point), draws, self.seed)
         self._keep(key, trial)
         return trial
 
     def _wants_rest(self, trial: Trial, best: float) -> bool:
         """Whether a trial would be the best, and has not been seen to rest on the draws."""
-        table = self.bench.goal.table
+        table = self.evaluator.objective.table
         unseen = ON_DRAWS not in trial.violations
         return bool(trial.draws) and table.constraints.limit_cycle and unseen and trial.feasible and trial.value < best
 
     def _rested(self, trial: Trial, key: str) -> Trial:
-        table = self.bench.goal.table
-        share = self.bench.hunting(trial.point, range(table.draws), SEARCHED)
+        table = self.evaluator.objective.table
+        share = self.evaluator.hunting(trial.point, range(table.draws), SEARCHED)
         beyond = {**trial.violations, ON_DRAWS: share - (1.0 - table.quantile) - 1e-9}
         trial = Trial(**{**vars(trial), "violations": beyond})
         self._keep(key, trial)
         return trial
 
     def _best(self, level: Level) -> float:
-        draws = self.bench.goal.table.draws if level == "draws" else 0
-        return min((one.value for one in self.trials if one.draws == draws and one.feasible), default=math.inf)
+        draws = self.evaluator.objective.table.draws if level == "draws" else 0
+        return min((each.value for each in self.trials if each.draws == draws and each.feasible), default=math.inf)
 
     def _least(self) -> Trial:
         """The best trial on the declared machine; where none keeps the constraints the one that is nearest to it."""
-        return min((one for one in self.trials if not one.draws), key=_rank)
+        return min((each for each in self.trials if not each.draws), key=_rank)
 
     def _shares(self, point: Point) -> np.ndarray:
-        return np.array([one.share(point[one.name]) for one in self.dimensions])
+        return np.array([each.share(point[each.name]) for each in self.dimensions])
 
     def _is_apart(self, trial: Trial, used: Sequence[np.ndarray]) -> bool:
         own = self._shares(trial.point)
@@ -181,9 +187,17 @@ def _rank(trial: Trial) -> tuple[float, float]:
 
 
 def _trial(point: Point, score: Score, draws: int, seed: int) -> Trial:
-    found = score.margins
-    own = (dict(score.violations), found.gain_dB, found.phase_deg, found.stable)
-    return Trial(dict(point), score.value, score.nominal, *own, draws, seed)
+    return Trial(
+        point=dict(point),
+        value=score.value,
+        nominal=score.nominal,
+        violations=dict(score.violations),
+        gain_margin_dB=score.margins.gain_dB,
+        phase_margin_deg=score.margins.phase_deg,
+        stable=score.margins.stable,
+        draws=draws,
+        seed=seed,
+    )
 
 
 def _asked(
@@ -200,15 +214,20 @@ def _asked(
     with catch_warnings():
         simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         memory = optuna.create_study()
-        memory.add_trials([as_optuna(one, distributions) for one in done])
+        memory.add_trials([as_optuna(each, distributions) for each in done])
         for number in numbers:
             own = int(np.random.default_rng([seed, number]).integers(2**31))
             memory.sampler = TPESampler(seed=own, n_startup_trials=STARTUP, multivariate=True)
             if number < len(starts):
                 memory.enqueue_trial(dict(starts[number]))
             asked = memory.ask(dict(distributions)).params
-            points.append({one.name: one.shortened(asked[one.name]) for one in dimensions})
+            points.append({each.name: each.shortened(asked[each.name]) for each in dimensions})
     return points
+
+
+def distributions_of(dimensions: Sequence[Dimension]) -> dict[str, FloatDistribution]:
+    """What is tuned as optuna knows it."""
+    return {each.name: FloatDistribution(each.low, each.high, log=each.logarithmic) for each in dimensions}
 
 
 def as_optuna(trial: Trial, distributions: Mapping[str, Any]) -> FrozenTrial:

@@ -2,8 +2,8 @@
 
 from workbench.study.sections import Section
 from workbench.study.study import Study
+from workbench.tune.prepare import tasks_of
 from workbench.tune.schema import TuneTable
-from workbench.tune.study import tasks_of
 
 
 def _description(table: TuneTable, study: Study) -> list[str]:
@@ -12,10 +12,12 @@ def _description(table: TuneTable, study: Study) -> list[str]:
     machines = f", each on {table.draws} drawn machines" if table.draws else ""
     searches = f"{table.seeds} searches of " if table.seeds > 1 else ""
     lines = [f"a tuning: {searches}{table.trials} trials a controller{machines}; tuned are"]
-    lines += dict.fromkeys(f"  {task.name}: {', '.join(one.name for one in task.dimensions)}" for task in tasks)
+    lines += dict.fromkeys(
+        f"  {task.name}: {', '.join(dimension.name for dimension in task.dimensions)}" for task in tasks
+    )
     if table.per:
-        each = len({repr(task.at) for task in tasks})
-        lines.append(f"  each at {each} combinations of {' and '.join(table.per)}: {len(tasks)} tunings")
+        places = len({repr(task.at) for task in tasks})
+        lines.append(f"  each at {places} combinations of {' and '.join(table.per)}: {len(tasks)} tunings")
     return lines
 
 

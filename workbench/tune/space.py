@@ -65,25 +65,25 @@ def space_of(name: str, controller: Controller, settings: Any, table: TuneTable,
     key = ("tune", "gains", name)
     if asked is None:
         chosen = {
-            one.name: BoundTable()
-            for one in declared.values()
-            if one.tuned is not None and one.name not in unused and getattr(settings, one.name) != 0.0
+            each.name: BoundTable()
+            for each in declared.values()
+            if each.tuned is not None and each.name not in unused and getattr(settings, each.name) != 0.0
         }
     else:
         chosen = dict(asked)
         for gain in chosen:
-            numbers = [one.name for one in declared.values() if one.unit and one.name not in unused]
+            numbers = [each.name for each in declared.values() if each.unit and each.name not in unused]
             if gain not in declared or not declared[gain].unit:
                 raise SchemaError((*key, gain), f'"{controller.name}" has no such gain; {nearest(gain, numbers)}')
             if gain in unused:
                 raise SchemaError((*key, gain), unused[gain])
-    found = [
+    dimensions = [
         _dimension(declared[gain], getattr(settings, gain), bound, command_unit, (*key, gain))
         for gain, bound in chosen.items()
     ]
-    if not found:
+    if not dimensions:
         raise SchemaError(key, f'"{controller.name}" has nothing to tune here; name a gain with min and max')
-    return found
+    return dimensions
 
 
 def _dimension(setting: Setting, value: float, bound: BoundTable, command_unit: str, key: tuple[str, ...]) -> Dimension:

@@ -8,17 +8,12 @@ from typing import Any
 
 from controllers.interface import Controller
 from controllers.settings import settings_of
-from workbench.errors import UserError
-from workbench.study.names import in_words, matches
 from workbench.study.overrides import Overrides
-from workbench.study.resolve import ParsedCase, Resolved, parse_case
-from workbench.study.study import Case, Study, named
-from workbench.study.uncertainty import check_scales, plant_sample
+from workbench.study.resolve import ParsedCase, Resolved
+from workbench.study.study import Study
+from workbench.study.uncertainty import plant_sample
 from workbench.study.uncertainty_schema import UncertaintyTable
-from workbench.study.unfold import unfold
-from workbench.toml.reading import SchemaError
-from workbench.tune.schema import TuneTable
-from workbench.tune.space import RPM, THRESHOLD, Dimension, Point, rotation_of, space_of
+from workbench.tune.space import RPM, THRESHOLD, Dimension, Point
 
 SAMPLES = 4096
 """Plant samples that are kept resolved."""
@@ -54,12 +49,14 @@ class Task:
     @property
     def rotates(self) -> bool:
         """Whether the rotation is tuned too."""
-        return any(one.name in (RPM, THRESHOLD) for one in self.dimensions)
+        return any(dimension.name in (RPM, THRESHOLD) for dimension in self.dimensions)
 
     @property
     def start(self) -> dict[str, float]:
         """The study's own point; nearest to it within the limits."""
-        return {one.name: min(max(one.start, one.low), one.high) for one in self.dimensions}
+        return {
+            dimension.name: min(max(dimension.start, dimension.low), dimension.high) for dimension in self.dimensions
+        }
 
     def settings_at(self, point: Point) -> Any:
         """The controller's settings at a point."""
@@ -100,116 +97,16 @@ def overrides_at(point: Point) -> Overrides:
     return Overrides(settings, rpm, point.get(THRESHOLD))
 
 
-def combinations(study: Study, cases: Sequence[Case]) -> list[dict[str, Any]]:
-    """The combinations of values on the axes that [tune] per names, in order; one that is empty where it names none.
-
-    Raises:
-        UserError: an axis that the study does not have.
-    """
-    table, found = tune_table(study), dict[str, dict[str, Any]]()
-    for case in cases:
-        columns = case.columns
-        for axis in table.per:
-            if axis not in columns:
-                raise study.error(("tune", "per"), f'the study has no axis "{axis}"; give it one under [axes]')
-        if matches({key: value for key, value in columns.items() if key != "controller"}, table.where):
-            chosen: dict[str, Any] = {axis: columns[axis] for axis in table.per}
-            found.setdefault(repr(chosen), chosen)
-    return list(found.values()) or [{}]
-
-
-def cases_for(study: Study, cases: Sequence[Case], name: str, at: Mapping[str, Any]) -> list[Case]:
-    """The cases on which a controller is tuned: those that `where` and `at` choose, each once, with this controller.
-
-    Raises:
-        UserError: there is none.
-    """
-    found: dict[str, Case] = {}
-    where = {**tune_table(study).where, **at}
-    for case in cases:
-        columns = {key: value for key, value in case.columns.items() if key != "controller"}
-        if matches(columns, where) and name in case.tables["controllers"]:
-            tables = {**case.tables, "controller": name}
-            found.setdefault(repr(columns), replace(case, axes=columns, tables=tables))
-    if not found:
-        raise UserError(
-            f"{study.path}: [tune] where: no case of {name} has {in_words(where) or 'any'}; expected values of "
-            "the study's axes"
-        )
-    return list(found.values())
-
-
-def tasks_for(study: Study, names: Sequence[str]) -> list[Task]:
-    """The tasks of tuning these controllers, each for the combinations that [tune] per asks for where the study has a
-    case with it; for all of them where it has none.
-
-    Raises:
-        UserError: as `task_for`.
-    """
-    cases = unfold(study)
-    own = {name: [case for case in cases if named(case, "controller") == name] or cases for name in names}
-    return [_task(study, cases, name, at) for name in names for at in combinations(study, own[name])]
-
-
-def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
-    """The first task of tuning the controller `name` of a study; not `tuned`: as it stands there.
-
-    Raises:
-        UserError: the study has no [tune], no such controller, or limits of it are wrong.
-    """
-    cases = unfold(study)
-    return _task(study, cases, name, combinations(study, cases)[0], tuned=tuned)
-
-
-def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, Any], *, tuned: bool = True) -> Task:
-    table = tune_table(study)
-    chosen = cases_for(study, all_cases, name, at)
-    cases = [parse_case(study, case) for case in chosen]
-    first = cases[0].resolve()
-    settings, controller = first.settings, first.setup.loop.controller
-    try:
-        dimensions = list[Dimension]()
-        if tuned:
-            dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
-            dimensions += rotation_of(table, chosen[0].rpm, cases[0].tables.plant.minimum_helical_speed)
-        uncertainty = study.file.uncertainty or UncertaintyTable()
-        task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at)
-        if table.draws and study.file.uncertainty is None:
-            raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
-        if table.draws:
-            check_scales(study, chosen)
-            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0)))
-        if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in chosen}) > 1:
-            raise SchemaError(("tune", "rotation", "rpm"), "is tuned: expected one value on the axis rpm, its start")
-    except SchemaError as mistake:
-        raise study.error(mistake.key, mistake.message) from None
-    return task
-
-
-def tune_table(study: Study) -> TuneTable:
-    """The [tune] of a study.
-
-    Raises:
-        UserError: it has none.
-    """
-    table = study.section(TuneTable)
-    if table is None:
-        raise UserError(
-            f"{study.path}: has no [tune]; expected at least [tune.objective] with a weight, such as rms_error = 1"
-        )
-    return table
-
-
 def in_user_units(task: Task, point: Point) -> Mapping[str, float | str]:
     """A point as a study writes it: numbers with units."""
     written: dict[str, float | str] = {}
     declared = settings_of(task.controller.Settings)
-    for one in task.dimensions:
-        value = point[one.name]
-        if one.name == RPM:
-            written[one.name] = f"{value * 30.0 / pi:.12g} rpm"
-        elif one.name in declared and declared[one.name].unit == "1":
-            written[one.name] = float(f"{value:.12g}")
+    for dimension in task.dimensions:
+        value = point[dimension.name]
+        if dimension.name == RPM:
+            written[dimension.name] = f"{value * 30.0 / pi:.12g} rpm"
+        elif dimension.name in declared and declared[dimension.name].unit == "1":
+            written[dimension.name] = float(f"{value:.12g}")
         else:
-            written[one.name] = f"{value:.12g} {one.unit}"
+            written[dimension.name] = f"{value:.12g} {dimension.unit}"
     return written

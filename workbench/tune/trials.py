@@ -3,16 +3,21 @@
 import json
 import sqlite3
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from plants.equation import source_hash
 from workbench.errors import UserError
+from workbench.study.runner import PROGRAM_FOLDERS
+from workbench.study.study import Study
+from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Point
 
 ON_DRAWS = "limit cycle on draws"
-"""The constraint that is judged on drawn machines, and of points alone that would be the best."""
+"""The constraint that is judged on plant samples, and of points alone that would be the best."""
 
 _TABLES = """
 CREATE TABLE IF NOT EXISTS searches (name TEXT PRIMARY KEY, identity TEXT);
@@ -50,6 +55,21 @@ def key_of(point: Point, draws: int, level: str) -> str:
     return json.dumps([level, draws, sorted(point.items())])
 
 
+def identity_of(study: Study, names: Sequence[str]) -> dict[str, Any]:
+    """What stored trials of these controllers must agree in: the study but for controllers that do not matter, [tune]
+    without the number of trials and of seeds, draws, code.
+    """
+    table, uncertainty, controllers = tune_table(study), study.file.uncertainty, study.file.controllers
+    own = {name: controllers[name] for name in (*names, reference_controller(study))}
+    bare = replace(study, file=study.file.model_copy(update={"controllers": own}))
+    return {
+        "program": source_hash((*PROGRAM_FOLDERS, "workbench/tune")),
+        "study": bare.fingerprint,
+        "tune": table.model_dump(mode="json", exclude={"trials", "seed", "seeds", "fresh_draws"}),
+        "uncertainty": None if uncertainty is None else uncertainty.model_dump(mode="json"),
+    }
+
+
 class TrialStore:
     """The file of trials. Several searches may write at a time."""
 
@@ -57,24 +77,25 @@ class TrialStore:
         self._connection, self._folder = connection, folder
         self._lock = threading.Lock()
 
-    def known(self, search: str, identity: str) -> dict[str, Trial]:
+    def known(self, search: str, identity: Mapping[str, Any]) -> dict[str, Trial]:
         """The trials of a search, by `key_of`; empty for a new one.
 
         Raises:
             UserError: they are of another study.
         """
+        text = json.dumps(identity, sort_keys=True)
         with self._lock:
-            self._connection.execute("INSERT OR IGNORE INTO searches VALUES (?, ?)", (search, identity))
+            self._connection.execute("INSERT OR IGNORE INTO searches VALUES (?, ?)", (search, text))
             self._connection.commit()
             query = "SELECT identity FROM searches WHERE name = ?"
             (own,) = self._connection.execute(query, (search,)).fetchone()
             rows = self._connection.execute("SELECT key, trial FROM trials WHERE search = ?", (search,)).fetchall()
-        if own != identity:
+        if own != text:
             raise UserError(
                 f"{self._folder}: its trials of {search} are of another study or version of the program; start "
                 "anew with --overwrite, or choose another --out"
             )
-        return {key: Trial(**json.loads(text)) for key, text in rows}
+        return {key: Trial(**json.loads(trial)) for key, trial in rows}
 
     def keep(self, search: str, key: str, trial: Trial) -> None:
         """Store a trial."""

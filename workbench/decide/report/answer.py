@@ -3,9 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from workbench.decide.answer import Answer
-from workbench.decide.decision import Decision
-from workbench.decide.judged import HUNTING, KINDS, Judged, Kind
+from workbench.decide.candidate import HUNTING, KINDS, CandidateResult, Kind
 from workbench.decide.report.names import (
     MM,
     NAMES,
@@ -18,6 +16,7 @@ from workbench.decide.report.names import (
     share,
     watts,
 )
+from workbench.decide.result import Answer, Decision
 from workbench.metrics.statistics import SURE, settling_draws, sign_test
 from workbench.publish.tables import shown_number
 
@@ -25,56 +24,60 @@ LIKELY = 1.0 - SURE
 """A difference that chance makes more often than this tells nothing apart."""
 
 
-def paragraph(found: Decision) -> str:
+def paragraph(decision: Decision) -> str:
     """The answer in words."""
-    given = found.asked.answer()
-    return " ".join([*_verdict(found, given), *_others(found, given), *_apart(found), *_changes(found)])
+    given = decision.asked.answer()
+    return " ".join([*_verdict(decision, given), *_others(decision, given), *_apart(decision), *_changes(decision)])
 
 
-def _does(found: Decision, row: Judged) -> str:
+def _does(decision: Decision, row: CandidateResult) -> str:
     """On how many machines a candidate does what is asked, at which error and power."""
-    if not found.plan.several:
+    if not decision.plan.several:
         kept = millimetres(row.error) if math.isfinite(row.error) else f"no error ({row.outcome})"
         return f"{choice(row)}, with {kept}{_at(row)}"
     sure = f", {confidence()} interval {interval(row)}" if row.stage == "fresh" else ""
-    return f"{choice(row)} on {machines(row)} (probability {share(row.probability)}{sure}), with {_reached(found, row)}"
+    return (
+        f"{choice(row)} on {machines(row)} (probability {share(row.probability)}{sure}), with {_reached(decision, row)}"
+    )
 
 
-def _reached(found: Decision, row: Judged) -> str:
+def _reached(decision: Decision, row: CandidateResult) -> str:
     """The quantile of the error, and the mean power."""
-    of_them = f"{percent(found.table)} of them"
+    of_them = f"{percent(decision.table)} of them"
     if not math.isfinite(row.error):
         return f"no error that {of_them} keep to, since too few runs complete ({row.outcome}){_at(row)}"
     return f"at most {millimetres(row.error)} on {of_them}{_at(row)} on average"
 
 
-def _at(row: Judged) -> str:
+def _at(row: CandidateResult) -> str:
     """At which mean power, if any run completes."""
     return f" at {watts(row.mean_power)}" if math.isfinite(row.mean_power) else ""
 
 
-def _verdict(found: Decision, given: Answer) -> list[str]:
+def _verdict(decision: Decision, given: Answer) -> list[str]:
     simpler = [row for row in given.open if given.kind is None or row.kind != given.kind]
-    doubts = [_doubt(found, row) for row in given.open]
+    doubts = [_doubt(decision, row) for row in given.open]
     if given.kind is not None and not simpler:
         start = NAMES[given.kind].capitalize()
         start = f"Only {start.lower()}" if given.kind in ("rotation", "both") else start
-        return [f"{start} suffices: {_does(found, given.best)}.", *doubts]
+        return [f"{start} suffices: {_does(decision, given.best)}.", *doubts]
     if given.kind is not None:
-        return [*doubts, f"Surely {NAMES[given.kind]} suffices: {_does(found, given.best)}."]
+        return [*doubts, f"Surely {NAMES[given.kind]} suffices: {_does(decision, given.best)}."]
     if given.open:
         return ["It cannot be told whether anything that was tried suffices.", *doubts]
     if not given.settled:
         return [
-            f"It cannot be told whether anything that was tried suffices: of each kind {found.table.contenders} "
-            f"contenders were measured again and fail, others were not. Nearest is {_does(found, given.best)}."
+            f"It cannot be told whether anything that was tried suffices: of each kind {decision.table.contenders} "
+            f"contenders were measured again and fail, others were not. Nearest is {_does(decision, given.best)}."
         ]
-    return [f"Nothing that was tried suffices. Nearest is {_does(found, given.best)}: {_miss(found, given.best)}."]
+    return [
+        f"Nothing that was tried suffices. Nearest is {_does(decision, given.best)}: {_miss(decision, given.best)}."
+    ]
 
 
-def _doubt(found: Decision, row: Judged) -> str:
+def _doubt(decision: Decision, row: CandidateResult) -> str:
     """Of a candidate the draws do not tell, and how many would."""
-    asked = found.table.probability
+    asked = decision.table.probability
     draws = settling_draws(row.probability, asked, row.sure)
     would = (
         "its share is so near that no number of draws would tell"
@@ -88,9 +91,9 @@ def _doubt(found: Decision, row: Judged) -> str:
     )
 
 
-def _miss(found: Decision, row: Judged) -> str:
+def _miss(decision: Decision, row: CandidateResult) -> str:
     """By how much a candidate misses accuracy and power."""
-    table, missed = found.table, []
+    table, missed = decision.table, []
     if row.hunting:
         return f"it hunts on {row.hunting} of {row.draws} machines while a step is held"
     if not math.isfinite(row.error):
@@ -100,13 +103,13 @@ def _miss(found: Decision, row: Judged) -> str:
         missed.append(f"the accuracy by {millimetres(row.error - table.accuracy)} ({times})")
     if row.power > table.power:
         missed.append(f"the power by {watts(row.power - table.power)}")
-    quantile = f"at the {percent(table)} quantile " if found.plan.several else ""
+    quantile = f"at the {percent(table)} quantile " if decision.plan.several else ""
     if not missed:
         return f"{quantile}it keeps to each limit, but to both together on too few machines"
     return f"{quantile}it misses {' and '.join(missed)}"
 
 
-def failure(row: Judged) -> str:
+def failure(row: CandidateResult) -> str:
     """What fails of a candidate: "accuracy on 18 of 24 machines of the search"."""
     word = row.main_failure
     if word is None:
@@ -115,7 +118,7 @@ def failure(row: Judged) -> str:
     return f"{failed_draws(row)} {drawn}" if row.draws > 1 else word
 
 
-def failed_draws(row: Judged) -> str:
+def failed_draws(row: CandidateResult) -> str:
     """The same without a word of the draws; empty where nothing fails."""
     word = row.main_failure
     if word is None or row.draws == 1:
@@ -123,31 +126,31 @@ def failed_draws(row: Judged) -> str:
     return f"{word} on {row.hunting if word == HUNTING else row.failures[word]} of {row.draws}"
 
 
-def nearest(found: Decision, speed: float, spread: float, kind: Kind) -> Judged | None:
+def nearest(decision: Decision, speed: float, spread: float, kind: Kind) -> CandidateResult | None:
     """The best of a kind at a speed (m/s) and a spread."""
-    return next((row for row in found.at(speed, spread).ordered if row.kind == kind), None)
+    return next((row for row in decision.at(speed, spread).ordered if row.kind == kind), None)
 
 
-def _others(found: Decision, given: Answer) -> list[str]:
+def _others(decision: Decision, given: Answer) -> list[str]:
     """Of the kinds that are not the answer, what the best of each does, and what fails."""
-    told, table = [], found.table
+    told, table = [], decision.table
     for kind in KINDS:
-        row = nearest(found, table.speed, table.spread, kind)
+        row = nearest(decision, table.speed, table.spread, kind)
         if kind == given.kind or row is None or row is given.best or row in given.open:
             continue
         name, standing = NAMES[kind].capitalize(), row.standing(table)
         if standing == "meets":
-            told.append(f"{name} would too: {_does(found, row)}.")
+            told.append(f"{name} would too: {_does(decision, row)}.")
         elif standing == "open":
-            told.append(f"{name}: {_doubt(found, row)}")
+            told.append(f"{name}: {_doubt(decision, row)}")
         else:
-            told.append(f"{name} does not; nearest {_does(found, row)}; what fails is {failure(row)}.")
+            told.append(f"{name} does not; nearest {_does(decision, row)}; what fails is {failure(row)}.")
     return told
 
 
-def _apart(found: Decision) -> list[str]:
+def _apart(decision: Decision) -> list[str]:
     """Whether the fresh draws tell the choice from the next, and from the best of another kind that may meet it."""
-    rows = [row for row in found.asked.ordered if row.stage == "fresh" and row.standing(found.table) != "fails"]
+    rows = [row for row in decision.asked.ordered if row.stage == "fresh" and row.standing(decision.table) != "fails"]
     if len(rows) < 2:
         return []
     first, second = rows[:2]
@@ -155,7 +158,7 @@ def _apart(found: Decision) -> list[str]:
     return [_compared(first, rival) for rival in ([second] if other is second else [second, other])]
 
 
-def _compared(first: Judged, second: Judged) -> str:
+def _compared(first: CandidateResult, second: CandidateResult) -> str:
     """Two candidates on the same machines."""
     only_first, only_second, p = sign_test(first.passed, second.passed)
     apart = "told apart" if p < LIKELY else "not told apart"
@@ -166,16 +169,16 @@ def _compared(first: Judged, second: Judged) -> str:
     )
 
 
-def _changes(found: Decision) -> list[str]:
+def _changes(decision: Decision) -> list[str]:
     """Where on the map the answer changes, along the speed and along the spread that were asked for."""
-    plan, table, told = found.plan, found.table, []
+    plan, table, told = decision.plan, decision.table, []
     if len(plan.speeds) > 1:
-        row = [found.answer(speed, table.spread) for speed in plan.speeds]
+        row = [decision.answer(speed, table.spread) for speed in plan.speeds]
         told.append(f"At this spread {_along(row, [speed * MM for speed in plan.speeds], ' mm/s')}.")
     if len(plan.spreads) > 1:
-        column = [found.answer(table.speed, spread) for spread in plan.spreads]
+        column = [decision.answer(table.speed, spread) for spread in plan.spreads]
         told.append(f"At this speed {_along(column, plan.spreads, ' standard deviations')}.")
-    cells = [found.answer(speed, spread) for speed in plan.speeds for spread in plan.spreads]
+    cells = [decision.answer(speed, spread) for speed in plan.speeds for spread in plan.spreads]
     open_cells = sum(not cell.settled for cell in cells)
     if told and plan.several:
         told.append(f"In {open_cells} of the map's {len(cells)} cells it cannot be told with these draws.")

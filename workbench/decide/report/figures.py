@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from workbench.decide.decision import Decision
-from workbench.decide.judged import KINDS, Judged
+from workbench.decide.candidate import KINDS, CandidateResult
 from workbench.decide.order import non_dominated
 from workbench.decide.report.answer import nearest
 from workbench.decide.report.map import COLOURS as WORDS
 from workbench.decide.report.map import MEANING, Field, failing, fields
 from workbench.decide.report.names import ERRORS, MM, POWERS, choice, percent, speed_of
+from workbench.decide.result import Decision
 from workbench.decide.schema import DecideTable
 from workbench.publish.pictures import Picture, save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, WIDTH, figure_style, line_style, marker, plain_numbers
@@ -37,21 +37,21 @@ CELL = 1.45, 1.0
 HATCH = "#00000038"
 
 
-def write_figures(found: Decision, folder: Path) -> list[Picture]:
+def write_figures(decision: Decision, folder: Path) -> list[Picture]:
     """Write the figures that the decision has: none of points without an error, of one cell, of a single speed."""
-    plan, drawn = found.plan, list[tuple[str, Figure, str]]()
-    known = any(_is_known(row) for row in found.asked.ordered)
+    plan, drawn = decision.plan, list[tuple[str, Figure, str]]()
+    known = any(_is_known(row) for row in decision.asked.ordered)
     with figure_style():
         if known:
-            drawn.append(("error_against_power", *_trade(found)))
+            drawn.append(("error_against_power", *_trade(decision)))
         if len(plan.speeds) * len(plan.spreads) > 1:
-            drawn.append(("map", *_map(found)))
+            drawn.append(("map", *_map(decision)))
         if known and len(plan.speeds) > 1:
-            drawn.append(("error_against_speed", *_curves(found)))
+            drawn.append(("error_against_speed", *_curves(decision)))
     return [Picture(save(figure, name, folder)[-1], caption) for name, figure, caption in drawn]
 
 
-def _is_known(row: Judged) -> bool:
+def _is_known(row: CandidateResult) -> bool:
     """Whether enough runs complete for an error and a power."""
     return math.isfinite(row.error) and math.isfinite(row.mean_power)
 
@@ -63,22 +63,22 @@ def _figure(width: float, height: float, title: str) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _error_label(found: Decision) -> str:
-    quantile = f", {percent(found.table)} quantile" if found.plan.several else ""
-    return f"{ERRORS[found.table.figure]}{quantile} (mm)"
+def _error_label(decision: Decision) -> str:
+    quantile = f", {percent(decision.table)} quantile" if decision.plan.several else ""
+    return f"{ERRORS[decision.table.figure]}{quantile} (mm)"
 
 
-def _where(found: Decision) -> str:
-    return f"{speed_of(found.table.speed)}, friction spread by {found.table.spread:g} std"
+def _where(decision: Decision) -> str:
+    return f"{speed_of(decision.table.speed)}, friction spread by {decision.table.spread:g} std"
 
 
-def _trade(found: Decision) -> tuple[Figure, str]:
+def _trade(decision: Decision) -> tuple[Figure, str]:
     """Every candidate that was asked about: error against power, limits, and the non-dominated set."""
-    figure, axes = _figure(WIDTH * 1.15, PANEL_HEIGHT * 1.6, f"Error against power: {_where(found)}")
-    table = found.table
-    known = [row for row in found.asked.ordered if _is_known(row)]
-    names = list(dict.fromkeys(row.controller for row in found.asked.rows))
-    speeds = sorted({row.rpm for row in found.asked.rows})
+    figure, axes = _figure(WIDTH * 1.15, PANEL_HEIGHT * 1.6, f"Error against power: {_where(decision)}")
+    table = decision.table
+    known = [row for row in decision.asked.ordered if _is_known(row)]
+    names = list(dict.fromkeys(row.controller for row in decision.asked.rows))
+    speeds = sorted({row.rpm for row in decision.asked.rows})
     for row in known:
         i = names.index(row.controller)
         size = SMALLEST + GROWTH * speeds.index(row.rpm)
@@ -94,14 +94,14 @@ def _trade(found: Decision) -> tuple[Figure, str]:
     plain_numbers(axes.xaxis)
     plain_numbers(axes.yaxis)
     axes.set_xlabel(f"mean power (W): {POWERS[table.power_figure]}")
-    axes.set_ylabel(_error_label(found))
-    handles = _trade_legend(found, names, speeds)
+    axes.set_ylabel(_error_label(decision))
+    handles = _trade_legend(decision, names, speeds)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) // LEGEND_ROWS)
     caption = (
-        f"Every candidate at {_where(found)}: marker by controller, size by rotation; shaded: what keeps to both "
+        f"Every candidate at {_where(decision)}: marker by controller, size by rotation; shaded: what keeps to both "
         f"limits. The line joins the non-dominated set: {'; '.join(choice(row) for row in front) or 'empty'}."
     )
-    left_out = len(found.asked.search) - len(known)
+    left_out = len(decision.asked.search) - len(known)
     return figure, caption + (f" {left_out} not drawn: too few of their runs complete." if left_out else "")
 
 
@@ -116,8 +116,8 @@ def _limits(axes: Axes, table: DecideTable) -> None:
     axes.set_ylim(bottom=bottom)
 
 
-def _trade_legend(found: Decision, names: Sequence[str], speeds: Sequence[float]) -> list[Line2D]:
-    table = found.table
+def _trade_legend(decision: Decision, names: Sequence[str], speeds: Sequence[float]) -> list[Line2D]:
+    table = decision.table
     controllers = [
         Line2D([], [], color=line_style(i)["color"], marker=marker(i), linestyle="none", label=plain_name(name))
         for i, name in enumerate(names)
@@ -134,20 +134,20 @@ def _trade_legend(found: Decision, names: Sequence[str], speeds: Sequence[float]
         Line2D([], [], color=COLOURS[1], linestyle=":", label=f"power, {table.power:g} W"),
     ]
     blank = Line2D([], [], linestyle="none", label=" ")
-    return [one for group in (controllers, sizes, lines) for one in [*group, *[blank] * (-len(group) % LEGEND_ROWS)]]
+    return [each for group in (controllers, sizes, lines) for each in [*group, *[blank] * (-len(group) % LEGEND_ROWS)]]
 
 
-def _map(found: Decision) -> tuple[Figure, str]:
+def _map(decision: Decision) -> tuple[Figure, str]:
     """What suffices over speed and spread."""
-    plan, table = found.plan, found.table
+    plan, table = decision.plan, decision.table
     width = max(WIDTH, CELL[0] * len(plan.speeds) + 0.9)
     figure, axes = _figure(
         width, CELL[1] * max(2, len(plan.spreads)) + 1.5, "What suffices, over speed and spread of friction"
     )
-    rows = list(fields(found).values())
+    rows = list(fields(decision).values())
     for i, spread in enumerate(plan.spreads):
         for j, speed in enumerate(plan.speeds):
-            fails = [f"{row.kind}: {row.main_failure}" for row in failing(found, found.at(speed, spread))]
+            fails = [f"{row.kind}: {row.main_failure}" for row in failing(decision, decision.at(speed, spread))]
             _cell(axes, j, i, rows[i][j], fails)
     place = (plan.speeds.index(table.speed), plan.spreads.index(table.spread))
     axes.add_patch(Rectangle(place, 1, 1, fill=False, edgecolor="black", linewidth=3.0, zorder=3, clip_on=False))
@@ -190,52 +190,54 @@ def _cell(axes: Axes, j: int, i: int, field: Field, fails: Sequence[str]) -> Non
         axes.text(j + 0.5, i + 0.05, told, ha="center", va="bottom", fontsize=5.5, bbox=box, zorder=4)
 
 
-def _curves(found: Decision) -> tuple[Figure, str]:
+def _curves(decision: Decision) -> tuple[Figure, str]:
     """Error against speed of the best choice of each kind where it was asked."""
     figure, axes = _figure(
-        WIDTH, PANEL_HEIGHT * 1.25, f"Error against speed: friction spread by {found.table.spread:g} std"
+        WIDTH, PANEL_HEIGHT * 1.25, f"Error against speed: friction spread by {decision.table.spread:g} std"
     )
-    best = [nearest(found, found.table.speed, found.table.spread, kind) for kind in KINDS]
+    best = [nearest(decision, decision.table.speed, decision.table.spread, kind) for kind in KINDS]
     top = 0.0
     for i, row in enumerate(best):
         if row is not None:
-            top = max(top, _curve(axes, found, row, i))
-    axes.axhline(found.table.accuracy * MM, color="black", linestyle="--", linewidth=1.0, label="accuracy")
-    axes.axvline(found.table.speed * MM, color="#888888", linestyle=":", linewidth=1.0, label="asked speed")
+            top = max(top, _curve(axes, decision, row, i))
+    axes.axhline(decision.table.accuracy * MM, color="black", linestyle="--", linewidth=1.0, label="accuracy")
+    axes.axvline(decision.table.speed * MM, color="#888888", linestyle=":", linewidth=1.0, label="asked speed")
     axes.set_xscale("log")
     axes.set_yscale("log")
     if top:
-        axes.set_ylim(top=1.5 * max(top, found.table.accuracy * MM))
-    axes.set_xticks([speed * MM for speed in found.plan.speeds], [f"{speed * MM:g}" for speed in found.plan.speeds])
+        axes.set_ylim(top=1.5 * max(top, decision.table.accuracy * MM))
+    axes.set_xticks(
+        [speed * MM for speed in decision.plan.speeds], [f"{speed * MM:g}" for speed in decision.plan.speeds]
+    )
     axes.set_xticks([], minor=True)
     plain_numbers(axes.yaxis)
     axes.set_xlabel("peak speed (mm/s)")
-    axes.set_ylabel(_error_label(found))
+    axes.set_ylabel(_error_label(decision))
     figure.legend(loc="outside lower center", ncols=2)
-    band = "; bars: 95 % interval of the quantile, where the draws bound it" if found.plan.several else ""
+    band = "; bars: 95 % interval of the quantile, where the draws bound it" if decision.plan.several else ""
     return figure, f"The choice of each kind that does best where it was asked, at every speed{band}."
 
 
-def _curve(axes: Axes, found: Decision, row: Judged, number: int) -> float:
+def _curve(axes: Axes, decision: Decision, row: CandidateResult, number: int) -> float:
     """One choice at every speed; returns the largest error drawn (mm)."""
     same = sorted(
         (
-            one
-            for cell in found.cells
-            for one in cell.rows
-            if (one.candidate, one.spread) == (row.candidate, row.spread) and math.isfinite(one.error)
+            each
+            for cell in decision.cells
+            for each in cell.rows
+            if (each.candidate, each.spread) == (row.candidate, row.spread) and math.isfinite(each.error)
         ),
-        key=lambda one: one.speed,
+        key=lambda each: each.speed,
     )
     if not same:
         return 0.0
-    speeds, errors = [one.speed * MM for one in same], [one.error * MM for one in same]
+    speeds, errors = [each.speed * MM for each in same], [each.error * MM for each in same]
     label = f"{row.kind}: {choice(row)}"
     style = line_style(number)
     axes.plot(speeds, errors, **style, marker=marker(number), label=label)
-    if found.plan.several:
-        bound = [one for one in same if math.isfinite(one.error_high)]
-        low = [max(one.error_low, 1e-3 * one.error) * MM for one in bound]
-        at = [one.speed * MM for one in bound]
-        axes.vlines(at, low, [one.error_high * MM for one in bound], color=style["color"], alpha=0.35, linewidth=5.0)
+    if decision.plan.several:
+        bound = [each for each in same if math.isfinite(each.error_high)]
+        low = [max(each.error_low, 1e-3 * each.error) * MM for each in bound]
+        at = [each.speed * MM for each in bound]
+        axes.vlines(at, low, [each.error_high * MM for each in bound], color=style["color"], alpha=0.35, linewidth=5.0)
     return max(errors)

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from workbench.decide.answer import Answer, Cell
-from workbench.decide.decision import Decision
-from workbench.decide.judged import KINDS, Judged, Kind
+from workbench.decide.candidate import KINDS, CandidateResult, Kind
 from workbench.decide.report.answer import failed_draws, nearest
 from workbench.decide.report.names import MM, NAMES, SHORT, choice, interval, share, watts
+from workbench.decide.result import Answer, Cell, Decision
 
 OPEN = "cannot be told"
 
@@ -66,48 +65,49 @@ def word_of(given: Answer) -> str:
     return NAMES[given.kind] if given.settled else OPEN
 
 
-def fields(found: Decision) -> dict[str, list[Field]]:
+def fields(decision: Decision) -> dict[str, list[Field]]:
     """The matrix: a row a spread, a column a speed."""
-    plan = found.plan
+    plan = decision.plan
     return {
-        f"{spread:g} std": [_field(found, found.at(speed, spread)) for speed in plan.speeds] for spread in plan.spreads
+        f"{spread:g} std": [_field(decision, decision.at(speed, spread)) for speed in plan.speeds]
+        for spread in plan.spreads
     }
 
 
-def heads(found: Decision) -> list[str]:
+def heads(decision: Decision) -> list[str]:
     """Its columns."""
-    return [f"{speed * MM:g} mm/s" for speed in found.plan.speeds]
+    return [f"{speed * MM:g} mm/s" for speed in decision.plan.speeds]
 
 
-def _field(found: Decision, cell: Cell) -> Field:
+def _field(decision: Decision, cell: Cell) -> Field:
     given = cell.answer()
-    best, several = given.best, found.plan.several
+    best, several = given.best, decision.plan.several
     chance = f"{share(best.probability)} ({interval(best)})" if best.stage == "fresh" else share(best.probability)
     return Field(
         word_of(given),
         choice(best) if given.kind is not None or given.open else f"nearest: {choice(best)}",
         chance if several else "",
         watts(best.mean_power) if best.mean_power == best.mean_power else "",
-        tuple((row.kind, failed_draws(row)) for row in failing(found, cell)),
+        tuple((row.kind, failed_draws(row)) for row in failing(decision, cell)),
         given.doubtful,
-        cell is found.asked,
+        cell is decision.asked,
     )
 
 
-def failing(found: Decision, cell: Cell) -> list[Judged]:
+def failing(decision: Decision, cell: Cell) -> list[CandidateResult]:
     """The best of each kind that is simpler than the choice, or of every kind where nothing suffices, that fails."""
     given = cell.answer()
     last = len(KINDS) if given.kind is None else KINDS.index(given.kind)
-    rows = [nearest(found, cell.speed, cell.spread, kind) for kind in KINDS[:last]]
-    return [row for row in rows if row is not None and row.standing(found.table) == "fails"]
+    rows = [nearest(decision, cell.speed, cell.spread, kind) for kind in KINDS[:last]]
+    return [row for row in rows if row is not None and row.standing(decision.table) == "fails"]
 
 
-def map_table(found: Decision) -> pd.DataFrame:
+def map_table(decision: Decision) -> pd.DataFrame:
     """The same as a table of text."""
-    rows = fields(found)
+    rows = fields(decision)
     return pd.DataFrame(
         [
-            {"spread of friction": name, **dict(zip(heads(found), map(_cell, row), strict=True))}
+            {"spread of friction": name, **dict(zip(heads(decision), map(_cell, row), strict=True))}
             for name, row in rows.items()
         ]
     )
@@ -117,7 +117,7 @@ def _cell(field: Field) -> str:
     return f"{field.word}: {'; '.join(field.lines)}"
 
 
-def key(found: Decision) -> Sequence[tuple[str, str, str]]:
+def key(decision: Decision) -> Sequence[tuple[str, str, str]]:
     """Word, colour and meaning of each word that the matrix holds."""
-    used = {field.word for row in fields(found).values() for field in row}
+    used = {field.word for row in fields(decision).values() for field in row}
     return [(word, COLOURS[word][0], MEANING[word]) for word in COLOURS if word in used]

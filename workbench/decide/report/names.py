@@ -1,7 +1,7 @@
 """How the page of a decision names and shows things: kinds, candidates, limits, numbers with their units."""
 
-from workbench.decide.decision import Decision
-from workbench.decide.judged import Judged, Kind
+from workbench.decide.candidate import CandidateResult, Kind
+from workbench.decide.result import Decision
 from workbench.decide.schema import DecideTable
 from workbench.metrics.statistics import SURE
 from workbench.publish.tables import shown_number
@@ -35,7 +35,7 @@ POWERS = {
 }
 
 
-def choice(row: Judged) -> str:
+def choice(row: CandidateResult) -> str:
     """A candidate in words."""
     if not row.rpm:
         return f"{plain_name(row.controller)} without rotation"
@@ -63,9 +63,9 @@ def deviations(spread: float) -> str:
     return f"{spread:g} standard deviation{'s' * (spread != 1.0)}"
 
 
-def where(found: Decision) -> str:
+def where(decision: Decision) -> str:
     """The speed and spread that were asked for."""
-    return f"at {speed_of(found.table.speed)}, friction spread by {deviations(found.table.spread)}"
+    return f"at {speed_of(decision.table.speed)}, friction spread by {deviations(decision.table.spread)}"
 
 
 def percent(table: DecideTable) -> str:
@@ -78,7 +78,7 @@ def share(value: float) -> str:
     return f"{value:.3f}" if 0.0 < value < 1.0 else f"{value:g}"
 
 
-def interval(row: Judged) -> str:
+def interval(row: CandidateResult) -> str:
     """The interval of a probability."""
     return f"{share(row.low)} to {share(row.high)}"
 
@@ -88,6 +88,6 @@ def confidence() -> str:
     return f"{100.0 * SURE:g} %"
 
 
-def machines(row: Judged) -> str:
+def machines(row: CandidateResult) -> str:
     """On how many machines of which draws."""
     return f"{row.met} of {row.draws} {'fresh machines' if row.stage == 'fresh' else 'machines of the search'}"

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from workbench.decide.decision import Decision
 from workbench.decide.report.answer import paragraph
 from workbench.decide.report.map import fields, heads, key
 from workbench.decide.report.words import assumptions, price, question
+from workbench.decide.result import Decision
 from workbench.publish.html import html_environment
 from workbench.publish.pictures import Picture
 from workbench.publish.words import plain_name
@@ -61,21 +61,21 @@ th:first-child, td:first-child { text-align: left; }
 """
 
 
-def page(found: Decision, pictures: Sequence[Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
+def page(decision: Decision, pictures: Sequence[Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
     """The page as HTML; it names the figures in `figures/` beside it."""
     environment = html_environment()
     environment.filters["plain"] = plain_name
     return environment.from_string(_HTML).render(
-        title=found.plan.study.file.title,
-        question=found.plan.study.file.question,
-        asked=question(found),
-        answer=paragraph(found),
-        matrix=fields(found),
-        heads=heads(found),
-        boxed=len(found.cells) > 1,
-        key=key(found),
-        price=price(found),
-        assumptions=assumptions(found),
+        title=decision.plan.study.file.title,
+        question=decision.plan.study.file.question,
+        asked=question(decision),
+        answer=paragraph(decision),
+        matrix=fields(decision),
+        heads=heads(decision),
+        boxed=len(decision.cells) > 1,
+        key=key(decision),
+        price=price(decision),
+        assumptions=assumptions(decision),
         pictures=pictures,
         tables=tables,
     )

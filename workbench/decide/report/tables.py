@@ -4,10 +4,10 @@ import math
 
 import pandas as pd
 
-from workbench.decide.decision import Decision
-from workbench.decide.judged import Judged
+from workbench.decide.candidate import CandidateResult
 from workbench.decide.report.answer import failure
 from workbench.decide.report.names import ERRORS, MM, interval, percent, share
+from workbench.decide.result import Decision
 from workbench.decide.schema import DecideTable
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
@@ -16,15 +16,15 @@ _DRAWN = ("search", "fresh", "probability (95 %)", "its interval (mm)")
 """What a single machine does not have."""
 
 
-def candidate_table(found: Decision) -> pd.DataFrame:
+def candidate_table(decision: Decision) -> pd.DataFrame:
     """A row a candidate at the speed and spread that were asked for, the best first; one machine has no interval."""
-    table = found.table
-    searched = {row.candidate: row for row in found.asked.search}
-    cells = pd.DataFrame([_cells(row, searched[row.candidate], table) for row in found.asked.ordered])
-    return cells if found.plan.several else cells.drop(columns=list(_DRAWN))
+    table = decision.table
+    searched = {row.candidate: row for row in decision.asked.search}
+    cells = pd.DataFrame([_cells(row, searched[row.candidate], table) for row in decision.asked.ordered])
+    return cells if decision.plan.several else cells.drop(columns=list(_DRAWN))
 
 
-def _cells(row: Judged, search: Judged, table: DecideTable) -> dict[str, str]:
+def _cells(row: CandidateResult, search: CandidateResult, table: DecideTable) -> dict[str, str]:
     fresh = row.stage == "fresh"
     return {
         "candidate": plain_name(row.controller),
@@ -44,13 +44,13 @@ def _cells(row: Judged, search: Judged, table: DecideTable) -> dict[str, str]:
     }
 
 
-def short_table(found: Decision) -> pd.DataFrame:
+def short_table(decision: Decision) -> pd.DataFrame:
     """The same without what a terminal has no room for."""
     dropped = ["really (rpm)", "its interval (mm)", "pump (W)", "motor (W)", "outcome"]
-    return candidate_table(found).drop(columns=dropped, errors="ignore")
+    return candidate_table(decision).drop(columns=dropped, errors="ignore")
 
 
-def _meets(row: Judged, table: DecideTable) -> str:
+def _meets(row: CandidateResult, table: DecideTable) -> str:
     """What its draws tell: those of the search rule out, and no more."""
     standing = row.standing(table)
     if row.draws > 1 and row.stage == "search" and standing != "fails":

@@ -2,8 +2,6 @@
 
 import pandas as pd
 
-from workbench.decide.confirm import enough
-from workbench.decide.decision import Decision
 from workbench.decide.order import ALIKE
 from workbench.decide.report.names import (
     ERRORS,
@@ -14,15 +12,17 @@ from workbench.decide.report.names import (
     speed_of,
     watts,
 )
+from workbench.decide.result import Decision
+from workbench.decide.run import enough
 from workbench.decide.schema import MOTOR, PUMP
 from workbench.publish.words import plain_name
 from workbench.simulation.simulate import COMPLETED
 from workbench.toml.gain_file import KEY
 
 
-def question(found: Decision) -> str:
+def question(decision: Decision) -> str:
     """What was asked."""
-    table = found.table
+    table = decision.table
     whom = f" of the {plain_name(table.machine)}" if table.machine else ""
     motion = f"a sine of {table.amplitude * MM:g} mm, {1.0 / table.period(table.speed):.3g} Hz"
     drawn = (
@@ -32,13 +32,13 @@ def question(found: Decision) -> str:
     return (
         f"Asked{whom}: {'an' if table.figure == 'rms_error' else 'a'} {ERRORS[table.figure]} of at most "
         f"{table.accuracy * MM:g} mm at {speed_of(table.speed)} ({motion}) with at most {table.power:g} W "
-        f"({POWERS[table.power_figure]}){drawn if found.plan.several else ', on the declared machine'}."
+        f"({POWERS[table.power_figure]}){drawn if decision.plan.several else ', on the declared machine'}."
     )
 
 
-def price(found: Decision) -> str:
+def price(decision: Decision) -> str:
     """What rotating adds where it was asked, and whether it changes what the pump pays; empty if nothing rotates."""
-    pairs = _turning_and_still(found)
+    pairs = _turning_and_still(decision)
     if pairs.empty:
         return ""
     by_rpm = pairs.groupby("rpm")[[PUMP, f"{PUMP}_still", MOTOR]].mean()
@@ -56,9 +56,9 @@ def price(found: Decision) -> str:
     )
 
 
-def _turning_and_still(found: Decision) -> pd.DataFrame:
+def _turning_and_still(decision: Decision) -> pd.DataFrame:
     """Runs of the search that rotate where it was asked, each beside the one at rest of its controller and machine."""
-    table, rows = found.table, found.draws
+    table, rows = decision.table, decision.draws
     asked = rows[
         (rows["stage"] == "search")
         & (rows["speed_m_per_s"] == table.speed)
@@ -70,15 +70,15 @@ def _turning_and_still(found: Decision) -> pd.DataFrame:
     return turning.merge(still, on=["controller", "draw"], suffixes=("", "_still"))
 
 
-def assumptions(found: Decision) -> list[str]:
+def assumptions(decision: Decision) -> list[str]:
     """What was assumed: what the draws are, how a run is judged, whose gains these are; then the study's own lines."""
-    table, study = found.table, found.plan.study
+    table, study = decision.table, decision.plan.study
     gains = study.file.controllers
-    tuned = [plain_name(name) for name, _ in found.plan.candidates if KEY in gains[name]]
+    tuned = [plain_name(name) for name, _ in decision.plan.candidates if KEY in gains[name]]
     tuned = list(dict.fromkeys(tuned))
     return [
-        _machines(found),
-        *([_procedure(found)] if found.plan.several else []),
+        _machines(decision),
+        *([_procedure(decision)] if decision.plan.several else []),
         f"Each run: {table.cycles} periods of the sine, of which the first is left out. A run that does not simply "
         "complete (diverged, stuck, end stop, saturated throughout, torque-limited) does not meet the accuracy. A "
         f"loop that hunts while a step is held for {table.hold_duration:g} s on one of its machines is out, however "
@@ -92,9 +92,9 @@ def assumptions(found: Decision) -> list[str]:
     ]
 
 
-def _procedure(found: Decision) -> str:
+def _procedure(decision: Decision) -> str:
     """How a choice is made of draws, in words."""
-    plan, table = found.plan, found.table
+    plan, table = decision.plan, decision.table
     return (
         f"The {plan.draws} draws of the search only say what is out (its 95 % interval is below what is asked, or it "
         "hunts) and in which order the others are measured again, at most "
@@ -105,9 +105,9 @@ def _procedure(found: Decision) -> str:
     )
 
 
-def _machines(found: Decision) -> str:
+def _machines(decision: Decision) -> str:
     """What is drawn, in words."""
-    uncertainty, plant = found.plan.study.file.uncertainty, found.plan.plant
+    uncertainty, plant = decision.plan.study.file.uncertainty, decision.plan.plant
     if uncertainty is None:
         return "One machine, the declared one: the study has no [uncertainty]."
     parts = [f'friction by the standard deviations of "{plant.get("parameters")}" times the spread']

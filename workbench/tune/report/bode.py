@@ -16,9 +16,8 @@ from workbench.simulation.simulate import Setup
 from workbench.study.resolve import Resolved
 from workbench.tune.objective import SLOW, fastest
 from workbench.tune.report.panels import SIDES, Picture, grid, legend
-from workbench.tune.schema import ConstraintsTable
-from workbench.tune.task import tune_table
-from workbench.tune.tuning import Tuned
+from workbench.tune.result import ControllerTuning
+from workbench.tune.schema import ConstraintsTable, tune_table
 
 POINTS = 4000
 BELOW = 0.02
@@ -46,46 +45,46 @@ class Curve:
     margins: Margins
 
 
-def curve_of(setup: Setup, found: Margins, lowest: float) -> Curve:
+def curve_of(setup: Setup, smallest: Margins, lowest: float) -> Curve:
     """The loop of `setup` with the margins `found`, at the speed of these, from `lowest` (rad/s) to Nyquist."""
     try:
-        loop = open_loop(setup, found.speed)
+        loop = open_loop(setup, smallest.speed)
     except UserError:
-        return Curve(np.empty(0), np.empty(0), np.empty(0), found)
+        return Curve(np.empty(0), np.empty(0), np.empty(0), smallest)
     frequency = np.geomspace(lowest, np.pi / setup.sample_time, POINTS)
     values = Response(loop.A, loop.B, loop.C, setup.sample_time)(frequency)
     phase = np.unwrap(np.angle(values, deg=True), period=2.0 * HALF_TURN)
     phase -= 2.0 * HALF_TURN * np.round((phase[0] + 0.5 * HALF_TURN) / (2.0 * HALF_TURN))
-    return Curve(frequency, 20.0 * np.log10(np.maximum(np.abs(values), SMALLEST)), phase, found)
+    return Curve(frequency, 20.0 * np.log10(np.maximum(np.abs(values), SMALLEST)), phase, smallest)
 
 
-def lowest_frequency(found: Iterable[Margins], sample_time: float) -> float:
+def lowest_frequency(every: Iterable[Margins], sample_time: float) -> float:
     """Where the axis of loops begins (rad/s): well below their lowest crossing."""
-    crossings = [at for one in found for at in (one.gain_frequency, one.phase_frequency) if np.isfinite(at)]
+    crossings = [at for each in every for at in (each.gain_frequency, each.phase_frequency) if np.isfinite(at)]
     return BELOW * min([*crossings, UNCROSSED * np.pi / sample_time])
 
 
 def sets_margins(cases: Sequence[Resolved], constraints: ConstraintsTable) -> tuple[int, float]:
     """The case with the smallest phase margin, and the speed (m/s) at which its loop is linearised."""
     speeds = [constraints.margin_speed or fastest(case) or SLOW for case in cases]
-    found = [margins(case.setup, speed) for case, speed in zip(cases, speeds, strict=True)]
-    number = min(range(len(cases)), key=lambda i: (found[i].stable, found[i].phase_deg))
+    smallest = [margins(case.setup, speed) for case, speed in zip(cases, speeds, strict=True)]
+    number = min(range(len(cases)), key=lambda i: (smallest[i].stable, smallest[i].phase_deg))
     return number, speeds[number]
 
 
-def bode_picture(one: Tuned) -> Picture | str:
+def bode_picture(tuned: ControllerTuning) -> Picture | str:
     """Amplitude and phase of a controller's loop, before and after; or why there is nothing to draw."""
-    constraints = tune_table(one.task.study).constraints
-    points = {"before": one.task.start, **({} if one.best is None else {"after": one.best})}
-    number, speed = sets_margins(one.task.declared(points[list(points)[-1]]), constraints)
-    setups = {when: one.task.declared(point)[number].setup for when, point in points.items()}
-    found = {when: margins(setup, speed) for when, setup in setups.items()}
-    lowest = lowest_frequency(found.values(), setups["before"].sample_time)
-    curves = {when: curve_of(setup, found[when], lowest) for when, setup in setups.items()}
+    constraints = tune_table(tuned.task.study).constraints
+    points = {"before": tuned.task.start, **({} if tuned.best is None else {"after": tuned.best})}
+    number, speed = sets_margins(tuned.task.declared(points[list(points)[-1]]), constraints)
+    setups = {when: tuned.task.declared(point)[number].setup for when, point in points.items()}
+    smallest = {when: margins(setup, speed) for when, setup in setups.items()}
+    lowest = lowest_frequency(smallest.values(), setups["before"].sample_time)
+    curves = {when: curve_of(setup, smallest[when], lowest) for when, setup in setups.items()}
     if not any(curve.frequency.size for curve in curves.values()):
-        return f"No loop of {one.task.label}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
+        return f"No loop of {tuned.task.label}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
     with figure_style():
-        figure, panels = grid(2, 1, f"{one.task.label}: loop before and after", 2.3, sharex=True)
+        figure, panels = grid(2, 1, f"{tuned.task.label}: loop before and after", 2.3, sharex=True)
         amplitude, phase = panels[:, 0]
         for when, curve in curves.items():
             _draw(amplitude, phase, curve, dict(SIDES[when]))
@@ -96,7 +95,7 @@ def bode_picture(one: Tuned) -> Picture | str:
         phase.set_xlabel("frequency (rad/s), up to the Nyquist frequency")
         amplitude.set_xscale("log")
         legend(figure, [amplitude], 1)
-    return Picture(figure, _caption(one.task.label, speed, curves))
+    return Picture(figure, _caption(tuned.task.label, speed, curves))
 
 
 def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: dict[str, Any]) -> None:
@@ -138,18 +137,18 @@ def _half_turns(axes: Axes) -> None:
 
 
 def _words(curve: Curve) -> str:
-    found = curve.margins
+    smallest = curve.margins
     if not curve.frequency.size:
-        return f"no loop to linearise, {found.note}"
-    gain = f"gain margin {found.gain_dB:.1f} dB" if np.isfinite(found.gain_dB) else "no gain crossing"
-    phase = f"phase margin {found.phase_deg:.1f} deg" if np.isfinite(found.phase_deg) else "no phase crossing"
-    return f"{gain}, {phase}" + ("" if found.stable else ", unstable")
+        return f"no loop to linearise, {smallest.note}"
+    gain = f"gain margin {smallest.gain_dB:.1f} dB" if np.isfinite(smallest.gain_dB) else "no gain crossing"
+    phase = f"phase margin {smallest.phase_deg:.1f} deg" if np.isfinite(smallest.phase_deg) else "no phase crossing"
+    return f"{gain}, {phase}" + ("" if smallest.stable else ", unstable")
 
 
 def _caption(name: str, speed: float, curves: dict[str, Curve]) -> str:
-    said = "; ".join(f"{when}: {_words(curve)}" for when, curve in curves.items())
+    words = "; ".join(f"{when}: {_words(curve)}" for when, curve in curves.items())
     return (
         f"Loop L of {name}, linearised while the rod slides at {1e3 * speed:.3g} mm/s, in the case with the smallest "
         f"phase margin. Thick bars are the margins: gain from the curve to 0 dB, phase from the curve to -180 deg "
-        f"({said}). The table has the smallest margins over all cases."
+        f"({words}). The table has the smallest margins over all cases."
     )

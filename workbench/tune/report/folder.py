@@ -7,7 +7,6 @@ results.sqlite             the trials, while they are found: a row a trial
 study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
-import json
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -25,17 +24,18 @@ from workbench.publish.style import figure_style
 from workbench.publish.tables import write_frame
 from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
-from workbench.tune.gains import gain_files, history
+from workbench.toml.gain_file import gain_file_text
 from workbench.tune.report.bode import bode_picture
+from workbench.tune.report.gain_files import gain_files
 from workbench.tune.report.page import page
 from workbench.tune.report.panels import Picture, Pictures
-from workbench.tune.report.rows import row_of
+from workbench.tune.report.rows import history, row_of
 from workbench.tune.report.search import history_picture, importance_picture
 from workbench.tune.report.tables import Table, brief, tables_of
 from workbench.tune.report.traces import error_picture, step_picture, traces_of
 from workbench.tune.report.words import first_lines, infeasible_lines
-from workbench.tune.study import Tuning, identity_of
-from workbench.tune.task import tune_table
+from workbench.tune.result import Tuning
+from workbench.tune.schema import tune_table
 
 GAINS, RESULTS, TRIALS, PAGE, RECORD = "tuned", "results.csv", "trials.csv", "tuning.html", "run.json"
 MOST_DRAWN = 24
@@ -100,8 +100,8 @@ def write_tuning(
         remove(folder / name)
     (folder / STUDY_COPY).write_text(tuning.study.text, encoding="utf-8")
     _write_gains(tuning, folder / GAINS)
-    _write_frame([row for one in tuning.found for row in history(one)], folder / TRIALS)
-    results = _write_frame([row_of(one) for one in tuning.found], folder / RESULTS)
+    _write_frame([row for tuned in tuning.tuned for row in history(tuned)], folder / TRIALS)
+    results = _write_frame([row_of(tuned) for tuned in tuning.tuned], folder / RESULTS)
     for name in ("tables", "figures"):
         remove(folder / name)
     tables = tables_of(tuning)
@@ -125,9 +125,9 @@ def _write_gains(tuning: Tuning, folder: Path) -> None:
     """A gain file of each controller, by machine where it is tuned for several, with the entries that there are."""
     remove(folder)
     folder.mkdir()
-    for name, text in gain_files(tuning.found).items():
+    for name, content in gain_files(tuning.tuned).items():
         (folder / name).parent.mkdir(exist_ok=True)
-        write_whole(folder / name, partial(Path.write_text, data=text, encoding="utf-8"))
+        write_whole(folder / name, partial(Path.write_text, data=gain_file_text(content), encoding="utf-8"))
 
 
 def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
@@ -137,9 +137,9 @@ def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
 
 
 def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
-    if len(tuning.found) > MOST_DRAWN:
+    if len(tuning.tuned) > MOST_DRAWN:
         return Pictures(
-            {}, {}, [f"No figures: {len(tuning.found)} tunings are more than the {MOST_DRAWN} that are drawn."]
+            {}, {}, [f"No figures: {len(tuning.tuned)} tunings are more than the {MOST_DRAWN} that are drawn."]
         )
     if tune_table(tuning.study).per:
         return Pictures({"history": history_picture(tuning)}, {}, [])
@@ -151,7 +151,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
         "step": step_picture(traced),
         "error": error_picture(traced),
     }
-    own = {f"bode_{one.task.name}": bode_picture(one) for one in tuning.found}
+    own = {f"bode_{tuned.task.name}": bode_picture(tuned) for tuned in tuning.tuned}
     return Pictures(
         {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
         {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
@@ -161,19 +161,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
 
 def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
     """What ran: as run.json of a study says it."""
-    table = tune_table(tuning.study)
-    seeds: dict[str, Any] = {"search": list(range(table.seed, table.seed + table.seeds))}
-    controllers = list(dict.fromkeys(one.task.name for one in tuning.found))
-    if tuning.study.file.uncertainty is not None:
-        seeds["draws"] = tuning.study.file.uncertainty.seed
-    return {
-        "title": tuning.study.file.title,
-        **json.loads(identity_of(tuning.study, table, controllers)),
-        "controllers": controllers,
-        "trials": table.trials,
-        "seeds": seeds,
-        **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna")),
-    }
+    return {**tuning.provenance, **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna"))}
 
 
 def say_tuning(written: Written) -> None:

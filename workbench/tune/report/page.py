@@ -6,7 +6,7 @@ from workbench.publish.html import html_environment
 from workbench.tune.report.panels import Pictures
 from workbench.tune.report.tables import Table
 from workbench.tune.report.words import held_equal, sentences
-from workbench.tune.study import Tuning
+from workbench.tune.result import Tuning
 
 _HTML = """\
 {% extends "frame" %}

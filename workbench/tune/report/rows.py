@@ -6,14 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from workbench.study.resolve import ParsedCase
-from workbench.tune.objective import Ran, Score
-from workbench.tune.space import Dimension
-from workbench.tune.study import Tuning
-from workbench.tune.task import tune_table
-from workbench.tune.tuning import Quantile, Tuned, infeasible
-
-TUNED = "tuned"
-"""The outcome of a controller with gains that keep all constraints."""
+from workbench.tune.objective import RunMetrics, Score
+from workbench.tune.result import TUNED, ControllerTuning, Quantile, Tuning, infeasible
+from workbench.tune.schema import tune_table
+from workbench.tune.space import RPM, Dimension
 
 AT_AN_END = 0.01
 """A gain within this share of its range from an end stands at that end; of the range's logarithm where it has one."""
@@ -33,12 +29,12 @@ def basis_of(tuning: Tuning) -> Basis:
     return "fresh" if table.fresh_draws else "searched"
 
 
-def objective_of(one: Tuned, when: When, basis: Basis) -> Quantile | None:
+def objective_of(tuned: ControllerTuning, when: When, basis: Basis) -> Quantile | None:
     """The objective on the declared machine, or its quantile on draws; None where there is none."""
     if basis == "declared":
-        score = one.start if when == "before" else one.score
+        score = tuned.start if when == "before" else tuned.score
         return None if score is None else Quantile(score.nominal, score.nominal, score.nominal, 0)
-    quantiles = one.on_fresh if basis == "fresh" else one.on_searched
+    quantiles = tuned.on_fresh if basis == "fresh" else tuned.on_searched
     return quantiles.get("start" if when == "before" else "tuned")
 
 
@@ -56,68 +52,71 @@ def broken(score: Score) -> list[str]:
     return [name for name, beyond in score.violations.items() if beyond > 0.0]
 
 
-def end_of(one: Dimension, value: float) -> Literal["", "lower", "upper"]:
+def end_of(dimension: Dimension, value: float) -> Literal["", "lower", "upper"]:
     """At which end of its range a gain stands, "" where it stands between them."""
-    low, high, here = one.low, one.high, value
-    if one.logarithmic:
+    low, high, here = dimension.low, dimension.high, value
+    if dimension.logarithmic:
         low, high, here = math.log(low), math.log(high), math.log(here)
     share = (here - low) / (high - low)
     return "lower" if share <= AT_AN_END else "upper" if share >= 1.0 - AT_AN_END else ""
 
 
-def active(one: Tuned) -> dict[str, int | None]:
+def active(tuned: ControllerTuning) -> dict[str, int | None]:
     """The constraints that hold a controller back, with how many trials would be better and break it.
 
     None of a constraint that no better trial breaks, and that the tuned gains stand near to.
     """
-    if one.score is None:
+    if tuned.score is None:
         return {}
-    asked = tune_table(one.task.study).constraints
+    asked = tune_table(tuned.task.study).constraints
     limits = {"saturation": asked.saturated, "gain margin": 1.0, "phase margin": 1.0}
     near = {
-        name: None for name, limit in limits.items() if limit and -NEAR * limit <= one.score.violations[name] <= 0.0
+        name: None for name, limit in limits.items() if limit and -NEAR * limit <= tuned.score.violations[name] <= 0.0
     }
-    return near | dict(_better_but_broken(one, one.score.nominal))
+    return near | dict(_better_but_broken(tuned, tuned.score.nominal))
 
 
-def _better_but_broken(one: Tuned, best: float) -> Mapping[str, int]:
-    better = [trial for trial in one.trials if trial.nominal < best]
+def _better_but_broken(tuned: ControllerTuning, best: float) -> Mapping[str, int]:
+    better = [trial for trial in tuned.trials if trial.nominal < best]
     counts = Counter(name for trial in better for name, beyond in trial.violations.items() if beyond > 0.0)
     return {name: count for name, count in counts.items() if count}
 
 
-def row_of(one: Tuned) -> dict[str, Any]:
+def row_of(tuned: ControllerTuning) -> dict[str, Any]:
     """The row of a controller in results.csv (SI): objective, margins, quantiles, figures of each case.
 
     On draws `objective` and `objective_before` are quantiles over those of the search, and `..._declared` stand on the
     declared machine.
     """
-    draws = bool(tune_table(one.task.study).draws)
+    draws = bool(tune_table(tuned.task.study).draws)
     basis: Basis = "searched" if draws else "declared"
-    before, after = objective_of(one, "before", basis), objective_of(one, "after", basis)
+    before, after = objective_of(tuned, "before", basis), objective_of(tuned, "after", basis)
     row: dict[str, Any] = {
-        "controller": one.task.name,
-        **one.task.at,
-        "outcome": infeasible(one) if one.score is None else TUNED,
+        "controller": tuned.task.name,
+        **tuned.task.at,
+        "outcome": infeasible(tuned) if tuned.score is None else TUNED,
         "objective_before": None if before is None else before.value,
         "objective": None if after is None else after.value,
-        "breaks_before": ", ".join(broken(one.start)),
-        "trials": len(one.trials),
-        "best_trial": None if one.best is None else one.number,
-        "seeds_differ": one.seeds_differ,
+        "breaks_before": ", ".join(broken(tuned.start)),
+        "trials": len(tuned.trials),
+        "best_trial": None if tuned.best is None else tuned.number,
+        "seeds_differ": tuned.seeds_differ,
     }
     if draws:
-        row |= {"declared_before": one.start.nominal, "declared": None if one.score is None else one.score.nominal}
-    for kind, quantiles in (("searched", one.on_searched), ("fresh", one.on_fresh)):
+        row |= {
+            "declared_before": tuned.start.nominal,
+            "declared": None if tuned.score is None else tuned.score.nominal,
+        }
+    for kind, quantiles in (("searched", tuned.on_searched), ("fresh", tuned.on_fresh)):
         for when, quantile in quantiles.items():
             row |= {f"{when}_on_{kind}_{key}": getattr(quantile, key) for key in ("value", "low", "high")}
-    labels = case_labels(one.task.cases)
-    for when, score in (("before", one.start), ("after", one.score)):
+    labels = case_labels(tuned.task.cases)
+    for when, score in (("before", tuned.start), ("after", tuned.score)):
         if score is None:
             continue
         row |= {f"gain_margin_dB_{when}": score.margins.gain_dB, f"phase_margin_deg_{when}": score.margins.phase_deg}
-        for label, ran in zip(labels, score.ran, strict=True):
-            row |= {figure_column(name, label, when): value for name, value in _figures(ran).items()}
+        for label, run in zip(labels, score.runs, strict=True):
+            row |= {figure_column(name, label, when): value for name, value in _figures(run).items()}
     return row
 
 
@@ -126,6 +125,29 @@ def figure_column(name: str, label: str, when: str) -> str:
     return "_".join(part for part in (name, label, when) if part)
 
 
-def _figures(ran: Ran) -> Mapping[str, float | None]:
+def _figures(run: RunMetrics) -> Mapping[str, float | None]:
     """Figures of a run; none of one that failed."""
-    return dict.fromkeys(ran.figures) if ran.broken else ran.figures
+    return dict.fromkeys(run.metrics) if run.broken else run.metrics
+
+
+def history(tuned: ControllerTuning) -> list[dict[str, Any]]:
+    """A row a trial: its seed, number, value, what it breaks, margins, and the point (SI; rpm in rpm)."""
+    draws = tune_table(tuned.task.study).draws
+    return [
+        {
+            "controller": tuned.task.name,
+            **tuned.task.at,
+            "trial": number,
+            "seed": trial.seed,
+            "value": trial.value,
+            "draws": trial.draws,
+            "feasible": trial.feasible,
+            "candidate": trial.feasible and trial.draws == draws,
+            "breaks": ", ".join(name for name, beyond in trial.violations.items() if beyond > 0.0),
+            "nominal": trial.nominal,
+            "gain_margin_dB": trial.gain_margin_dB,
+            "phase_margin_deg": trial.phase_margin_deg,
+            **{name: value * 30.0 / math.pi if name == RPM else value for name, value in trial.point.items()},
+        }
+        for number, trial in enumerate(tuned.trials)
+    ]

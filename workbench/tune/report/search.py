@@ -10,18 +10,16 @@ import numpy as np
 import optuna
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
-from optuna.distributions import FloatDistribution
 from optuna.importance import PedAnovaImportanceEvaluator, get_param_importances
 
 from workbench.publish.style import COLOURS, figure_style
-from workbench.tune.gains import history
 from workbench.tune.report.panels import Picture, legend, note, small_multiples
-from workbench.tune.search import as_optuna
+from workbench.tune.report.rows import history
+from workbench.tune.result import ControllerTuning, Tuning
+from workbench.tune.schema import tune_table
+from workbench.tune.search import as_optuna, distributions_of
 from workbench.tune.space import Dimension
-from workbench.tune.study import Tuning
-from workbench.tune.task import tune_table
 from workbench.tune.trials import Trial
-from workbench.tune.tuning import Tuned
 
 KINDS: Mapping[str, dict[str, Any]] = {
     "feasible": {"marker": "o", "color": COLOURS[0], "markersize": 4.0},
@@ -52,15 +50,15 @@ BEST_SHARE = 0.25
 
 def history_picture(tuning: Tuning) -> Picture:
     """Objective of each trial over its number, a panel a controller."""
-    rows = {one.task.label: history(one) for one in tuning.found}
+    rows = {tuned.task.label: history(tuned) for tuned in tuning.tuned}
     values = [row["value"] for own in rows.values() for row in own]
     low, top = _edges(tuning, values)
     with figure_style():
         options: dict[str, Any] = {"sharex": True, "sharey": True}
         figure, panels = small_multiples(len(rows), "Objective of every trial", **options)
-        for axes, one in zip(panels, tuning.found, strict=True):
-            _history(axes, rows[one.task.label], top)
-            axes.set_title(one.task.label, fontsize="small")
+        for axes, tuned in zip(panels, tuning.tuned, strict=True):
+            _history(axes, rows[tuned.task.label], top)
+            axes.set_title(tuned.task.label, fontsize="small")
             axes.set_ylabel("objective")
             axes.set_ylim(low / ROOM, top * ROOM)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -92,7 +90,7 @@ def history_picture(tuning: Tuning) -> Picture:
 def _edges(tuning: Tuning, values: Sequence[float]) -> tuple[float, float]:
     """The smallest objective, and the height at which all stand that are above it."""
     finite = [value for value in values if math.isfinite(value)]
-    reached = [score.nominal for one in tuning.found for score in (one.start, one.score) if score is not None]
+    reached = [score.nominal for tuned in tuning.tuned for score in (tuned.start, tuned.score) if score is not None]
     largest = max((value for value in reached if math.isfinite(value)), default=math.inf)
     top = ROOM * min(max(finite, default=1.0), HIGHEST * largest)
     return min(finite, default=0.1 * top), top
@@ -122,14 +120,14 @@ def _history(axes: Axes, rows: Sequence[Mapping[str, Any]], top: float) -> None:
 
 def importance_picture(tuning: Tuning) -> Picture | str:
     """Importance of each gain, a panel a controller; or why it is told of none."""
-    found = [importance(one) for one in tuning.found]
-    if all(isinstance(each, str) for each in found):
-        why = "; ".join(f"{one.task.label}: {each}" for one, each in zip(tuning.found, found, strict=True))
+    shares = [importance(tuned) for tuned in tuning.tuned]
+    if all(isinstance(each, str) for each in shares):
+        why = "; ".join(f"{tuned.task.label}: {each}" for tuned, each in zip(tuning.tuned, shares, strict=True))
         return f"The importance of gains is not told. {why}."
     with figure_style():
-        figure, panels = small_multiples(len(found), "Which gains mattered", 1.5, sharex=True)
-        for axes, one, each in zip(panels, tuning.found, found, strict=True):
-            axes.set_title(one.task.label, fontsize="small")
+        figure, panels = small_multiples(len(shares), "Which gains mattered", 1.5, sharex=True)
+        for axes, tuned, each in zip(panels, tuning.tuned, shares, strict=True):
+            axes.set_title(tuned.task.label, fontsize="small")
             axes.set_xlim(0.0, 100.0)
             axes.grid(axis="y", visible=False)
             if isinstance(each, str):
@@ -149,20 +147,20 @@ def importance_picture(tuning: Tuning) -> Picture | str:
     return Picture(figure, caption)
 
 
-def importance(one: Tuned) -> dict[str, float] | str:
+def importance(tuned: ControllerTuning) -> dict[str, float] | str:
     """Share of each gain in the importance, or why that is not told."""
-    trials = [trial for trial in one.trials if not trial.draws and trial.feasible and math.isfinite(trial.nominal)]
-    if len(one.task.dimensions) < 2:
-        return f"{one.task.dimensions[0].name} is the only gain"
+    trials = [trial for trial in tuned.trials if not trial.draws and trial.feasible and math.isfinite(trial.nominal)]
+    if len(tuned.task.dimensions) < 2:
+        return f"{tuned.task.dimensions[0].name} is the only gain"
     if len(trials) < FEWEST:
         return f"{len(trials)} feasible trials, {FEWEST} are needed"
     if len({trial.nominal for trial in trials}) < 2:
         return "all feasible trials are alike"
-    return _importance(trials, one.task.dimensions)
+    return _importance(trials, tuned.task.dimensions)
 
 
 def _importance(trials: Sequence[Trial], dimensions: Sequence[Dimension]) -> dict[str, float]:
-    distributions = {one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in dimensions}
+    distributions = distributions_of(dimensions)
     with catch_warnings():
         simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         memory = optuna.create_study()

@@ -14,10 +14,9 @@ from workbench.publish.tables import REMARK, shown_number, with_unit
 from workbench.study.names import shown_factor, unit_of_column
 from workbench.tune.objective import Score
 from workbench.tune.report.rows import TUNED, Basis, When, broken, case_labels, end_of, objective_of
+from workbench.tune.result import ControllerTuning, Quantile, Tuning, interval
+from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import RPM, THRESHOLD, Dimension
-from workbench.tune.study import Tuning
-from workbench.tune.task import tune_table
-from workbench.tune.tuning import Quantile, Tuned, interval
 
 DIGITS = 3
 
@@ -51,8 +50,8 @@ class Table:
 
 def tables_of(tuning: Tuning) -> dict[str, Table]:
     """Tables by name; none that is empty."""
-    found = {"tuning": result_table(tuning), "gains": gains_table(tuning), "classic": classic_table(tuning)}
-    return {name: table for name, table in found.items() if not table.cells.empty}
+    tables = {"tuning": result_table(tuning), "gains": gains_table(tuning), "classic": classic_table(tuning)}
+    return {name: table for name, table in tables.items() if not table.cells.empty}
 
 
 def brief(table: Table) -> pd.DataFrame:
@@ -76,13 +75,13 @@ def margin(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else ("infinite" if value > 0.0 else "unstable")
 
 
-def with_interval(one: Quantile, share: float) -> str:
+def with_interval(quantile: Quantile, share: float) -> str:
     """The quantile of a `share` with the interval in which that of all machines is: "0.41 (0.38 to 0.47)"."""
-    if math.isfinite(one.high):
-        return f"{number(one.value)} ({number(one.low)} to {number(one.high)})"
-    few = math.isinf(interval([0.0] * one.draws, share).high)
+    if math.isfinite(quantile.high):
+        return f"{number(quantile.value)} ({number(quantile.low)} to {number(quantile.high)})"
+    few = math.isinf(interval([0.0] * quantile.draws, share).high)
     why = "not bounded by so few draws" if few else "infinite: runs fail on too many draws"
-    return f"{number(one.value)} ({number(one.low)} upwards, {why})"
+    return f"{number(quantile.value)} ({number(quantile.low)} upwards, {why})"
 
 
 # --- what was reached ---
@@ -91,9 +90,9 @@ def with_interval(one: Quantile, share: float) -> str:
 def result_table(tuning: Tuning) -> Table:
     """controller | objective, quantiles, figures of each case, margins, before and after | seeds | outcome."""
     table = tune_table(tuning.study)
-    cells = pd.DataFrame([_result(one, bool(table.draws), table.quantile) for one in tuning.found]).fillna("")
+    cells = pd.DataFrame([_result(tuned, bool(table.draws), table.quantile) for tuned in tuning.tuned]).fillna("")
     notes = [
-        f"Before: with the gains of the study; after: with the tuned ones. {yardstick_words(tuning)}",
+        f"Before: with the gains of the study; after: with the tuned ones. {reference_words(tuning)}",
         "Gain and phase margin are the smallest over the cases, of the loop linearised while the rod slides.",
     ]
     if table.draws:
@@ -106,53 +105,53 @@ def result_table(tuning: Tuning) -> Table:
     return Table("What tuning reached", _without_empty(cells), notes)
 
 
-def _result(one: Tuned, draws: bool, share: float) -> Line:
+def _result(tuned: ControllerTuning, draws: bool, share: float) -> Line:
     objective = "objective, declared machine" if draws else "objective"
-    line = {"controller": one.task.name, **{axis: str(value) for axis, value in one.task.at.items()}}
+    line = {"controller": tuned.task.name, **{axis: str(value) for axis, value in tuned.task.at.items()}}
     for when in _WHENS:
-        score = _score(one, when)
+        score = _score(tuned, when)
         line[f"{objective}, {when}"] = "" if score is None else number(score.nominal)
     for basis in _ON_DRAWS if draws else ():
         for when in _WHENS:
-            found = objective_of(one, when, basis)
-            line[f"{share:g} quantile, {basis} draws, {when}"] = "" if found is None else with_interval(found, share)
-    line |= _figures(one)
+            tables = objective_of(tuned, when, basis)
+            line[f"{share:g} quantile, {basis} draws, {when}"] = "" if tables is None else with_interval(tables, share)
+    line |= _figures(tuned)
     for heading, name in (("gain margin", "gain_dB"), ("phase margin", "phase_deg")):
         for when in _WHENS:
-            score = _score(one, when)
+            score = _score(tuned, when)
             unit = name.rpartition("_")[2]
             line[f"{heading}, {when} ({unit})"] = "" if score is None else margin(getattr(score.margins, name))
-    line["breaks, before"] = ", ".join(broken(one.start))
-    line["seeds differ"] = differ_words(one.seeds_differ)
-    return line | {"outcome": TUNED if one.score is not None else "no feasible gains"}
+    line["breaks, before"] = ", ".join(broken(tuned.start))
+    line["seeds differ"] = differ_words(tuned.seeds_differ)
+    return line | {"outcome": TUNED if tuned.score is not None else "no feasible gains"}
 
 
 _WHENS: tuple[When, When] = ("before", "after")
 _ON_DRAWS: tuple[Basis, Basis] = ("searched", "fresh")
 
 
-def _score(one: Tuned, when: When) -> Score | None:
-    return one.start if when == "before" else one.score
+def _score(tuned: ControllerTuning, when: When) -> Score | None:
+    return tuned.start if when == "before" else tuned.score
 
 
-def _figures(one: Tuned) -> Line:
+def _figures(tuned: ControllerTuning) -> Line:
     """Figures that are weighed, of each case, in units that are read."""
     line: Line = {}
-    for column in tune_table(one.task.study).objective.used:
+    for column in tune_table(tuned.task.study).objective.used:
         words, unit = FIGURE_WORDS[column]
         scale = shown_factor(unit_of_column(column), unit)
-        for i, label in enumerate(case_labels(one.task.cases)):
+        for i, label in enumerate(case_labels(tuned.task.cases)):
             for when in _WHENS:
-                score = _score(one, when)
+                score = _score(tuned, when)
                 heading = with_unit(", ".join(part for part in (words, plain(label), when) if part), unit)
                 line[heading] = "" if score is None else _figure(score, i, column, scale)
     return line
 
 
 def _figure(score: Score, case: int, column: str, scale: float) -> str:
-    ran = score.ran[case]
-    value = ran.figures[column]
-    return ran.outcome if ran.broken else "" if value is None else number(scale * value)
+    run = score.runs[case]
+    value = run.metrics[column]
+    return run.outcome if run.broken else "" if value is None else number(scale * value)
 
 
 def differ_words(share: float | None) -> str:
@@ -164,15 +163,10 @@ def differ_words(share: float | None) -> str:
     return "< 0.1 %" if share < 1e-3 else f"{100.0 * share:.1f} %"
 
 
-def yardstick(tuning: Tuning) -> str:
-    """The controller whose figures are the unit of the objective."""
-    return tune_table(tuning.study).yardstick or next(iter(tuning.study.file.controllers))
-
-
-def yardstick_words(tuning: Tuning) -> str:
-    """What the yardstick's objective is: the sum of the weights."""
+def reference_words(tuning: Tuning) -> str:
+    """What the reference controller's objective is: the sum of the weights."""
     weights = sum(tune_table(tuning.study).objective.used.values())
-    return f"An objective of {weights:g} is that of {yardstick(tuning)} with the gains of the study."
+    return f"An objective of {weights:g} is that of {reference_controller(tuning.study)} with the gains of the study."
 
 
 def plain(name: str) -> str:
@@ -185,23 +179,23 @@ def plain(name: str) -> str:
 
 def gains_table(tuning: Tuning) -> Table:
     """controller | gain | unit | before | after | range | whether it stands at an end of it."""
-    lines = [_gain(one, dimension) for one in tuning.found for dimension in one.task.dimensions]
+    lines = [_gain(tuned, dimension) for tuned in tuning.tuned for dimension in tuned.task.dimensions]
     notes = ["Before: what the study says, or where that lies outside the range the end next to it."]
-    if any(one.task.rotates for one in tuning.found):
+    if any(tuned.task.rotates for tuned in tuning.tuned):
         notes.append("Of a rotation that is tuned it is the end of the range from which the search begins.")
     return Table("Tuned gains", pd.DataFrame(lines), notes)
 
 
-def _gain(one: Tuned, dimension: Dimension) -> Line:
+def _gain(tuned: ControllerTuning, dimension: Dimension) -> Line:
     unit, scale = shown_unit(dimension)
-    after = None if one.best is None else one.best[dimension.name]
+    after = None if tuned.best is None else tuned.best[dimension.name]
     end = "" if after is None else end_of(dimension, after)
     return {
-        "controller": one.task.name,
-        **{axis: str(value) for axis, value in one.task.at.items()},
+        "controller": tuned.task.name,
+        **{axis: str(value) for axis, value in tuned.task.at.items()},
         "gain": dimension.name,
         "unit": "" if unit == "1" else unit,
-        "before": number(scale * one.task.start[dimension.name], 4),
+        "before": number(scale * tuned.task.start[dimension.name], 4),
         "after": "" if after is None else number(scale * after, 4),
         "min": number(scale * dimension.low, 4),
         "max": number(scale * dimension.high, 4),
@@ -220,14 +214,14 @@ def shown_unit(dimension: Dimension) -> tuple[str, float]:
 
 def classic_table(tuning: Tuning) -> Table:
     """controller | method | gains | objective | margins | what it breaks | remark; the tuned PID controllers below."""
-    first = tuning.found[0].task
+    first = tuning.tuned[0].task
     command = first.declared(first.start)[0].setup.plant.command_unit
     lines = [
         _tuning(point.name, point.method, point.settings, score, command, point.note)
         for point, score in ((each.point, each.score) for each in tuning.classics)
     ]
     if lines:
-        lines += [_tuned_pid(one, command) for one in tuning.found if is_pid(one) and one.best is not None]
+        lines += [_tuned_pid(tuned, command) for tuned in tuning.tuned if is_pid(tuned) and tuned.best is not None]
     notes = [
         "All on the declared machine, by the same objective and constraints. A classic tuning was searched for "
         "nothing: it is what its method gives."
@@ -235,15 +229,17 @@ def classic_table(tuning: Tuning) -> Table:
     return Table("Classic tunings of a PID beside the tuned ones", _without_empty(pd.DataFrame(lines)), notes)
 
 
-def is_pid(one: Tuned) -> bool:
+def is_pid(tuned: ControllerTuning) -> bool:
     """Whether a controller is one of the PID family."""
-    return one.task.cases[0].controller.type == PID.name
+    return tuned.task.cases[0].controller.type == PID.name
 
 
-def _tuned_pid(one: Tuned, command: str) -> Line:
-    assert one.best is not None
-    assert one.score is not None
-    return _tuning(one.task.name, "tuned here", one.task.settings_at(one.best)._asdict(), one.score, command, "")
+def _tuned_pid(tuned: ControllerTuning, command: str) -> Line:
+    assert tuned.best is not None
+    assert tuned.score is not None
+    return _tuning(
+        tuned.task.name, "tuned here", tuned.task.settings_at(tuned.best)._asdict(), tuned.score, command, ""
+    )
 
 
 def _tuning(name: str, method: str, settings: Mapping[str, Any], score: Score, command: str, note: str) -> Line:

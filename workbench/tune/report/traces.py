@@ -16,10 +16,8 @@ from workbench.tune.objective import hold, rests
 from workbench.tune.report.panels import SIDES, Picture, grid, legend, note
 from workbench.tune.report.rows import case_labels
 from workbench.tune.report.tables import plain
-from workbench.tune.schema import ConstraintsTable
-from workbench.tune.study import Tuning
-from workbench.tune.task import tune_table
-from workbench.tune.tuning import Tuned
+from workbench.tune.result import ControllerTuning, Tuning
+from workbench.tune.schema import ConstraintsTable, tune_table
 
 SETTLED = 0.1
 """Of a step: what is left of it when the rise is over."""
@@ -47,23 +45,23 @@ LOW = 1.5
 class Traced:
     """Runs of a controller before and after tuning: of each case, and of a step that is held."""
 
-    one: Tuned
+    tuned: ControllerTuning
     cases: Mapping[str, Sequence[tuple[Resolved, Run]]]
     held: Mapping[str, tuple[Resolved, Run]]
 
 
 def traces_of(tuning: Tuning, executor: Executor) -> list[Traced]:
     """Run every controller's cases, and a step, on the declared machine."""
-    return [_traced(one, executor) for one in tuning.found]
+    return [_traced(tuned, executor) for tuned in tuning.tuned]
 
 
-def _traced(one: Tuned, executor: Executor) -> Traced:
-    points = {"before": one.task.start, **({} if one.best is None else {"after": one.best})}
-    cases = {when: one.task.declared(point) for when, point in points.items()}
-    held = {when: held_step(own, tune_table(one.task.study).constraints) for when, own in cases.items()}
+def _traced(tuned: ControllerTuning, executor: Executor) -> Traced:
+    points = {"before": tuned.task.start, **({} if tuned.best is None else {"after": tuned.best})}
+    cases = {when: tuned.task.declared(point) for when, point in points.items()}
+    held = {when: held_step(own, tune_table(tuned.task.study).constraints) for when, own in cases.items()}
     runs = {when: list(executor.map(lambda case: simulate(case.setup), own)) for when, own in cases.items()}
     return Traced(
-        one,
+        tuned,
         {when: list(zip(own, runs[when], strict=True)) for when, own in cases.items()},
         {when: (case, simulate(case.setup)) for when, case in held.items()},
     )
@@ -124,7 +122,7 @@ def _step(jump: Axes, left: Axes, each: Traced, level: float) -> None:
         left.set_ylim(min(low, -finest), max(high, finest))
     jump.xaxis.set_major_locator(MaxNLocator(5))
     for axes, what in ((jump, "position"), (left, "error, second half")):
-        axes.set_title(f"{each.one.task.label}: {what}", fontsize="small")
+        axes.set_title(f"{each.tuned.task.label}: {what}", fontsize="small")
         if not runs:
             _say_failed(axes)
     jump.set_ylabel("position (mm)")
@@ -173,7 +171,7 @@ def _rise(run: Run) -> float:
 
 def error_picture(traced: Sequence[Traced]) -> Picture:
     """Error over the last period of each case, a row a controller, a column a case."""
-    labels = case_labels(traced[0].one.task.cases)
+    labels = case_labels(traced[0].tuned.task.cases)
     with figure_style():
         figure, panels = grid(len(traced), len(labels), "Tracking error over the last period", LOW, sharex="col")
         cut = [
@@ -199,7 +197,7 @@ def _errors_drawn(axes: Axes, each: Traced, number: int, label: str) -> bool:
     scale, unit = _length(error for _, error in own.values())
     for when, (time, error) in own.items():
         axes.plot(time, scale * error, **SIDES[when])
-    axes.set_title(", ".join(part for part in (each.one.task.label, plain(label)) if part), fontsize="small")
+    axes.set_title(", ".join(part for part in (each.tuned.task.label, plain(label)) if part), fontsize="small")
     axes.set_ylabel(f"error ({unit})")
     if not own:
         _say_failed(axes)
@@ -212,7 +210,7 @@ def _errors_drawn(axes: Axes, each: Traced, number: int, label: str) -> bool:
 
 def _errors(each: Traced, number: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Time from its beginning (s) and error (m) over the last period of a case, of runs that did not diverge."""
-    found = {}
+    errors = {}
     for when, runs in each.cases.items():
         case, run = runs[number]
         if run.diverged or run.reference is None:
@@ -220,11 +218,11 @@ def _errors(each: Traced, number: int) -> dict[str, tuple[np.ndarray, np.ndarray
         period = case.signal.period if case.signal is not None else None
         begin = case.transient if period is None else max(float(run.time[-1]) - period, 0.0)
         start = first_sample(run.time, begin)
-        found[when] = (run.time[start:], run.signals["error"][start:])
-    return found
+        errors[when] = (run.time[start:], run.signals["error"][start:])
+    return errors
 
 
 def _length(errors: Iterable[np.ndarray]) -> tuple[float, str]:
     """What to multiply lengths in m with to show them in the unit that suits them, and the unit."""
-    largest = max((float(np.max(np.abs(one))) for one in errors if one.size), default=0.0)
+    largest = max((float(np.max(np.abs(error))) for error in errors if error.size), default=0.0)
     return (1e3, "mm") if largest >= 1e-4 else (1e6, "µm")

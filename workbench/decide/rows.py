@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from workbench.decide.answer import Cell
-from workbench.decide.judged import Judged
+from workbench.decide.candidate import CandidateResult
+from workbench.decide.result import Cell
 
 
 def results(cells: Sequence[Cell]) -> pd.DataFrame:
@@ -14,9 +14,9 @@ def results(cells: Sequence[Cell]) -> pd.DataFrame:
     return pd.DataFrame([_row(row, cell) for cell in cells for row in cell.rows])
 
 
-def _row(row: Judged, cell: Cell) -> dict[str, object]:
+def _row(row: CandidateResult, cell: Cell) -> dict[str, object]:
     answer = cell.answer()
-    search = next(one for one in cell.search if one.candidate == row.candidate)
+    search = next(each for each in cell.search if each.candidate == row.candidate)
     return {
         "controller": row.controller,
         "rpm": row.rpm,

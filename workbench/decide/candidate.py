@@ -1,10 +1,10 @@
-"""What the runs say of a candidate at a speed and a spread: how often it keeps to what is asked, and what fails."""
+"""The result of a candidate at a speed and a spread: how often it keeps to what is asked, and what fails."""
 
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import pandas as pd
 
@@ -26,7 +26,7 @@ HUNTING, ACCURACY, POWER, BOTH = "hunting", "accuracy", "power", "accuracy and p
 
 
 @dataclass(frozen=True)
-class Judged:
+class CandidateResult:
     """A candidate at a speed (m/s) and a spread (standard deviations of friction), over the draws of a stage.
 
     On `met` of them it keeps to accuracy and power without hunting: the `probability`, within `low` and `high` with a
@@ -96,6 +96,28 @@ class Judged:
             return "fails"
         return "meets" if self.low > table.probability else "open"
 
+    def to_json(self, table: DecideTable) -> dict[str, Any]:
+        """As JSON holds it, under the names of results.csv; what is not finite is None."""
+        numbers = {
+            "probability": self.probability,
+            "probability_low": self.low,
+            "probability_high": self.high,
+            "error_quantile_m": self.error,
+            "mean_power_W": self.mean_power,
+            "power_quantile_W": self.power,
+        }
+        return {
+            "controller": self.controller,
+            "rpm": self.rpm,
+            "kind": self.kind,
+            "stage": self.stage,
+            "draws": self.draws,
+            "met": self.met,
+            "standing": self.standing(table),
+            "fails_by": self.main_failure,
+            **{name: value if math.isfinite(value) else None for name, value in numbers.items()},
+        }
+
     @property
     def main_failure(self) -> str | None:
         """What fails on most draws; None where nothing does. Hunting comes first: it rules out by itself."""
@@ -104,41 +126,46 @@ class Judged:
         return max(self.failures, key=lambda word: self.failures[word]) if self.failures else None
 
 
-def judge(draws: pd.DataFrame, table: DecideTable, sure: float = SURE) -> list[Judged]:
+def candidate_results(draws: pd.DataFrame, table: DecideTable, sure: float = SURE) -> list[CandidateResult]:
     """Of each candidate at each speed and spread what its draws of one stage say, in the order of the runs."""
     groups = draws.groupby(["controller", "rpm", "speed_m_per_s", "spread"], sort=False)
-    return [_judged(group, table, sure) for _, group in groups]
+    return [_result(group, table, sure) for _, group in groups]
 
 
-def _judged(group: pd.DataFrame, table: DecideTable, sure: float) -> Judged:
+def _result(group: pd.DataFrame, table: DecideTable, sure: float) -> CandidateResult:
     first = group.iloc[0]
     done = group["outcome"] == COMPLETED
     words = [_failure(*row) for row in zip(*(group[name] for name in _TOLD), strict=True)]
     passed = tuple(word is None for word in words)
-    errors = [float(one) for one in group["error_m"].where(done, math.inf)]
-    powers = [float(one) for one in group["power_W"][done]]
-    return Judged(
-        str(first["controller"]),
-        float(first["rpm"]),
-        float(first["speed_m_per_s"]),
-        float(first["spread"]),
-        kind_of(str(first["controller"]), float(first["rpm"]), table),
-        first["stage"],
-        _outcomes(group),
-        passed,
-        dict(Counter(word for word in words if word is not None)),
-        int(group["hunts"].sum()),
-        sure,
-        *_interval(passed, sure),
-        float(group["meets_accuracy"].mean()),
-        float(group["meets_power"].mean()),
-        quantile(errors, table.probability),
-        *quantile_interval(errors, table.probability),
-        _mean(powers),
-        quantile(powers, table.probability) if powers else math.nan,
-        _mean(group[PUMP][done].dropna()),
-        _mean(group[MOTOR][done].dropna()),
-        _mean(group[REAL_SPEED][done].dropna()),
+    errors = [float(value) for value in group["error_m"].where(done, math.inf)]
+    powers = [float(value) for value in group["power_W"][done]]
+    low, high = _interval(passed, sure)
+    error_low, error_high = quantile_interval(errors, table.probability)
+    controller, rpm = str(first["controller"]), float(first["rpm"])
+    return CandidateResult(
+        controller=controller,
+        rpm=rpm,
+        speed=float(first["speed_m_per_s"]),
+        spread=float(first["spread"]),
+        kind=kind_of(controller, rpm, table),
+        stage=first["stage"],
+        outcome=_outcomes(group),
+        passed=passed,
+        failures=dict(Counter(word for word in words if word is not None)),
+        hunting=int(group["hunts"].sum()),
+        sure=sure,
+        low=low,
+        high=high,
+        accurate=float(group["meets_accuracy"].mean()),
+        within_power=float(group["meets_power"].mean()),
+        error=quantile(errors, table.probability),
+        error_low=error_low,
+        error_high=error_high,
+        mean_power=_mean(powers),
+        power=quantile(powers, table.probability) if powers else math.nan,
+        pump=_mean(group[PUMP][done].dropna()),
+        motor=_mean(group[MOTOR][done].dropna()),
+        real_rpm=_mean(group[REAL_SPEED][done].dropna()),
     )
 
 

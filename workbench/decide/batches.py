@@ -1,4 +1,4 @@
-"""Candidates on drawn machines: the runs of a decision, a row each."""
+"""Candidates on plant samples: the runs of a decision, a row each."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ KEYS = ("controller", "rpm", "speed_m_per_s", "spread", "draw")
 
 @dataclass(frozen=True)
 class Batch:
-    """A draw (number) at a spread, rotating at rpm: which controllers move on it at which speeds (m/s)."""
+    """A plant sample (number) at a spread, rotating at rpm: which controllers move on it at which speeds (m/s)."""
 
     stage: Stage
     rpm: float
@@ -40,7 +40,7 @@ class Batch:
 
 
 def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numbers: Sequence[int]) -> list[Batch]:
-    """The candidates at their speeds and spreads on the machines of these numbers, those that share one together."""
+    """The candidates at their speeds and spreads on plant samples of these numbers, those of one sample together."""
     grouped: dict[tuple[float, float], dict[str, list[float]]] = {}
     for (name, rpm), speed, spread in wanted:
         grouped.setdefault((rpm, spread), {}).setdefault(name, []).append(speed)
@@ -84,7 +84,7 @@ def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
-    """All controllers on one machine, which is built once a speed: they differ in nothing but their loop."""
+    """All controllers on one plant sample, built once a speed: they differ in nothing but their loop."""
     rows, first = [], next(iter(batch.speeds))
     built = {
         speed: plan.sampled((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
@@ -93,10 +93,12 @@ def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
     for name, speeds in batch.speeds.items():
         loop, hunts = plan.loops[name, batch.rpm], None
         for speed in speeds:
-            one = replace(built[speed], setup=replace(built[speed].setup, loop=loop))
-            hunts = _hunts(plan, one) if hunts is None else hunts
+            resolved = replace(built[speed], setup=replace(built[speed].setup, loop=loop))
+            hunts = _hunts(plan, resolved) if hunts is None else hunts
             where = {"controller": name, "rpm": batch.rpm, "speed_m_per_s": speed, "spread": batch.spread}
-            rows.append({"stage": batch.stage, **where, "draw": batch.number, **_figures(plan, one), "hunts": hunts})
+            rows.append(
+                {"stage": batch.stage, **where, "draw": batch.number, **_metrics(plan, resolved), "hunts": hunts}
+            )
     return rows
 
 
@@ -108,21 +110,21 @@ def _hunts(plan: Plan, resolved: Resolved) -> bool:
     return run.diverged or evaluated(case, run, ("limit_cycle",))["limit_cycle"] in HUNTING
 
 
-def _figures(plan: Plan, resolved: Resolved) -> dict[str, object]:
+def _metrics(plan: Plan, resolved: Resolved) -> dict[str, object]:
     """What is kept of a run."""
     error, powers = ERRORS[plan.table.figure], POWERS[plan.table.power_figure]
     run = simulate(resolved.setup)
     kept = (PUMP, MOTOR, REAL_SPEED)
-    found = evaluate(run, resolved.signal, resolved.transient, resolved.band, (error, *powers, *kept))
-    watts = [value for name in powers if isinstance(value := found[name], float)]
-    value, power = found[error], sum(watts) if watts else float("nan")
+    metrics = evaluate(run, resolved.signal, resolved.transient, resolved.band, (error, *powers, *kept))
+    watts = [value for name in powers if isinstance(value := metrics[name], float)]
+    value, power = metrics[error], sum(watts) if watts else float("nan")
     size = value if isinstance(value, float) else float("nan")
     completed = run.outcome == COMPLETED
     return {
         "outcome": run.outcome,
         "error_m": size,
         "power_W": power,
-        **{name: found[name] for name in kept},
+        **{name: metrics[name] for name in kept},
         "meets_accuracy": completed and size <= plan.table.accuracy,
         "meets_power": completed and power <= plan.table.power,
     }

@@ -1,0 +1,145 @@
+"""Tuning all controllers of a study: searches side by side, and what they found measured again."""
+
+import math
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from workbench.study.study import Study
+from workbench.study.unfold import unfold
+from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, objective_at
+from workbench.tune.objective import Objective
+from workbench.tune.prepare import task_for, tasks_for
+from workbench.tune.result import ClassicTuning, ControllerTuning, Quantile, Tuning, interval
+from workbench.tune.schema import TuneTable, tune_table
+from workbench.tune.search import Search
+from workbench.tune.space import Point
+from workbench.tune.starts import classic_points, has_pid_gains, starts_of
+from workbench.tune.trials import Trial, TrialStore, identity_of, trials_in
+
+
+@dataclass(frozen=True, eq=False)
+class _Unit:
+    """A search that is to be run."""
+
+    evaluator: Evaluator
+    starts: Sequence[Point]
+    seed: int
+
+
+def tune_all(
+    study: Study,
+    names: Sequence[str],
+    database: Path,
+    jobs: int | None = None,
+    tell: Callable[[str, float], None] = lambda label, share: None,
+) -> Tuning:
+    """Tune these controllers of a `prepared` study, at every combination that it asks for, `jobs` searches at a time.
+
+    Raises:
+        UserError: trials of another study in the database, or a reference controller that does not serve.
+    """
+    table, tasks, cases = tune_table(study), tasks_for(study, names), unfold(study)
+    places = {repr(task.at): task.at for task in tasks}
+    objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
+    evaluators = [Evaluator(task, objectives[repr(task.at)]) for task in tasks]
+    with trials_in(database) as store, ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+        work = _Work(store, table, len(tasks), tell)
+        try:
+            pids = {repr(task.at): task for task in reversed(tasks) if has_pid_gains(task)}
+            points = list(executor.map(lambda task: classic_points(task, task.start), pids.values()))
+            classic = dict(zip(pids, points, strict=True))
+            units = [
+                _Unit(evaluator, starts_of(evaluator.task, classic.get(repr(evaluator.task.at), ())), seed)
+                for evaluator in evaluators
+                for seed in range(table.seed, table.seed + table.seeds)
+            ]
+            searches = list(executor.map(work.search, units))
+            by_task = [
+                {unit.seed: trials for unit, trials in zip(units, searches, strict=True) if unit.evaluator is evaluator}
+                for evaluator in evaluators
+            ]
+            tuned = list(executor.map(conclude, evaluators, by_task))
+        except BaseException:
+            work.stopped.set()
+            executor.shutdown(wait=True, cancel_futures=True)
+            raise
+    return Tuning(study, tuned, classic_tunings(study, next(iter(objectives.values()))))
+
+
+def conclude(evaluator: Evaluator, searches: Mapping[int, Sequence[Trial]]) -> ControllerTuning:
+    """What the searches of all seeds found, measured again."""
+    task, table = evaluator.task, evaluator.objective.table
+    every = [trial for trials in searches.values() for trial in trials]
+    seeds = dict[int, float | None]()
+    for seed, trials in searches.items():
+        own = best_trial(trials, table.draws)
+        seeds[seed] = None if own is None else trials[own].value
+    start, number = evaluator.declared(task.start), best_trial(every, table.draws)
+    if number is None:
+        return ControllerTuning(task, every, start, None, None, -1, seeds, {}, {})
+    best = dict(every[number].point)
+    score = evaluator.on_draws(best)
+    seen, fresh = dict[str, Quantile](), dict[str, Quantile]()
+    if table.draws:
+        before = evaluator.on_samples(task.start, range(table.draws), SEARCHED)
+        seen = {"start": interval(before, table.quantile), "tuned": interval(score.on_samples, table.quantile)}
+    if table.draws and table.fresh_draws:
+        for key, point in (("start", task.start), ("tuned", best)):
+            fresh[key] = interval(evaluator.on_samples(point, range(table.fresh_draws), FRESH), table.quantile)
+    return ControllerTuning(task, every, start, best, score, number, seeds, seen, fresh)
+
+
+def best_trial(trials: Sequence[Trial], draws: int) -> int | None:
+    """The number of the best trial that keeps all constraints on so many draws; None where there is none."""
+    numbers = [i for i, each in enumerate(trials) if each.draws == draws and each.feasible and each.value < math.inf]
+    return min(numbers, key=lambda i: trials[i].value, default=None)
+
+
+def classic_tunings(study: Study, objective: Objective) -> list[ClassicTuning]:
+    """The classic tunings of a PID for a study's plant, scored as all others are on the declared machine; none of a
+    study that tunes for several machines or speeds.
+    """
+    if objective.table.per:
+        return []
+    bare = task_for(study, next(iter(study.file.controllers)), tuned=False)
+    points = [point for point in classic_points(bare, {}) if point.settings]
+    tables = {point.name: {"type": point.controller, **point.settings} for point in points}
+    file = study.file.model_copy(update={"controllers": {**study.file.controllers, **tables}})
+    with_them = replace(study, file=file)
+    return [
+        ClassicTuning(point, Evaluator(task_for(with_them, point.name, tuned=False), objective).declared({}))
+        for point in points
+    ]
+
+
+class _StoppedError(Exception):
+    """The tuning is being stopped."""
+
+
+class _Work:
+    """What the searches of a tuning share: where trials go, how far all are, and whether they are to stop."""
+
+    def __init__(self, store: TrialStore, table: TuneTable, tasks: int, tell: Callable[[str, float], None]) -> None:
+        self.stopped = threading.Event()
+        self._store, self._say = store, tell
+        self._whole, self._done, self._lock = tasks * table.seeds * table.trials, 0, threading.Lock()
+
+    def search(self, unit: _Unit) -> list[Trial]:
+        """One search, whose trials are kept under its name."""
+        task = unit.evaluator.task
+        name = f"{task.label}, seed {unit.seed}"
+        known = self._store.known(name, identity_of(task.study, [task.name]))
+        keep = partial(self._store.keep, name)
+        return Search(unit.evaluator, unit.seed, known, keep, lambda: self._told(task.label)).run(unit.starts)
+
+    def _told(self, label: str) -> None:
+        if self.stopped.is_set():
+            raise _StoppedError
+        with self._lock:
+            self._done += 1
+            self._say(label, min(self._done / self._whole, 1.0))
