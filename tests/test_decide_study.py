@@ -1,5 +1,6 @@
 """Decisions of studies: machines that are the same for all, answers that must be, words that hold the numbers."""
 
+import json
 from pathlib import Path
 
 import pandas as pd
@@ -80,6 +81,12 @@ def test_a_large_accuracy_takes_plain_control(tmp_path: Path) -> None:
     given = found.answer(0.02, 1.0)
     assert (given.kind, given.best.controller, given.best.rpm, given.best.met) == ("plain", "feed", 0.0, 60)
     assert paragraph(found).startswith("Plain control suffices: feed without rotation on 60 of 60 fresh machines")
+    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    (cell,) = content["cells"]
+    assert (cell["kind"], cell["settled"], cell["best"]["controller"]) == ("plain", True, "feed")
+    assert (cell["best"]["met"], cell["best"]["standing"]) == (60, "meets")
+    assert len(cell["candidates"]) == 4
+    assert content["runs"] == len(found.draws)
 
 
 def test_friction_without_a_compensator_takes_rotation(tmp_path: Path) -> None:

@@ -21,10 +21,12 @@ from workbench.study.reading import read_study
 from workbench.tune.prepare import prepared, task_for
 from workbench.tune.report import folder as report
 from workbench.tune.report.bode import curve_of, lowest_frequency
+from workbench.tune.report.history import history_picture
+from workbench.tune.report.importance import importance, importance_picture
+from workbench.tune.report.panels import SIDES
 from workbench.tune.report.rows import end_of
-from workbench.tune.report.search import history_picture, importance, importance_picture
+from workbench.tune.report.step import largest_jump
 from workbench.tune.report.tables import differ_words, margin, number, with_interval
-from workbench.tune.report.traces import SIDES, largest_jump
 from workbench.tune.report.words import first_lines
 from workbench.tune.result import Quantile, Tuning
 from workbench.tune.run import tune_all
@@ -164,6 +166,20 @@ def test_run_json_says_what_ran(folder: Path, answer: Answer) -> None:
     assert (record["trials"], record["seeds"]) == (16, {"search": [1, 2]})
     assert {"study", "tune", "program", "jobs", "wall_seconds", "started", "machine"} <= set(record)
     assert {"optuna", "numpy", "python"} <= set(record["versions"])
+
+
+def test_the_result_is_json(found: Tuning) -> None:
+    """What the folder says of how it was made, and of each controller what stands in results.csv."""
+    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert content["controllers"] == ["p", "pd"]
+    assert {"title", "study", "tune", "program", "trials", "seeds"} <= set(content)
+    for kept, tuned in zip(content["tunings"], found.tuned, strict=True):
+        assert tuned.score is not None
+        assert (kept["controller"], kept["outcome"]) == (tuned.task.name, "tuned")
+        assert kept["after"]["objective"] == tuned.score.value
+        assert kept["before"]["objective"] == tuned.start.value
+        assert kept["settings"]["kp"].endswith(" V/m")
+        assert set(kept["objective_of_each_seed"]) == {"1", "2"}
 
 
 def test_a_kill_leaves_neither_page_nor_record(found: Tuning, tmp_path: Path) -> None:
@@ -366,7 +382,7 @@ def test_the_best_so_far_falls_to_the_best(found: Tuning) -> None:
 def test_importance_is_told_of_enough_feasible_trials(found: Tuning) -> None:
     """The same trials give the same shares, which make a whole."""
     assert importance(found.tuned[0]) == "kp is the only gain"
-    with mock.patch("workbench.tune.report.search.FEWEST", 4):
+    with mock.patch("workbench.tune.report.importance.FEWEST", 4):
         shares = importance(found.tuned[1])
         assert isinstance(shares, dict)
         assert sum(shares.values()) == pytest.approx(1.0)

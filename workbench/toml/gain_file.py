@@ -82,10 +82,8 @@ def read_gain_file(path: Path) -> GainFile:
 
 
 def gain_file_text(content: GainFile) -> str:
-    """The text of a gain file, as `read_gain_file` reads it; tables without a key are left out."""
-    tables = content.model_dump(exclude_none=True)
-    tables["at"] = [{key: value for key, value in entry.items() if value != {}} for entry in tables["at"]]
-    return tomli_w.dumps(tables)
+    """The text of a gain file, as `read_gain_file` reads it; what a file need not say is left out."""
+    return tomli_w.dumps(content.model_dump(exclude_defaults=True))
 
 
 def entry_at(content: GainFile, rpm: float) -> Entry:

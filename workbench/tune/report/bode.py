@@ -1,6 +1,6 @@
 """Bode plots of a controller's linearised loop before and after tuning, with its margins."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
@@ -46,7 +46,7 @@ class Curve:
 
 
 def curve_of(setup: Setup, smallest: Margins, lowest: float) -> Curve:
-    """The loop of `setup` with the margins `found`, at the speed of these, from `lowest` (rad/s) to Nyquist."""
+    """The loop of `setup` with these `smallest` margins, at the speed of these, from `lowest` (rad/s) to Nyquist."""
     try:
         loop = open_loop(setup, smallest.speed)
     except UserError:
@@ -72,8 +72,17 @@ def sets_margins(cases: Sequence[Resolved], constraints: ConstraintsTable) -> tu
     return number, speeds[number]
 
 
-def bode_picture(tuned: ControllerTuning) -> Picture | str:
-    """Amplitude and phase of a controller's loop, before and after; or why there is nothing to draw."""
+@dataclass(frozen=True, eq=False)
+class BodeData:
+    """The numbers of the figure of a controller: its loop before and after tuning, slid at a speed (m/s)."""
+
+    label: str
+    speed: float
+    curves: Mapping[str, Curve]
+
+
+def bode_data(tuned: ControllerTuning) -> BodeData:
+    """The loops of a controller in the case with the smallest phase margin."""
     constraints = tune_table(tuned.task.study).constraints
     points = {"before": tuned.task.start, **({} if tuned.best is None else {"after": tuned.best})}
     number, speed = sets_margins(tuned.task.declared(points[list(points)[-1]]), constraints)
@@ -81,12 +90,19 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
     smallest = {when: margins(setup, speed) for when, setup in setups.items()}
     lowest = lowest_frequency(smallest.values(), setups["before"].sample_time)
     curves = {when: curve_of(setup, smallest[when], lowest) for when, setup in setups.items()}
-    if not any(curve.frequency.size for curve in curves.values()):
-        return f"No loop of {tuned.task.label}: at {1e3 * speed:.3g} mm/s {curves[list(curves)[-1]].margins.note}."
+    return BodeData(tuned.task.label, speed, curves)
+
+
+def bode_picture(tuned: ControllerTuning) -> Picture | str:
+    """Amplitude and phase of a controller's loop, before and after; or why there is nothing to draw."""
+    data = bode_data(tuned)
+    if not any(curve.frequency.size for curve in data.curves.values()):
+        note = data.curves[list(data.curves)[-1]].margins.note
+        return f"No loop of {data.label}: at {1e3 * data.speed:.3g} mm/s {note}."
     with figure_style():
-        figure, panels = grid(2, 1, f"{tuned.task.label}: loop before and after", 2.3, sharex=True)
+        figure, panels = grid(2, 1, f"{data.label}: loop before and after", 2.3, sharex=True)
         amplitude, phase = panels[:, 0]
-        for when, curve in curves.items():
+        for when, curve in data.curves.items():
             _draw(amplitude, phase, curve, dict(SIDES[when]))
         amplitude.axhline(0.0, color="#666666", linewidth=0.8)
         _half_turns(phase)
@@ -95,7 +111,7 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
         phase.set_xlabel("frequency (rad/s), up to the Nyquist frequency")
         amplitude.set_xscale("log")
         legend(figure, [amplitude], 1)
-    return Picture(figure, _caption(tuned.task.label, speed, curves))
+    return Picture(figure, _caption(data))
 
 
 def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: dict[str, Any]) -> None:
@@ -145,10 +161,10 @@ def _words(curve: Curve) -> str:
     return f"{gain}, {phase}" + ("" if smallest.stable else ", unstable")
 
 
-def _caption(name: str, speed: float, curves: dict[str, Curve]) -> str:
-    words = "; ".join(f"{when}: {_words(curve)}" for when, curve in curves.items())
+def _caption(data: BodeData) -> str:
+    words = "; ".join(f"{when}: {_words(curve)}" for when, curve in data.curves.items())
     return (
-        f"Loop L of {name}, linearised while the rod slides at {1e3 * speed:.3g} mm/s, in the case with the smallest "
-        f"phase margin. Thick bars are the margins: gain from the curve to 0 dB, phase from the curve to -180 deg "
-        f"({words}). The table has the smallest margins over all cases."
+        f"Loop L of {data.label}, linearised while the rod slides at {1e3 * data.speed:.3g} mm/s, in the case with the "
+        f"smallest phase margin. Thick bars are the margins: gain from the curve to 0 dB, phase from the curve to -180 "
+        f"deg ({words}). The table has the smallest margins over all cases."
     )

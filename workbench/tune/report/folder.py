@@ -26,13 +26,16 @@ from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
 from workbench.toml.gain_file import gain_file_text
 from workbench.tune.report.bode import bode_picture
+from workbench.tune.report.error import error_picture
 from workbench.tune.report.gain_files import gain_files
+from workbench.tune.report.history import history_picture
+from workbench.tune.report.importance import importance_picture
 from workbench.tune.report.page import page
 from workbench.tune.report.panels import Picture, Pictures
 from workbench.tune.report.rows import history, row_of
-from workbench.tune.report.search import history_picture, importance_picture
+from workbench.tune.report.step import step_picture
 from workbench.tune.report.tables import Table, brief, tables_of
-from workbench.tune.report.traces import error_picture, step_picture, traces_of
+from workbench.tune.report.traces import traces_of
 from workbench.tune.report.words import first_lines, infeasible_lines
 from workbench.tune.result import Tuning
 from workbench.tune.schema import tune_table
