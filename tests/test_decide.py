@@ -9,8 +9,8 @@ import pytest
 
 from workbench.decide.candidate import CandidateResult, Kind, candidate_results
 from workbench.decide.order import non_dominated, ordered
+from workbench.decide.report.rows import results
 from workbench.decide.result import Cell
-from workbench.decide.rows import results
 from workbench.decide.run import sureness
 from workbench.decide.schema import DecideTable
 from workbench.metrics.statistics import (

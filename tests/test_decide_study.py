@@ -112,9 +112,9 @@ def test_a_nanometre_is_met_by_nothing_and_the_miss_is_told(tmp_path: Path) -> N
     found = decided(tmp_path, changed('accuracy = "1 mm"', 'accuracy = "1 nm"', STUDY))
     given = found.answer(0.02, 1.0)
     assert (given.kind, given.best.met, given.best.error) == (None, 0, min(row.error for row in found.asked.rows))
-    said = paragraph(found)
-    assert said.startswith("Nothing that was tried suffices. Nearest is ")
-    assert f"at the 90 % quantile it misses the accuracy by {millimetres(given.best.error - 1e-9)} (" in said
+    words = paragraph(found)
+    assert words.startswith("Nothing that was tried suffices. Nearest is ")
+    assert f"at the 90 % quantile it misses the accuracy by {millimetres(given.best.error - 1e-9)} (" in words
 
 
 def test_the_words_hold_the_numbers_of_the_table(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_without_uncertainty_there_is_one_machine(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "words"),
     [
         ('accuracy = "1 mm"', 'accuracy = "0 mm"', "study.toml:20: decide.accuracy: got 0.0: input should be "),
         ("rpm = [0, 125]", "rpm = []", "study.toml:25: decide.rpm: is empty: expected at least one entry"),
@@ -186,10 +186,10 @@ def test_without_uncertainty_there_is_one_machine(tmp_path: Path) -> None:
         ("[simulation]", "spread.coulomb = 1\n[simulation]", "study.toml:7: plant.spread: [decide] spreads friction"),
     ],
 )  # fmt: skip
-def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     path = write(tmp_path, changed(old, new, STUDY))
-    fails(workbench("decide", path, "--out", tmp_path / "out"), said)
-    fails(workbench("check", path), said)
+    fails(workbench("decide", path, "--out", tmp_path / "out"), words)
+    fails(workbench("check", path), words)
     assert not (tmp_path / "out").exists()
 
 
@@ -215,10 +215,10 @@ def test_rotating_does_not_change_what_the_pump_pays(tmp_path: Path) -> None:
     assert turning["supply_power_W"].mean() == pytest.approx(still["supply_power_W"].mean(), rel=0.05)
     assert still["motor_electric_power_W"].isna().all()
     added = turning["power_W"].mean() - turning["supply_power_W"].mean()
-    said = price(found)
+    words = price(found)
     assert added == pytest.approx(turning["motor_electric_power_W"].mean())
-    assert said.startswith(f"Rotating adds {watts(added)} at 125 rpm at the motor's terminals.")
-    assert "rotating does not change what the pump pays" in said
+    assert words.startswith(f"Rotating adds {watts(added)} at 125 rpm at the motor's terminals.")
+    assert "rotating does not change what the pump pays" in words
     assert question(found).startswith("Asked of the thesis simulation: an rms error")
 
 

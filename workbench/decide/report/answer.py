@@ -185,7 +185,7 @@ def _changes(decision: Decision) -> list[str]:
     return told
 
 
-def said(given: Answer) -> str:
+def words_of(given: Answer) -> str:
     """What suffices in a cell, in words."""
     if not given.settled:
         return "cannot be told"
@@ -196,8 +196,8 @@ def _along(answers: Sequence[Answer], values: Sequence[float], unit: str) -> str
     """What suffices along an axis of the map, neighbours with one answer taken together."""
     parts, begin = [], 0
     for i in range(1, len(answers) + 1):
-        if i == len(answers) or said(answers[i]) != said(answers[begin]):
+        if i == len(answers) or words_of(answers[i]) != words_of(answers[begin]):
             span = f"at {values[begin]:g}" if i - begin == 1 else f"from {values[begin]:g} to {values[i - 1]:g}"
-            parts.append(f"{said(answers[begin])} {span}{unit}")
+            parts.append(f"{words_of(answers[begin])} {span}{unit}")
             begin = i
     return ", ".join(parts)

@@ -9,10 +9,10 @@ from workbench.decide.report.figures import write_figures
 from workbench.decide.report.map import map_table
 from workbench.decide.report.names import MM, confidence, percent, where
 from workbench.decide.report.page import page
+from workbench.decide.report.rows import results
 from workbench.decide.report.tables import candidate_table, short_table
 from workbench.decide.report.words import price, question
 from workbench.decide.result import Decision
-from workbench.decide.rows import results
 from workbench.publish.folders import ResultFolder
 from workbench.publish.tables import write_frame
 from workbench.study.layers import LAYERS

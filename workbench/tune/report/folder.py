@@ -93,7 +93,7 @@ def write_tuning(
     *,
     began: float,
     jobs: int | None = None,
-    tell: Callable[[str, float], None] = lambda said, done: None,
+    tell: Callable[[str, float], None] = lambda doing, share: None,
 ) -> Written:
     """Write gains, results, trials, tables, figures and the page; run.json, which says that all are there, last.
 

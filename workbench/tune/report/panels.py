@@ -66,12 +66,12 @@ def small_multiples(count: int, title: str, height: float = HEIGHT, **options: A
 
 def legend(figure: Figure, panels: list[Axes], columns: int = 3) -> None:
     """One legend for all panels, below them."""
-    found: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    if found:
-        figure.legend(list(found.values()), list(found), loc="outside lower center", ncols=columns)
+            handles.setdefault(label, handle)
+    if handles:
+        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=columns)
 
 
 def note(axes: Axes, text: str) -> None:
