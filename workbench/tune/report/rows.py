@@ -116,17 +116,17 @@ def row_of(tuned: ControllerTuning) -> dict[str, Any]:
             continue
         row |= {f"gain_margin_dB_{when}": score.margins.gain_dB, f"phase_margin_deg_{when}": score.margins.phase_deg}
         for label, run in zip(labels, score.runs, strict=True):
-            row |= {figure_column(name, label, when): value for name, value in _figures(run).items()}
+            row |= {metric_column(name, label, when): value for name, value in _metrics(run).items()}
     return row
 
 
-def figure_column(name: str, label: str, when: str) -> str:
-    """The column of results.csv that holds a figure of a case."""
+def metric_column(name: str, label: str, when: str) -> str:
+    """The column of results.csv that holds a metric of a case."""
     return "_".join(part for part in (name, label, when) if part)
 
 
-def _figures(run: RunMetrics) -> Mapping[str, float | None]:
-    """Figures of a run; none of one that failed."""
+def _metrics(run: RunMetrics) -> Mapping[str, float | None]:
+    """Metrics of a run; none of one that failed."""
     return dict.fromkeys(run.metrics) if run.broken else run.metrics
 
 

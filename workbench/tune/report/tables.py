@@ -20,7 +20,7 @@ from workbench.tune.space import RPM, THRESHOLD, Dimension
 
 DIGITS = 3
 
-FIGURE_WORDS = {
+METRIC_WORDS = {
     "rms_error_m": ("rms error", "mm"),
     "max_error_m": ("largest error", "mm"),
     "steady_state_error_m": ("steady-state error", "mm"),
@@ -29,7 +29,7 @@ FIGURE_WORDS = {
     "motor_electric_power_W": ("electric power", "W"),
     "jerk_rms_m_per_s3": ("jerk, rms", "m/s^3"),
 }
-"""What a figure that may be weighed is called, and the unit in which it is shown."""
+"""What a metric that may be weighed is called, and the unit in which it is shown."""
 
 WIDEST = 13
 """Columns of the result that a terminal shows."""
@@ -115,7 +115,7 @@ def _result(tuned: ControllerTuning, draws: bool, share: float) -> Line:
         for when in _WHENS:
             tables = objective_of(tuned, when, basis)
             line[f"{share:g} quantile, {basis} draws, {when}"] = "" if tables is None else with_interval(tables, share)
-    line |= _figures(tuned)
+    line |= _metrics(tuned)
     for heading, name in (("gain margin", "gain_dB"), ("phase margin", "phase_deg")):
         for when in _WHENS:
             score = _score(tuned, when)
@@ -134,21 +134,21 @@ def _score(tuned: ControllerTuning, when: When) -> Score | None:
     return tuned.start if when == "before" else tuned.score
 
 
-def _figures(tuned: ControllerTuning) -> Line:
-    """Figures that are weighed, of each case, in units that are read."""
+def _metrics(tuned: ControllerTuning) -> Line:
+    """Metrics that are weighed, of each case, in units that are read."""
     line: Line = {}
     for column in tune_table(tuned.task.study).objective.used:
-        words, unit = FIGURE_WORDS[column]
+        words, unit = METRIC_WORDS[column]
         scale = shown_factor(unit_of_column(column), unit)
         for i, label in enumerate(case_labels(tuned.task.cases)):
             for when in _WHENS:
                 score = _score(tuned, when)
                 heading = with_unit(", ".join(part for part in (words, plain(label), when) if part), unit)
-                line[heading] = "" if score is None else _figure(score, i, column, scale)
+                line[heading] = "" if score is None else _metric(score, i, column, scale)
     return line
 
 
-def _figure(score: Score, case: int, column: str, scale: float) -> str:
+def _metric(score: Score, case: int, column: str, scale: float) -> str:
     run = score.runs[case]
     value = run.metrics[column]
     return run.outcome if run.broken else "" if value is None else number(scale * value)
