@@ -49,7 +49,7 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def found(experiment: Path) -> Any:
+def diagnosis(experiment: Path) -> Any:
     """What diagnosis finds in it."""
     from workbench.diagnose.diagnose import diagnose
 

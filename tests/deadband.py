@@ -1,16 +1,13 @@
 """Records of a valve with overlap, and the experiment that diagnoses them: tests of its report share both."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from command import write
 from experiments import CHANNELS, TRUTH, save_record
 
 from plants.non_rotating import Inputs
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.diagnose import Diagnosis
 from workbench.parameters.sets import build
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Setup, simulate
@@ -45,9 +42,3 @@ def make_experiment(folder: Path) -> Path:
     make_record(folder, "fit", {"valve_overlap": OVERLAP}, 0.6, 1)
     make_record(folder, "other", {"valve_overlap": OVERLAP}, 0.5, 2)
     return write(folder, EXPERIMENT, "experiment.toml")
-
-
-def doubting(one: Diagnosis, side: str, name: str, **changes: Any) -> Diagnosis:
-    """A diagnosis whose fit of that side does not identify a parameter."""
-    fits = {**one.report[side], name: {**one.report[side][name], "identified": False, **changes}}
-    return replace(one, report={**one.report, side: fits})

@@ -4,20 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deadband import doubting
+from diagnoses import doubting
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report.figures import pictures_of
-from workbench.diagnose.report.parameter_figure import parameters_figure
+from workbench.diagnose.report.figures.every import pictures_of
+from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
+from workbench.diagnose.result import Diagnosis
 
 
-def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_is(found: Diagnosis) -> None:
+def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_is(diagnosis: Diagnosis) -> None:
     """Coulomb friction of 300 N +- 2.3 MN, once: no tick was left, and 0 looked like decades."""
-    wide = doubting(found, "baseline", "coulomb", std=2.3e6)
-    (picture, plain) = (parameters_figure(one) for one in (wide, found))
-    assert picture is not None
-    assert plain is not None
+    wide = doubting(diagnosis, "baseline_parameters", "coulomb", std=2.3e6)
+    data, plain_data = (parameters_data(either) for either in (wide, diagnosis))
+    assert data is not None
+    assert plain_data is not None
+    picture, plain = draw_parameters(data), draw_parameters(plain_data)
     (axes,) = picture.figure.axes
     low, high = axes.get_xlim()
     assert high - low < 10.0 * np.ptp(plain.figure.axes[0].get_xlim())
@@ -26,8 +27,8 @@ def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_i
     assert {"<", ">"} <= {line.get_marker() for line in axes.lines if np.all(line.get_ydata() == place)}
 
 
-def test_before_and_after_have_scales_of_their_own(found: Diagnosis) -> None:
-    pictures = pictures_of(found)
+def test_before_and_after_have_scales_of_their_own(diagnosis: Diagnosis) -> None:
+    pictures = pictures_of(diagnosis)
     before, after = pictures["flow_time"].figure.axes[0], pictures["flow_time"].figure.axes[2]
     assert before.get_title().endswith('record "fit", before')
     assert after.get_title().endswith('record "fit", after')
@@ -44,16 +45,16 @@ def test_before_and_after_have_scales_of_their_own(found: Diagnosis) -> None:
     assert any(text.get_text().startswith("gain ") for text in evidence.texts)
 
 
-def test_the_signal_that_a_found_effect_acts_on_is_shown(found: Diagnosis) -> None:
-    balance = found.results[0].balance
-    part = parts_of(found, balance)[0]
-    assert "load_pressure" in shown_signals(found, balance, part)
-    assert not {"pressure_1", "acceleration"} & set(shown_signals(found, balance, part))
-    late = replace(found.found[0], name="frictional_memory")
-    assert "acceleration" in shown_signals(replace(found, found=[late]), balance, part)
-    one_sided = {name: one for name, one in part.motion.channels.items() if name != "pressure_2"}
+def test_the_signal_that_a_found_effect_acts_on_is_shown(diagnosis: Diagnosis) -> None:
+    balance = diagnosis.results[0].balance
+    part = parts_of(diagnosis, balance)[0]
+    assert "load_pressure" in shown_signals(diagnosis, balance, part)
+    assert not {"pressure_1", "acceleration"} & set(shown_signals(diagnosis, balance, part))
+    late = replace(diagnosis.effects[0], name="frictional_memory")
+    assert "acceleration" in shown_signals(replace(diagnosis, effects=[late]), balance, part)
+    one_sided = {name: values for name, values in part.motion.channels.items() if name != "pressure_2"}
     seal = replace(part, motion=replace(part.motion, channels=one_sided))
-    assert "pressure_1" in shown_signals(found, balance, seal)
+    assert "pressure_1" in shown_signals(diagnosis, balance, seal)
 
 
 # --- series ---

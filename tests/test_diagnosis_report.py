@@ -12,8 +12,8 @@ from command import Answer, changed, workbench, write
 from deadband import OVERLAP
 from experiments import TRUTH
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report import folder as diagnosis
+from workbench.diagnose.report import folder as report_folder
+from workbench.diagnose.result import Diagnosis
 from workbench.parameters.sets import read_deviations, read_parameters
 from workbench.publish.pictures import save
 
@@ -31,7 +31,7 @@ def folder(experiment: Path) -> Path:
 @pytest.fixture(scope="module")
 def answer(folder: Path) -> Answer:
     """The command, run once for all tests, with the figures as PNG alone: the other formats take long."""
-    with mock.patch.object(diagnosis, "save", functools.partial(save, formats=("png",))):
+    with mock.patch.object(report_folder, "save", functools.partial(save, formats=("png",))):
         return workbench("diagnose", folder / "experiment.toml", "--out", folder / "out")
 
 
@@ -123,7 +123,7 @@ def test_results_are_replaced_only_on_demand(folder: Path, answer: Answer) -> No
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """No figures: they take long, and the page is written without them."""
-    monkeypatch.setattr(diagnosis, "pictures_of", lambda found: {})
+    monkeypatch.setattr(report_folder, "pictures_of", lambda diagnosis: {})
 
 
 def killed(*_: object) -> None:
@@ -133,20 +133,20 @@ def killed(*_: object) -> None:
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("where", ["write_frame", "plant_file", "page"])
 def test_a_kill_while_writing_leaves_nothing(
-    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
+    diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
-    monkeypatch.setattr(diagnosis, where, killed)
+    monkeypatch.setattr(report_folder, where, killed)
     with pytest.raises(KeyboardInterrupt):
-        diagnosis.write_diagnosis(found, tmp_path / "out")
+        report_folder.write_diagnosis(diagnosis, tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_a_kill_while_replacing_leaves_no_report_and_can_be_repeated(
-    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    diagnosis.write_diagnosis(found, out)
+    report_folder.write_diagnosis(diagnosis, out)
     (out / "notes.txt").write_text("the reader's own")
     move = os.replace
 
@@ -158,9 +158,9 @@ def test_a_kill_while_replacing_leaves_no_report_and_can_be_repeated(
     with monkeypatch.context() as patch:
         patch.setattr(os, "replace", stopped)
         with pytest.raises(KeyboardInterrupt):
-            diagnosis.write_diagnosis(found, out)
+            report_folder.write_diagnosis(diagnosis, out)
     assert not (out / "report.json").exists()
-    diagnosis.check_folder(out, overwrite=False)
-    diagnosis.write_diagnosis(found, out)
+    report_folder.check_folder(out, overwrite=False)
+    report_folder.write_diagnosis(diagnosis, out)
     assert json.loads((out / "report.json").read_text())["verdict"] == "effect_found"
     assert {item.name for item in out.iterdir()} == {"report.json", "report.html", "plant.toml", "tables", "notes.txt"}

@@ -4,56 +4,59 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from command import write
-from deadband import doubting
+from diagnoses import doubting, rejected, unexplained, with_held_out, with_left, without_effects
 
 from plants.drive import DRIVE_FORCE
 from plants.effects import EFFECTS
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report import folder as diagnosis
+from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import PLAIN, interval, percent, quantity
-from workbench.diagnose.report.reasons import why_none
+from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
-from workbench.diagnose.report.words import sureness, verdict_sentence
-from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
 
 
-def other(one: Diagnosis, verdict: str, **changes: Any) -> Diagnosis:
-    return replace(one, report={**one.report, "verdict": verdict}, **changes)
-
-
-def test_every_verdict_has_its_sentence(found: Diagnosis) -> None:
-    one = replace(found.found[0], alternatives=["internal_leakage", "supply_droop"])
-    ambiguous = verdict_sentence(other(found, "ambiguous", found=[one]))
-    assert ambiguous == "Ambiguous: the data cannot tell valve deadband from internal leakage or supply droop."
-    unexplained = other(found, "unexplained", found=[], unexplained=Dependence("force", {"position": 0.4}))
-    assert verdict_sentence(unexplained) == (
+def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
+    two = replace(diagnosis.effects[0], alternatives=["internal_leakage", "supply_droop"])
+    ambiguous = replace(diagnosis, effects=[two])
+    assert ambiguous.verdict == "ambiguous"
+    assert verdict_sentence(ambiguous) == (
+        "Ambiguous: the data cannot tell valve deadband from internal leakage or supply droop."
+    )
+    left = unexplained(diagnosis, "force", {"position": 0.4})
+    assert left.verdict == "unexplained"
+    assert verdict_sentence(left) == (
         "Unexplained: the force balance's residual depends on position (40 % of its variance); no known effect "
         "explains it."
     )
-    none = other(found, "none_missing", found=[])
+    none = without_effects(diagnosis)
+    assert none.verdict == "none_missing"
     assert "simulated along the records, is off by 1.4 standard deviations" in verdict_sentence(none)
-    none = replace(none, simulated=None)
+    none = replace(none, simulation=None)
     assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
     assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"
-    far = {"force": {**found.report["floor"]["force"], "after": 79.3}}
-    noisy = verdict_sentence(replace(none, report={**none.report, "floor": far}))
+    noisy = verdict_sentence(with_left(none, {"force": 79.3}))
     assert noisy.startswith("None missing that is known: ")
     assert "; but it is 79 times the noise floor: the plant is not complete, " in noisy
-    assert verdict_sentence(other(found, "rejected_on_held_out")).startswith("Rejected on held-out records: valve dead")
+    worse = rejected(diagnosis)
+    assert worse.verdict == "rejected_on_held_out"
+    assert verdict_sentence(worse).startswith("Rejected on held-out records: valve dead")
 
 
-def test_on_rejection_the_plant_stays_as_declared(found: Diagnosis, tmp_path: Path) -> None:
-    text = diagnosis.plant_file(other(found, "rejected_on_held_out"))
+def test_on_rejection_the_plant_stays_as_declared(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    text = plant_file(rejected(diagnosis))
     values = dict(read_parameters(write(tmp_path, text, "plant.toml")))
-    assert values == pytest.approx(dict(found.experiment.values), rel=1e-9)
+    assert values == pytest.approx(dict(diagnosis.experiment.values), rel=1e-9)
     assert "std" not in text
 
 
-def test_what_is_not_identified_is_marked_and_by_which_fit(found: Diagnosis) -> None:
-    marked = doubting(found, "baseline", "stribeck", std=1e4)
+def test_what_is_not_identified_is_marked_and_by_which_fit(diagnosis: Diagnosis) -> None:
+    marked = doubting(diagnosis, "baseline_parameters", "stribeck", std=1e4)
     table = parameter_table(marked).set_index("parameter")
     assert table.loc["stribeck", "remark"] == "not identified by the baseline"
     assert table.loc["coulomb", "remark"] == ""
@@ -62,7 +65,7 @@ def test_what_is_not_identified_is_marked_and_by_which_fit(found: Diagnosis) -> 
     baseline = next(line for line in lines if line.startswith("Without effects (baseline) the records do not identify"))
     assert "stribeck" in baseline
     assert "With what was found they identify every parameter that was fitted." in lines
-    both = doubting(marked, "fitted", "stribeck", std=1e4)
+    both = doubting(marked, "fitted_parameters", "stribeck", std=1e4)
     remark = parameter_table(both).set_index("parameter").loc["stribeck", "remark"]
     assert remark == "not identified by the baseline, with effects"
     assert any(
@@ -71,15 +74,17 @@ def test_what_is_not_identified_is_marked_and_by_which_fit(found: Diagnosis) -> 
 
 
 def test_a_value_that_is_not_identified_stands_in_the_plant_without_a_deviation(
-    found: Diagnosis, tmp_path: Path
+    diagnosis: Diagnosis, tmp_path: Path
 ) -> None:
     """Stopped at a bound its deviation would be 0: a study must not take that for certainty."""
-    stopped = doubting(doubting(found, "fitted", "bristle_damping", std=0.0), "fitted", "stribeck", std=1e4)
-    path = write(tmp_path, diagnosis.plant_file(stopped), "plant.toml")
+    stopped = doubting(
+        doubting(diagnosis, "fitted_parameters", "bristle_damping", std=0.0), "fitted_parameters", "stribeck", std=1e4
+    )
+    path = write(tmp_path, plant_file(stopped), "plant.toml")
     values, deviations = read_parameters(path), read_deviations(path)
-    fitted = found.report["fitted"]
-    assert values["bristle_damping"] == pytest.approx(fitted["bristle_damping"]["value"])
-    assert values["stribeck"] == pytest.approx(fitted["stribeck"]["value"])
+    fitted = diagnosis.fitted_parameters
+    assert values["bristle_damping"] == pytest.approx(fitted["bristle_damping"].value)
+    assert values["stribeck"] == pytest.approx(fitted["stribeck"].value)
     assert not {"bristle_damping", "stribeck"} & set(deviations)
     assert "coulomb" in deviations
     text = path.read_text()
@@ -87,30 +92,27 @@ def test_a_value_that_is_not_identified_stands_in_the_plant_without_a_deviation(
     assert "not identified, its standard deviation exceeds half its value; it goes with the other values" in text
 
 
-def test_a_plant_that_cannot_hold_what_was_found_is_not_called_corrected(found: Diagnosis, tmp_path: Path) -> None:
+def test_a_plant_that_cannot_hold_what_was_found_is_not_called_corrected(diagnosis: Diagnosis, tmp_path: Path) -> None:
     """It is the plant fitted without effects: the values of the other fit lack what was fitted beside them."""
-    poorer = replace(found, experiment=replace(found.experiment, plant=DRIVE_FORCE))
-    text = diagnosis.plant_file(poorer)
+    poorer = replace(diagnosis, experiment=replace(diagnosis.experiment, plant=DRIVE_FORCE))
+    text = plant_file(poorer)
     assert "not the corrected plant" in text
     assert "drive_force cannot hold valve deadband: the values are those of the fit without effects" in text
     values = read_parameters(write(tmp_path, text, "plant.toml"))
     assert "valve_overlap" not in values
-    assert values["coulomb"] == pytest.approx(found.report["baseline"]["coulomb"]["value"])
+    assert values["coulomb"] == pytest.approx(diagnosis.baseline_parameters["coulomb"].value)
     said = "plant.toml does not have valve deadband, which drive_force cannot hold: it is not the corrected plant"
-    assert said in diagnosis.summary(poorer)
-    assert diagnosis.summary(poorer).endswith("for model = drive_force, which cannot hold valve deadband")
-    assert diagnosis.summary(found).endswith("the corrected plant; a study names it with model = two_chamber")
+    assert said in summary(poorer)
+    assert summary(poorer).endswith("for model = drive_force, which cannot hold valve deadband")
+    assert summary(diagnosis).endswith("the corrected plant; a study names it with model = two_chamber")
 
 
-def test_noise_is_judged_on_held_out_records_too(found: Diagnosis) -> None:
+def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis) -> None:
     """1.99 floors there, 0.77 on the records that were fitted."""
-    floor, error = found.results[-1].balance.floor, found.report["error"]
-    floors = {**found.report["floor"], "force": {**found.report["floor"]["force"], "after": 0.77}}
+    floor, quiet = diagnosis.results[-1].balance.floor, with_left(diagnosis, {"force": 0.77})
 
     def said(times: float) -> str:
-        after = {**error["held_out"]["after"], "force_rms_N": times * floor}
-        errors = {**error, "held_out": {**error["held_out"], "after": after}}
-        lines = sureness(replace(found, report={**found.report, "floor": floors, "error": errors}))
+        lines = sureness(with_held_out(quiet, {"force": times * floor}))
         return next(line for line in lines if line.startswith("What is left of the force balance"))
 
     assert said(1.99) == (
@@ -120,19 +122,18 @@ def test_noise_is_judged_on_held_out_records_too(found: Diagnosis) -> None:
     assert said(1.05).endswith("times on held-out records: the sensors' noise explains all of it.")
 
 
-def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(found: Diagnosis) -> None:
+def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(diagnosis: Diagnosis) -> None:
     """EMPS: 80 times the floor, and no dependence."""
-    floors = {**found.report["floor"], "force": {**found.report["floor"]["force"], "after": 80.6}}
-    far = replace(found, simulated=None, unexplained=None, report={**found.report, "floor": floors})
+    far = replace(with_left(diagnosis, {"force": 80.6}), simulation=None, unexplained=None)
     assert (
         "What is left of the force balance is not called unexplained, since it depends on no measured signal by more "
         "than 15 % of its variance: nothing measured says what is missing." in sureness(far)
     )
-    assert not any("not called unexplained" in line for line in sureness(found))
+    assert not any("not called unexplained" in line for line in sureness(diagnosis))
 
 
-def test_what_stopped_the_best_effect_is_told(found: Diagnosis) -> None:
-    (flow, *_) = found.results
+def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
+    (flow, *_) = diagnosis.results
     step = flow.steps[0]
     best = step.candidates[0]
 
@@ -150,8 +151,15 @@ def test_what_stopped_the_best_effect_is_told(found: Diagnosis) -> None:
     assert "the balance is at its noise floor without any." in said(best, at_floor)
 
 
-def test_where_nothing_was_added_no_column_speaks_of_effects(found: Diagnosis) -> None:
-    none = other(found, "none_missing", found=[])
+def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:
+    term = OfferedTerm("velocity", np.zeros(2), np.zeros(2), "N", TermErrors(1.0, 0.5))
+    worse = replace(term, held_out=TermErrors(71.3, 73.5))
+    assert "would not lower it on the held-out records: 71.3 N without it, 73.5 N with it" in of_term(worse)
+    assert "would lower it on the fit records: 1.00 N without it, 0.500 N with it" in of_term(term)
+
+
+def test_where_nothing_was_added_no_column_speaks_of_effects(diagnosis: Diagnosis) -> None:
+    none = without_effects(diagnosis)
     assert list(error_table(none).columns) == ["error (rms)", "unit", "fit", "held-out", "noise floor"]
     assert list(parameter_table(none).columns)[:5] == [
         "parameter",
@@ -178,12 +186,12 @@ def test_numbers_have_the_digits_that_say_something() -> None:
     assert interval(413.0225, 0.0475) == "412.975 to 413.070"
 
 
-def test_tables_show_readable_units(found: Diagnosis) -> None:
-    errors = error_table(found).set_index("error (rms)")
+def test_tables_show_readable_units(diagnosis: Diagnosis) -> None:
+    errors = error_table(diagnosis).set_index("error (rms)")
     assert list(errors["unit"]) == ["cm^3/s", "N", "mm", "kPa"]
-    flow = found.report["error"]["fit"]["before"]["flow_rms_m3_per_s"]
+    flow = diagnosis.errors.fit.before.balances["flow"]
     assert float(errors.loc["residual of the flow balance", "fit, before"]) == pytest.approx(1e6 * flow, rel=1e-2)
-    evidence = evidence_table(found)
+    evidence = evidence_table(diagnosis)
     assert list(evidence[evidence["outcome"] == "added"]["candidate"]) == ["valve deadband"]
     assert quantity("valve_overlap", 1.2346e-5, 3e-8) == "12.346 ± 0.030 µm"
     assert quantity("bulk_modulus", 1.7e9) == "1700 MPa"

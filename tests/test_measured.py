@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from command import write
 
-from workbench.diagnose.diagnose import Diagnosis, diagnose
+from workbench.diagnose.diagnose import diagnose
 from workbench.diagnose.report.folder import summary
 from workbench.diagnose.report.series import parts_of, shown_signals
-from workbench.diagnose.report.words import sureness
+from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.residuals.motion import motion_of
+from workbench.diagnose.result import Diagnosis
 from workbench.records.reading import read_records
 
 MEASURED = Path(__file__).parents[1] / "studies" / "measured"
 DATA = Path(__file__).parents[2] / "shared" / "data"
 RPM = 2.0 * np.pi / 60.0
-SIDES = ("before", "after")
 
 
 def experiment(name: str, folder: str) -> Path:
@@ -30,51 +30,59 @@ def experiment(name: str, folder: str) -> Path:
     return MEASURED / f"{name}.toml"
 
 
-def fall(found: Diagnosis, use: str, figure: str) -> float:
-    """Share by which an error falls from the fitted baseline to what was found."""
-    sides = found.report["error"][use]
-    return float(1.0 - sides["after"][figure] / sides["before"][figure])
+def fall(diagnosis: Diagnosis, balance: str) -> float:
+    """Share by which a held-out error falls from the fitted baseline to what was diagnosis."""
+    errors = diagnosis.errors.held_out
+    return 1.0 - errors.after.balances[balance] / errors.before.balances[balance]
 
 
 def test_the_drive_s_load_is_viscous_friction_that_differs_with_direction() -> None:
     """Published: 95.1089 kg, 203.5 N s/m, 20.39 N, -3.16 N; and a reader's 166.6 and 240.3 N s/m with -0.25 N."""
-    found = diagnose(experiment("emps", "emps"))
-    assert (found.report["verdict"], [one.name for one in found.found]) == ("effect_found", ["direction_asymmetry"])
-    assert list(found.found[0].numbers) == ["viscous_negative"]  # and no Stribeck, which the held-out record refutes
-    baseline, after = found.baseline, found.corrected
+    diagnosis = diagnose(experiment("emps", "emps"))
+    assert (diagnosis.verdict, [effect.name for effect in diagnosis.effects]) == (
+        "effect_found",
+        ["direction_asymmetry"],
+    )
+    assert list(diagnosis.effects[0].parameters) == [
+        "viscous_negative"
+    ]  # and no Stribeck, which the held-out record refutes
+    baseline, after = diagnosis.baseline, diagnosis.corrected
     assert baseline["mass"] == pytest.approx(95.1089, rel=0.01)
     assert baseline["viscous"] == pytest.approx(203.5, rel=0.02)
     assert baseline["load_force"] == pytest.approx(-3.1648, abs=0.1)
     assert after["viscous"] == pytest.approx(166.6, rel=0.03)
     assert after["viscous_negative"] == pytest.approx(240.3, rel=0.03)
     assert abs(after["load_force"]) < 0.5
-    assert fall(found, "held_out", "force_rms_N") > 0.10
-    assert any("no measured signal by more than 15 % of its variance" in line for line in sureness(found))
+    assert fall(diagnosis, "force") > 0.10
+    assert any("no measured signal by more than 15 % of its variance" in line for line in sureness(diagnosis))
 
 
 def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() -> None:
     """A reader's ratio is 0.69; plateaus of the held-out record, 174 rpm with one gain, 31.2 with one each way. The
     report's plateaus are means over 0.3 s; where every sample counts, the pump's ripple with it, 43 rpm are left."""
-    found = diagnose(experiment("electro_hydraulic", "eha"))
-    names = [one.name for one in found.found]
+    diagnosis = diagnose(experiment("electro_hydraulic", "eha"))
+    names = [effect.name for effect in diagnosis.effects]
     assert "unequal_areas" in names
     assert "internal_leakage" not in names
-    number, deviation = found.found[names.index("unequal_areas")].numbers["area_ratio"]
+    number, deviation = diagnosis.effects[names.index("unequal_areas")].parameters["area_ratio"]
     assert number == pytest.approx(0.69, abs=0.02)
     assert deviation < 0.02
-    held_out = motion_of(read_records(found.experiment, "held_out")[0])
-    flow = found.results[0].balance
+    held_out = motion_of(read_records(diagnosis.experiment, "held_out")[0])
+    flow = diagnosis.results[0].balance
     errors = []
-    for values in (found.baseline, found.corrected):
+    for values in (diagnosis.baseline, diagnosis.corrected):
         error = flow.residual(held_out, values)[0] / values["pump_displacement"] / RPM
         moving = held_out.valid & (error != 0.0) & (np.abs(held_out.channels["pump_speed"]) > 100.0 * RPM)
         errors.append(np.sqrt(np.mean(error[moving] ** 2)))
     assert errors[0] > 150.0
     assert errors[1] < 45.0
-    before, after = (found.report["error"]["held_out"][side]["pump_speed_rms_rad_per_s"] / RPM for side in SIDES)
+    tested = diagnosis.errors.held_out
+    assert tested.before.pump_speed is not None
+    assert tested.after.pump_speed is not None
+    before, after = tested.before.pump_speed / RPM, tested.after.pump_speed / RPM
     assert 150.0 < before < 200.0
     assert after < 31.2
-    assert any("worse is load pressure, simulated against measured (from 13" in line for line in sureness(found))
+    assert any("worse is load pressure, simulated against measured (from 13" in line for line in sureness(diagnosis))
 
 
 def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tmp_path: Path) -> None:
@@ -85,14 +93,18 @@ def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tm
     *tables, last = text.split("[[records]]")
     text = "[[records]]".join([one for one in tables if "skip = 3741" not in one] + [last])
     text = text.replace('"../../../shared', f'"{DATA.parent}').replace('"pneumatic_o', f'"{MEASURED}/pneumatic_o')
-    found = diagnose(write(tmp_path, text, "experiment.toml"))
-    one = found.found[0]  # alone on whole records; these parts admit an asymmetry that load and area trade with
-    assert one.name == "pressure_dependent_friction"
-    assert one.numbers["friction_per_pressure"][0] * 1e5 == pytest.approx(0.66, abs=0.15)  # N a bar
-    assert "speed" in one.remarks[0]
-    assert one.evidence["correlation_with_speed"] < -0.2
-    assert fall(found, "held_out", "force_rms_N") > 0.15
-    assert any(one.remarks[0] in line for line in sureness(found))
-    assert "drive_force cannot hold: it is not the corrected plant" in summary(found)
-    assert "for model = drive_force, which cannot hold pressure dependent friction" in summary(found)
-    assert "pressure_1" in shown_signals(found, found.results[0].balance, parts_of(found, found.results[0].balance)[0])
+    diagnosis = diagnose(write(tmp_path, text, "experiment.toml"))
+    effect = diagnosis.effects[
+        0
+    ]  # alone on whole records; these parts admit an asymmetry that load and area trade with
+    assert effect.name == "pressure_dependent_friction"
+    assert effect.parameters["friction_per_pressure"].value * 1e5 == pytest.approx(0.66, abs=0.15)  # N a bar
+    assert "speed" in effect.remarks[0]
+    assert effect.evidence.correlation_with_speed < -0.2
+    assert fall(diagnosis, "force") > 0.15
+    assert any(effect.remarks[0] in line for line in sureness(diagnosis))
+    assert "drive_force cannot hold: it is not the corrected plant" in summary(diagnosis)
+    assert "for model = drive_force, which cannot hold pressure dependent friction" in summary(diagnosis)
+    assert "pressure_1" in shown_signals(
+        diagnosis, diagnosis.results[0].balance, parts_of(diagnosis, diagnosis.results[0].balance)[0]
+    )

@@ -10,7 +10,6 @@ from command import workbench, write
 from scipy.optimize import brentq
 from tuned_study import STUDY, ready, tuned
 
-from workbench.diagnose.report.reasons import of_term
 from workbench.errors import UserError
 from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
@@ -188,17 +187,6 @@ def test_tasks_of_a_place_believe_its_machine(tmp_path: Path) -> None:
     study, names = ready(tmp_path, PLACES, "lugre")
     masses = {task.at["machine"]: task.declared(task.start)[0].belief.body.mass for task in tasks_for(study, names)}
     assert masses == {"light": 20.0, "heavy": 60.0}
-
-
-def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:
-    term = {"signal": "velocity", "unit": "N", "fit": {"before": 1.0, "after": 0.5}}
-    worse = {**term, "held_out": {"before": 71.3, "after": 73.5}}
-    assert "would not lower it on the held-out records: 71.3 N without it, 73.5 N with it" in of_term(
-        {"data_driven_term": worse}
-    )
-    assert "would lower it on the fit records: 1.00 N without it, 0.500 N with it" in of_term(
-        {"data_driven_term": term}
-    )
 
 
 def test_a_controller_is_tuned_where_the_study_has_it(tmp_path: Path) -> None:

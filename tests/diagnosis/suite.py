@@ -21,21 +21,23 @@ from typing import Any
 
 import pandas as pd
 
+from workbench.diagnose.result import Diagnosis
+
 from .cases import SETS, Case, make_cases
 from .generator import USES, make_experiment
 from .scoring import FAILED, add_floor_ratio, confusion, figures, score
 
 DIAGNOSE = "workbench.diagnose.diagnose:diagnose"
-"""module:function; called with the experiment's path, returns an object with the dict `report`."""
+"""module:function; called with the experiment's path, returns a diagnosis."""
 
 RESULT = "result.json"
 
 
-def load(target: str) -> Callable[[Path], Any]:
+def load(target: str) -> Callable[[Path], Diagnosis]:
     """The function behind "module:function"."""
     module, _, name = target.partition(":")
-    found: Callable[[Path], Any] = getattr(importlib.import_module(module), name)
-    return found
+    diagnose: Callable[[Path], Diagnosis] = getattr(importlib.import_module(module), name)
+    return diagnose
 
 
 def run_case(case: Case, folder: Path, target: str, keep_records: bool) -> dict[str, Any]:
@@ -44,7 +46,7 @@ def run_case(case: Case, folder: Path, target: str, keep_records: bool) -> dict[
     path = make_experiment(folder, case.effects, case.seed, case.unlisted)
     made = time.perf_counter()
     try:
-        report = load(target)(path).report
+        report = load(target)(path).to_json()
     except Exception as failure:  # noqa: BLE001 - one case that fails must not end the suite
         report = {"effects": [{"name": FAILED}], "failure": f"{type(failure).__name__}: {failure}".splitlines()[0]}
         (folder / "failure.txt").write_text(traceback.format_exc(), encoding="utf-8")

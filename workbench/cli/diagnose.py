@@ -10,9 +10,9 @@ def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) 
     from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
 
     check_folder(out, overwrite)
-    with ProgressLine() as tell:
-        found = diagnose(experiment, tell)
-        tell("tables, figures, page", 0.93)
-        write_diagnosis(found, out)
-    print(summary(found) + "\n")
+    with ProgressLine() as progress:
+        diagnosis = diagnose(experiment, progress)
+        progress("tables, figures, page", 0.93)
+        write_diagnosis(diagnosis, out)
+    print(summary(diagnosis) + "\n")
     print_contents(out)

@@ -5,6 +5,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from workbench.progress import Progress
+
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
 
@@ -70,19 +72,20 @@ class ProgressLine:
     def __init__(self) -> None:
         self._line: Any = None
 
-    def __enter__(self) -> Callable[..., None]:
+    def __enter__(self) -> Progress:
         if not sys.stderr.isatty():
             return Lines().say
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
 
         columns = (SpinnerColumn(), BarColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-        self._line = Progress(*columns, console=Console(stderr=True), transient=True)
+        self._line = Bar(*columns, console=Console(stderr=True), transient=True)
         self._line.start()
         task = self._line.add_task("", total=None)
 
-        def told(said: str, done: float | None = None) -> None:
-            self._line.update(task, description=said, completed=done, total=None if done is None else 1.0)
+        def told(doing: str, done: float | None = None, /) -> None:
+            self._line.update(task, description=doing, completed=done, total=None if done is None else 1.0)
 
         return told
 

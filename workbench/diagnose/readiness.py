@@ -21,7 +21,7 @@ SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
 def declared_values(experiment: Experiment) -> dict[str, float]:
     """The declared parameters (SI); a direction that is not declared apart has no value of its own."""
     declared: dict[str, float] = {**experiment.known_values(), **experiment.values}
-    for name in [one for one in declared if one.endswith("_negative") and one not in experiment.values]:
+    for name in [key for key in declared if key.endswith("_negative") and key not in experiment.values]:
         del declared[name]
     return declared
 
@@ -63,7 +63,7 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
 def _unique(label: str, taken: Sequence[str]) -> str:
     """The label, numbered where another record has it: two pieces of one file are two curves."""
     numbered = (f"{label} ({number})" for number in range(2, len(taken) + 2))
-    return next(one for one in (label, *numbered) if one not in taken)
+    return next(name for name in (label, *numbered) if name not in taken)
 
 
 def _check(motion: Motion) -> None:

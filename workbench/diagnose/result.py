@@ -1,160 +1,254 @@
-"""What a diagnosis finds, in SI: effects with their numbers, and the content of report.json."""
+"""What a diagnosis finds, whole when it is made, in SI; `Diagnosis.to_json` is the content of report.json."""
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from plants.effects import EFFECTS
-from workbench.diagnose.residuals.fitting import Balance, Fit
-from workbench.diagnose.residuals.flow import pressure_sum
-from workbench.diagnose.residuals.motion import Motion, load_pressure
-from workbench.diagnose.selection.selection import Step, gain
-from workbench.diagnose.simulation.simulated import Simulated, explained
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.selection.unexplained import Unexplained
+from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.parameters.sets import known_units
-
-OFFSET_SHARE = 0.5
-"""Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
-
-OFFSET_SURE = 4.0
-"""Noise deviations (smoothed) that it has to exceed."""
-
-CONFOUNDED = 0.2
-"""Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+from workbench.records.experiment import Experiment
 
 IDENTIFIED = 0.5
 """Standard deviation over value below which a parameter is identified."""
 
+WORSE = 1.02
+"""Held-out error, after over before, beyond which what was found is rejected."""
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """An effect that was found: on which balance, its numbers with standard deviations, what it may be instead."""
+ENDED = "the fit ran to the end of its range"
+VAGUE = "its standard deviation exceeds half its value"
+"""Why a parameter is not identified."""
+
+BALANCE_ERRORS = {"force": "force_rms_N", "flow": "flow_rms_m3_per_s"}
+"""What the error of each balance is called in report.json."""
+
+Verdict = Literal["rejected_on_held_out", "ambiguous", "effect_found", "unexplained", "none_missing"]
+
+
+class Estimate(NamedTuple):
+    """A number with its standard deviation (SI)."""
+
+    value: float
+    std: float
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the deviation is small against the value."""
+        return self.std < IDENTIFIED * abs(self.value)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for an effect; None where it does not apply.
+
+    `left_out_gain` is the share by which it lowers the residual on data left out, `standard_errors` how sure that is;
+    `correlation_with_speed` that of the pressure on which it depends; `explained` the share of what the simulated plant
+    was off by beyond noise. Of a sensor's offset: rms of the pressures' sum (Pa), `sum_rms`, and what one constant
+    leaves of it, `left_rms`.
+    """
+
+    left_out_gain: float | None = None
+    standard_errors: float | None = None
+    correlation_with_speed: float | None = None
+    explained: float | None = None
+    sum_rms: float | None = None
+    left_rms: float | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds it: what there is, with units in the names."""
+        whole = {f"{name}_Pa" if name.endswith("_rms") else name: value for name, value in asdict(self).items()}
+        return {name: value for name, value in whole.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that was found: on which balance, its parameters, what it may be instead, what a reader has to know."""
 
     name: str
     balance: str
-    numbers: Mapping[str, tuple[float, float]]
+    parameters: Mapping[str, Estimate]
     alternatives: Sequence[str]
-    evidence: Mapping[str, float]
+    evidence: Evidence
     remarks: Sequence[str] = ()
 
-    @property
-    def data(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As report.json holds it."""
         units = known_units()
         return {
             "name": self.name,
             "balance": self.balance,
             "parameters": {
-                name: {"value": value, "unit": units.get(name, "1"), "std": std}
-                for name, (value, std) in self.numbers.items()
+                name: {"value": number.value, "unit": units.get(name, "1"), "std": number.std}
+                for name, number in self.parameters.items()
             },
             "alternatives": list(self.alternatives),
-            "evidence": {**dict(self.evidence), **({"remarks": list(self.remarks)} if self.remarks else {})},
+            "evidence": {**self.evidence.to_json(), **({"remarks": list(self.remarks)} if self.remarks else {})},
         }
 
 
-def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> Found | None:
-    """An offset of pressure 1: the sum of both pressures is off by a constant, and by little else."""
-    if not motions[0].has("pressure_1", "pressure_2") or "supply_pressure" not in values:
-        return None
-    sums = np.concatenate([pressure_sum(motion, values)[motion.valid] for motion in motions])
-    mean, rms = float(np.mean(sums)), float(np.sqrt(np.mean(sums**2)))
-    blocks = np.array([np.mean(part) for part in np.array_split(sums, 10)])
-    std = float(np.std(blocks, ddof=1) / np.sqrt(blocks.size))
-    noise = motions[0].smooth[0] * float(np.hypot(motions[0].noise["pressure_1"], motions[0].noise["pressure_2"]))
-    left = float(np.std(sums))
-    if left > (1.0 - OFFSET_SHARE) * rms or abs(mean) < OFFSET_SURE * max(noise, std):
-        return None
-    return Found(
-        "pressure_sensor_offset",
-        "sensor",
-        {"pressure_1_offset": (mean, max(std, noise / 10.0))},
-        [],
-        {"sum_rms_Pa": rms, "left_rms_Pa": left},
-    )
+@dataclass(frozen=True)
+class FittedParameter:
+    """A parameter that a fit moved: value and standard deviation (SI), and whether the records identify it."""
+
+    value: float
+    std: float
+    identified: bool
+
+    @property
+    def doubt(self) -> str:
+        """Why it is not identified; empty if it is."""
+        if self.identified:
+            return ""
+        return ENDED if Estimate(self.value, self.std).is_known else VAGUE
+
+    def to_json(self, unit: str) -> dict[str, object]:
+        """As report.json holds it."""
+        return {"value": self.value, "unit": unit, "std": self.std, "identified": self.identified}
 
 
-def found_on(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[Found]:
-    """The effects of a balance in the order in which they were added, their numbers from the last fit.
-
-    An effect that gained a parameter in a later round is one effect, with the evidence of its first.
+@dataclass(frozen=True)
+class Errors:
+    """Rms errors (SI) of one model on some records: residual of each balance by name, speed of a pump on plateaus,
+    position and load pressure of a free run; None where the records show none.
     """
-    found: dict[str, Found] = {}
-    for step in steps:
-        added = step.added
-        if added is None:
-            continue
-        first = found.get(added.effect)
-        names = dict.fromkeys([*(first.numbers if first else ()), *added.variant])
-        numbers = {name: (after.values[name], after.deviations[name]) for name in names}
-        share, sure = gain(step.before, added.fit)
-        evidence: dict[str, float] = (
-            dict(first.evidence) if first else {"left_out_gain": share, "standard_errors": sure}
-        )
-        alternatives = first.alternatives if first else step.alternatives
-        remarks = first.remarks if first else _remarks(balance, added.effect, evidence)
-        found[added.effect] = Found(
-            added.effect, EFFECTS[added.effect].balance, numbers, alternatives, evidence, remarks
-        )
-    return list(found.values())
+
+    balances: Mapping[str, float]
+    pump_speed: float | None = None
+    position: float | None = None
+    load_pressure: float | None = None
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """Those that there are, by their names in report.json."""
+        whole = {
+            **{BALANCE_ERRORS[name]: rms for name, rms in self.balances.items()},
+            "pump_speed_rms_rad_per_s": self.pump_speed,
+            "position_rms_m": self.position,
+            "load_pressure_rms_Pa": self.load_pressure,
+        }
+        return {name: rms for name, rms in whole.items() if rms is not None}
 
 
-def found_by_both(found: Sequence[Found], simulated: Simulated) -> list[Found]:
-    """What the balances found and the simulated plant keeps, then what it adds; numbers are its own where it is
-    trusted.
+@dataclass(frozen=True)
+class BeforeAfter:
+    """Errors of the fitted baseline, and of the plant with what was found."""
+
+    before: Errors
+    after: Errors
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds them."""
+        return {"before": self.before.figures, "after": self.after.figures}
+
+
+@dataclass(frozen=True)
+class ErrorsByUse:
+    """Errors on the records that were fitted and on those that were held out.
+
+    `own_parameters` are those on held-out records with the same parameters fitted to these; None where that was not
+    asked.
     """
-    after = simulated.after
-    kept = [one for one in found if one.name not in simulated.dropped]
-    known = {one.name for one in kept}
-    stayed = [step for step in simulated.steps if step.added is not None and step.added.effect in simulated.effects]
-    kept += [one for one in found_on(after.balance, after, stayed) if one.name not in known]
-    out = []
-    for one in kept:
-        names = simulated.effects.get(one.name, tuple(one.numbers))
-        numbers = dict(one.numbers)
-        if (simulated.is_trusted or one.name not in known) and set(names) <= set(after.names):
-            numbers = {name: (after.values[name], after.deviations[name]) for name in names}
-        evidence = dict(one.evidence)
-        if one.name not in known:
-            evidence["explained"] = explained(simulated.named, after)
-        out.append(Found(one.name, one.balance, numbers, one.alternatives, evidence, one.remarks))
-    return out
+
+    fit: BeforeAfter
+    held_out: BeforeAfter
+    own_parameters: Errors | None = None
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether a balance of the held-out records has a larger error with what was found."""
+        before, after = self.held_out.before.balances, self.held_out.after.balances
+        return any(after[name] > WORSE * rms for name, rms in before.items())
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds them."""
+        own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.figures}
+        return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own}}
 
 
-def _remarks(balance: Balance, effect: str, evidence: dict[str, float]) -> list[str]:
-    """What a reader has to know of an effect that goes together with something else in these records."""
-    if effect != "pressure_dependent_friction":
-        return []
-    evidence["correlation_with_speed"] = together = _speed_and_pressure(balance.motions)
-    if abs(together) <= CONFOUNDED:
-        return []
-    word = "falls" if together < 0.0 else "rises"
-    return [
-        f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said to "
-        "depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
-    ]
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """All that a diagnosis finds.
 
+    `baseline` and `corrected` are the parameters, without and with effects, that fit the balances; those that fit the
+    simulated plant are in `simulation`, if the records can be simulated. `baseline_parameters` and `fitted_parameters`
+    are those that count, of the simulated plant where it is trusted.
+    """
 
-def _speed_and_pressure(motions: Sequence[Motion]) -> float:
-    """Correlation between |v| and |P_L| where something moves."""
-    moving = [motion.valid & ~motion.resting for motion in motions]
-    speed = np.concatenate([np.abs(motion.velocity)[at] for motion, at in zip(motions, moving, strict=True)])
-    pressure = np.concatenate([np.abs(load_pressure(motion))[at] for motion, at in zip(motions, moving, strict=True)])
-    return float(np.corrcoef(speed, pressure)[0, 1])
+    experiment: Experiment
+    held_out: Sequence[Motion]
+    results: Sequence[BalanceResult]
+    simulation: SimulationStage | None
+    effects: Sequence[FoundEffect]
+    unexplained: Unexplained | None
+    errors: ErrorsByUse
+    declared: Values
+    baseline: Values
+    corrected: Values
+    baseline_parameters: Mapping[str, FittedParameter]
+    fitted_parameters: Mapping[str, FittedParameter]
 
+    @property
+    def verdict(self) -> Verdict:
+        """The first of these that applies."""
+        if self.is_rejected:
+            return "rejected_on_held_out"
+        if any(effect.alternatives for effect in self.effects):
+            return "ambiguous"
+        if self.effects:
+            return "effect_found"
+        return "unexplained" if self.unexplained is not None else "none_missing"
 
-def fitted_data(fits: Sequence[Fit]) -> dict[str, Any]:
-    """Every fitted parameter as report.json holds it; of several fits the last counts."""
-    units = known_units()
-    data = {}
-    for fit in fits:
-        for name in fit.names:
-            value, std = fit.values[name], fit.deviations[name]
-            data[name] = {
-                "value": value,
-                "unit": units.get(name, "1"),
-                "std": std,
-                "identified": bool(name not in fit.bounded and std < IDENTIFIED * abs(value)),
+    @property
+    def is_rejected(self) -> bool:
+        """Whether what was found makes held-out records worse: then the plant stays as declared."""
+        return bool(self.effects) and self.errors.is_worse
+
+    @property
+    def rounds(self) -> list[BalanceResult]:
+        """Where effects competed: the balances, and the simulated plant."""
+        return [*self.results, *([self.simulation.result] if self.simulation is not None else [])]
+
+    def to_json(self) -> dict[str, object]:
+        """The content of report.json: numbers, text, lists and dictionaries, null for what is not finite."""
+        units = known_units()
+        floors = {
+            result.balance.name: {
+                "value": result.balance.floor,
+                "unit": result.balance.unit,
+                "before": result.before.rms,
+                "after": result.after.rms,
             }
-    return data
+            for result in self.results
+        }
+        fits = {
+            key: {name: fitted.to_json(units.get(name, "1")) for name, fitted in parameters.items()}
+            for key, parameters in (("baseline", self.baseline_parameters), ("fitted", self.fitted_parameters))
+        }
+        data = {
+            "title": self.experiment.title,
+            "verdict": self.verdict,
+            "effects": [effect.to_json() for effect in self.effects],
+            "unexplained": None if self.unexplained is None else self.unexplained.to_json(),
+            "error": self.errors.to_json(),
+            "floor": floors,
+            "simulation": None if self.simulation is None else self.simulation.to_json(),
+            **fits,
+        }
+        return {key: _plain(value) for key, value in data.items()}
+
+
+def _plain(data: object) -> object:
+    """Data as JSON holds it: no NumPy scalars, null in the place of what is not finite."""
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, np.generic):
+        data = data.item()
+    return None if isinstance(data, float) and not math.isfinite(data) else data

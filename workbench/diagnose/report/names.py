@@ -6,8 +6,6 @@ from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
 from workbench.toml.units import factor
 
-REJECTED = "rejected_on_held_out"
-
 PLAIN = {
     "direction_asymmetry": "friction differs between the two directions",
     "position_dependent_friction": "friction changes along the stroke",

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report.evidence import Picture
+from workbench.diagnose.report.figures.frame import Picture
 from workbench.diagnose.report.series import title_of
-from workbench.diagnose.report.words import sureness, verdict_sentence
+from workbench.diagnose.report.sureness import sureness
+from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.html import html_environment
 
@@ -81,7 +82,7 @@ class Table:
     cells: pd.DataFrame
 
 
-def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
+def page(diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
     """The page as HTML; it names the figures in `figures/` beside it."""
     balances = [
         {
@@ -89,15 +90,15 @@ def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str,
             "words": BALANCES.get(result.balance.name, ""),
             "names": [name for name, picture in pictures.items() if picture.balance == result.balance.name],
         }
-        for result in found.rounds
+        for result in diagnosis.rounds
     ]
     template = html_environment().from_string(_HTML)
     return template.render(
-        title=found.experiment.title,
-        verdict=verdict_sentence(found),
-        scope=_scope(found),
-        sureness=sureness(found),
-        rejected=found.report["verdict"] == "rejected_on_held_out",
+        title=diagnosis.experiment.title,
+        verdict=verdict_sentence(diagnosis),
+        scope=_scope(diagnosis),
+        sureness=sureness(diagnosis),
+        rejected=diagnosis.is_rejected,
         balances=balances,
         pictures=pictures,
         tables=tables,
@@ -105,9 +106,9 @@ def page(found: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str,
     )
 
 
-def _scope(found: Diagnosis) -> str:
-    experiment = found.experiment
-    records = found.results[0].balance.motions
+def _scope(diagnosis: Diagnosis) -> str:
+    experiment = diagnosis.experiment
+    records = diagnosis.results[0].balance.motions
     seconds = sum(float(motion.time[-1] - motion.time[0]) for motion in records)
     held_out = sum(spec.use == "held_out" for spec in experiment.records)
     tested = {0: "no record is held out", 1: "one is held out"}.get(held_out, f"{held_out} are held out")

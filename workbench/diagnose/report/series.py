@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.residuals.fitting import Balance
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.toml.units import factor
 
@@ -37,6 +38,10 @@ class Part:
     before: np.ndarray
     after: np.ndarray
     moving: np.ndarray
+
+    def of(self, side: Literal["before", "after"]) -> np.ndarray:
+        """The residual of one side."""
+        return self.before if side == "before" else self.after
 
     def signal(self, name: str) -> np.ndarray | None:
         """A signal at the residual's times, as it is shown; None where it was not measured."""
@@ -75,17 +80,17 @@ ACTS_ON: Mapping[str, tuple[str, ...]] = {
 """What effects act on, beyond the signals that are always shown."""
 
 
-def shown_signals(found: Diagnosis, balance: Balance, part: "Part") -> list[str]:
+def shown_signals(diagnosis: Diagnosis, balance: Balance, part: "Part") -> list[str]:
     """The signals over which a balance is shown: the usual ones, those on which what was found acts, and those on which
     depends what is not explained.
     """
     wanted = set(ALWAYS)
     if part.signal("load_pressure") is None:
         wanted |= {"pressure_1", "pressure_2"}
-    for one in found.found:
-        wanted |= set(ACTS_ON.get(one.name, ()))
-    if found.unexplained is not None and found.unexplained.balance == balance.name:
-        wanted |= set(found.unexplained.signals)
+    for effect in diagnosis.effects:
+        wanted |= set(ACTS_ON.get(effect.name, ()))
+    if diagnosis.unexplained is not None and diagnosis.unexplained.balance == balance.name:
+        wanted |= set(diagnosis.unexplained.dependence.signals)
     return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]
 
 
@@ -107,14 +112,14 @@ def scale_of(balance: Balance) -> float:
     return balance.floor * (1.0 if balance.unit == "1" else factor(balance.unit, unit_of(balance)))
 
 
-def parts_of(found: Diagnosis, balance: Balance) -> list[Part]:
+def parts_of(diagnosis: Diagnosis, balance: Balance) -> list[Part]:
     """Every residual of a balance on every record, the fit's first."""
     parts = []
-    for use, motions in (("fit", balance.motions), ("held-out", found.held_out)):
+    for use, motions in (("fit", balance.motions), ("held-out", diagnosis.held_out)):
         for motion in motions:
             thin, label = motion.thinned, motion.record.label
             moving = ~thin.resting if balance.sharp else np.ones(thin.time.size, dtype=bool)
-            sides = [_residuals(balance, motion, values) for values in (found.baseline, found.corrected)]
+            sides = [_residuals(balance, motion, values) for values in (diagnosis.baseline, diagnosis.corrected)]
             for number, (before, after) in enumerate(zip(*sides, strict=True)):
                 parts.append(Part(label, use, number, motion, thin.time, before, after, moving))
     return parts
@@ -122,7 +127,7 @@ def parts_of(found: Diagnosis, balance: Balance) -> list[Part]:
 
 def _residuals(balance: Balance, motion: Motion, values: Values) -> list[np.ndarray]:
     scale = factor(balance.unit, unit_of(balance))
-    return [np.where(balance.known(motion), scale * one, np.nan) for one in balance.residuals(motion, values)]
+    return [np.where(balance.known(motion), scale * residual, np.nan) for residual in balance.residuals(motion, values)]
 
 
 def is_changed(parts: Sequence[Part]) -> bool:
@@ -152,16 +157,20 @@ def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarra
 
     Values that are NaN take no part. A series is sampled every `THINNED` seconds.
     """
-    series = [one for one in series if np.isfinite(one).any()]
-    shortest = min(one.size for one in series)
+    series = [values for values in series if np.isfinite(values).any()]
+    shortest = min(values.size for values in series)
     count = min(round(LONGEST_LAG / THINNED), shortest // 2)
-    filled = [np.where(np.isfinite(one), one - np.nanmean(one), 0.0) for one in series]
-    known = [np.isfinite(one).astype(float) for one in series]
+    filled = [np.where(np.isfinite(values), values - np.nanmean(values), 0.0) for values in series]
+    known = [np.isfinite(values).astype(float) for values in series]
     means = []
     for lag in range(count + 1):
-        products = sum(float(one[: one.size - lag] @ one[lag:]) for one in filled)
-        pairs = sum(float(one[: one.size - lag] @ one[lag:]) for one in known)
+        products, pairs = _lagged(filled, lag), _lagged(known, lag)
         means.append(products / max(pairs, 1.0))
-    total = sum(float(np.sum(one)) for one in known)
-    values = np.array(means)
-    return THINNED * np.arange(count + 1), values / max(values[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
+    total = sum(float(np.sum(values)) for values in known)
+    correlation = np.array(means)
+    return THINNED * np.arange(count + 1), correlation / max(correlation[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
+
+
+def _lagged(series: Sequence[np.ndarray], lag: int) -> float:
+    """Sum of the products of values that are `lag` samples apart."""
+    return sum(float(values[: values.size - lag] @ values[lag:]) for values in series)

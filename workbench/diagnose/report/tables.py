@@ -1,15 +1,15 @@
 """Tables of a diagnosis as text: effects, errors before and after, parameters, and what each candidate was worth."""
 
 import math
-from typing import Any
 
 import pandas as pd
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report.names import ERRORS, REJECTED, interval, percent, plain, quantity, shown_unit
-from workbench.diagnose.report.parameters import ENDED, Row, parameter_rows
+from workbench.diagnose.report.names import ERRORS, interval, percent, plain, quantity, shown_unit
+from workbench.diagnose.report.parameters import Row, parameter_rows
 from workbench.diagnose.report.series import scale_of, unit_of
-from workbench.diagnose.selection.selection import gain
+from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.result import BALANCE_ERRORS, ENDED, Diagnosis
+from workbench.diagnose.selection.selection import Step, gain
 from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
 from workbench.toml.units import factor
@@ -20,59 +20,57 @@ INTERVAL = 1.96
 NOT_IDENTIFIED = "not identified"
 
 
-def effects_table(found: Diagnosis) -> pd.DataFrame:
+def effects_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """effect | balance | parameter | value | left-out gain | alternatives; empty where none was found."""
     lines = [
         {
-            "effect": plain(one.name),
-            "balance": one.balance,
+            "effect": plain(effect.name),
+            "balance": effect.balance,
             "parameter": name,
             "value ± std": quantity(name, *number),
-            "gain on left-out data": percent(one.evidence["left_out_gain"]) if "left_out_gain" in one.evidence else "",
-            "cannot be told from": ", ".join(map(plain, one.alternatives)),
+            "gain on left-out data": "" if (share := effect.evidence.left_out_gain) is None else percent(share),
+            "cannot be told from": ", ".join(map(plain, effect.alternatives)),
         }
-        for one in found.found
-        for name, number in one.numbers.items()
+        for effect in diagnosis.effects
+        for name, number in effect.parameters.items()
     ]
     return _without_empty(lines)
 
 
-def error_table(found: Diagnosis) -> pd.DataFrame:
+def error_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """error | unit | before, after, change on the fit and on the held-out records | floor.
 
     Where nothing was added there is no before and after, and one column for each use.
     """
+    uses = (("fit", diagnosis.errors.fit), ("held-out", diagnosis.errors.held_out))
+    models = [errors for _, use in uses for errors in (use.before, use.after)]
+    floors = {BALANCE_ERRORS[result.balance.name]: result.balance.floor for result in diagnosis.results}
     lines = []
-    errors = found.report["error"]
-    keys = dict.fromkeys(key for use in errors.values() for side in ("before", "after") for key in use[side])
-    for key in keys:
+    for key in dict.fromkeys(key for errors in models for key in errors.figures):
         words, unit, shown = ERRORS.get(key, (plain(key), "1", "1"))
         scale = factor(unit, shown)
         line = {"error (rms)": words, "unit": shown if shown != "1" else ""}
-        for use, heading in (("fit", "fit"), ("held_out", "held-out")):
-            before, after = (errors[use][side].get(key) for side in ("before", "after"))
-            sides = (
-                ((f"{heading}, before", before), (f"{heading}, after", after)) if found.found else ((heading, after),)
-            )
-            for words, value in sides:
-                line[words] = "" if value is None else shown_number(scale * value, 3)
-            if found.found and before and after is not None:
+        for use, errors in uses:
+            before, after = (side.figures.get(key) for side in (errors.before, errors.after))
+            columns = {f"{use}, before": before, f"{use}, after": after} if diagnosis.effects else {use: after}
+            for heading, rms in columns.items():
+                line[heading] = "" if rms is None else shown_number(scale * rms, 3)
+            if diagnosis.effects and before and after is not None:
                 change = percent(after / before - 1.0, 1)
-                line[f"{heading}, change"] = f"+{change}" if after > before and change != "0 %" else change
-        balance = next((r.balance for r in found.results if key.startswith(f"{r.balance.name}_rms")), None)
-        line["noise floor"] = "" if balance is None else shown_number(scale * balance.floor, 3)
+                line[f"{use}, change"] = f"+{change}" if after > before and change != "0 %" else change
+        line["noise floor"] = shown_number(scale * floors[key], 3) if key in floors else ""
         lines.append(line)
     return _without_empty(lines)
 
 
-def parameter_table(found: Diagnosis) -> pd.DataFrame:
+def parameter_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """parameter | unit | declared | baseline, 95 % interval | with what was found, 95 % interval | remark.
 
     Where nothing was found there is one fit, and one pair of columns.
     """
     lines = []
-    last = "rejected" if found.report["verdict"] == REJECTED else "with effects"
-    for name, row in parameter_rows(found).items():
+    last = "rejected" if diagnosis.is_rejected else "with effects"
+    for name, row in parameter_rows(diagnosis).items():
         unit = known_units().get(name, "1")
         shown = shown_unit(unit, row.final.value)
         scale = factor(unit, shown)
@@ -81,12 +79,13 @@ def parameter_table(found: Diagnosis) -> pd.DataFrame:
             "unit": "" if shown == "1" else shown,
             "declared": "" if row.declared is None else shown_number(scale * row.declared, 4),
         }
-        sides = (("baseline", row.baseline), (last, row.final)) if found.found else (("fitted", row.final),)
-        for heading, one in sides:
-            line[heading] = "" if one is None else shown_number(scale * one.value, 4)
-            half = math.nan if one is None or one.doubt == ENDED else INTERVAL * scale * one.std
-            line[f"{heading}, 95 % interval"] = "" if one is None else interval(scale * one.value, half)
-        lines.append({**line, "remark": _remark(row, last) if found.found else NOT_IDENTIFIED * bool(row.final.doubt)})
+        sides = {"baseline": row.baseline, last: row.final} if diagnosis.effects else {"fitted": row.final}
+        for heading, fitted in sides.items():
+            line[heading] = "" if fitted is None else shown_number(scale * fitted.value, 4)
+            half = math.nan if fitted is None or fitted.doubt == ENDED else INTERVAL * scale * fitted.std
+            line[f"{heading}, 95 % interval"] = "" if fitted is None else interval(scale * fitted.value, half)
+        remark = _remark(row, last) if diagnosis.effects else NOT_IDENTIFIED * bool(row.final.doubt)
+        lines.append({**line, "remark": remark})
     return _without_empty(lines)
 
 
@@ -94,43 +93,43 @@ def _remark(row: Row, last: str) -> str:
     """What a reader has to know of a parameter: of an effect, or not identified, and by which fit."""
     doubts = (("by the baseline", row.baseline is not None and row.baseline.doubt), (last, row.final.doubt))
     unsure = [words for words, doubt in doubts if doubt]
-    said = ["of an effect"] if row.baseline is None else []
-    return "; ".join([*said, *([f"{NOT_IDENTIFIED} {', '.join(unsure)}"] if unsure else [])])
+    remarks = ["of an effect"] if row.baseline is None else []
+    return "; ".join([*remarks, *([f"{NOT_IDENTIFIED} {', '.join(unsure)}"] if unsure else [])])
 
 
-def evidence_table(found: Diagnosis) -> pd.DataFrame:
+def evidence_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """balance | round | candidate | parameters | left-out rms | gain | standard errors | outcome."""
     lines = []
-    for result in found.rounds:
+    for result in diagnosis.rounds:
         unit, scale = unit_of(result.balance), scale_of(result.balance)
         for number, step in enumerate(result.steps, 1):
             start = {"balance": result.balance.name, "round": str(number), "unit": unit}
             before = shown_number(scale * step.before.validated_rms, 3)
             lines.append({**start, "candidate": "nothing added", "left-out rms": before})
-            for one in step.candidates:
-                share, sure = gain(step.before, one.fit)
+            for candidate in step.candidates:
+                share, sure = gain(step.before, candidate.fit)
                 lines.append(
                     {
                         **start,
-                        "candidate": plain(one.effect),
-                        "its parameters": ", ".join(quantity_of(one.fit, name) for name in one.variant),
-                        "left-out rms": shown_number(scale * one.fit.validated_rms, 3),
+                        "candidate": plain(candidate.effect),
+                        "its parameters": ", ".join(quantity_of(candidate.fit, name) for name in candidate.variant),
+                        "left-out rms": shown_number(scale * candidate.fit.validated_rms, 3),
                         "gain": percent(share, 1),
                         "standard errors": f"{sure:.1f}",
-                        "outcome": outcome(step, one.effect),
+                        "outcome": outcome(step, candidate.effect),
                     }
                 )
     return _without_empty(lines)
 
 
-def quantity_of(fit: Any, name: str) -> str:
+def quantity_of(fit: Fit, name: str) -> str:
     """A fitted parameter by name, with its unit; one without a deviation was stopped by its bound."""
     if not fit.deviations[name]:
         return f"{name} at its bound"
     return f"{name} = {quantity(name, fit.values[name], fit.deviations[name])}"
 
 
-def outcome(step: Any, effect: str) -> str:
+def outcome(step: Step, effect: str) -> str:
     """What became of a candidate in a round."""
     if step.added is not None and step.added.effect == effect:
         return "added"

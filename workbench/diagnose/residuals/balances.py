@@ -8,7 +8,7 @@ import numpy as np
 from plants.effects import EFFECTS
 from plants.equation import NEGATIVE, fields
 from workbench.diagnose.residuals import flow, force
-from workbench.diagnose.residuals.fitting import Balance
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion
 from workbench.parameters.sets import SIGNED
 

@@ -221,12 +221,12 @@ def motion_of(record: Record) -> Motion:
 def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int) -> np.ndarray:
     """Where a pressure or a force differs between the window and half of it by more than noise, and a window around."""
     half = max(2 * (points // 4) + 1, FEWEST - 2)
-    found = np.zeros(next(iter(channels.values())).size)
+    fast = np.zeros(next(iter(channels.values())).size)
     for name in ("pressure_1", "pressure_2", "force"):
         if name in channels:
             limit = SHARP * noise[name] * float(np.linalg.norm(_kernel(half)))
-            found += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
-    return np.asarray(maximum_filter1d((found > 0).astype(float), points) > 0)
+            fast += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
+    return np.asarray(maximum_filter1d((fast > 0).astype(float), points) > 0)
 
 
 def _slack(velocity: np.ndarray, creep: float, step: float) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 from controllers import pid
 from controllers.pid import PID
 from plants.two_chamber import TWO_CHAMBER
-from workbench.diagnose.residuals.fitting import Balance
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
@@ -93,5 +93,5 @@ def floored(balances: Sequence[Balance], values: Values, flow: str) -> list[Bala
     if not motions[0].has("valve_voltage", "position", "pressure_1", "pressure_2"):
         return list(balances)
     null = [null_motion(motion, values, flow, i) for i, motion in enumerate(motions)]
-    found = [one for one in null if one is not None]
-    return [with_floor(balance, found, values) if found else balance for balance in balances]
+    complete = [motion for motion in null if motion is not None]
+    return [with_floor(balance, complete, values) if complete else balance for balance in balances]

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.effects import EFFECTS
-from workbench.diagnose.residuals.fitting import Balance, Fit, fit, promise
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.promise import promise
 
 LEAST_GAIN = 0.04
 """Share of the left-out rms that an effect must take away."""
@@ -100,18 +102,22 @@ def candidates_for(
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        more = [one for one in EFFECTS[name].variants if name not in taken or extends(one, names)]
+        more = [variant for variant in EFFECTS[name].variants if name not in taken or extends(variant, names)]
         if more:
             promises[name] = {variant: promise(before, variant, bounds) for variant in more}
-    found = []
+    best = []
     for name in promises:
         ranked = sorted(promises[name], key=lambda variant: promises[name][variant] * (1.0 + PRICE * len(variant)))
         tried = []
         for variant in ranked[:VARIANTS]:
-            free = [*names, *(one for one in variant if one not in names)]
+            free = [*names, *(number for number in variant if number not in names)]
             tried.append(Candidate(name, variant, fit(balance, before.values, free, bounds)))
-        found.append(min(tried, key=lambda one: one.score))
-    return sorted(found, key=lambda one: one.score)
+        best.append(min(tried, key=_by_score))
+    return sorted(best, key=_by_score)
+
+
+def _by_score(candidate: Candidate) -> float:
+    return candidate.score
 
 
 def extends(variant: Sequence[str], names: Sequence[str]) -> bool:
@@ -126,17 +132,23 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
     current = fit(balance, values, names, bounds)
     steps: list[Step] = []
     while len(taken) < MOST and (current.rms > AT_FLOOR or not steps):
-        found = candidates_for(balance, current, names, taken, bounds)
-        passing = [one for one in found if _passes(current, one)] if current.rms > AT_FLOOR else []
-        added = passing[0] if passing else None
-        rivals = [one.effect for one in passing[1:] if added is not None and is_level(added, one)]
-        steps.append(Step(current, found, added, rivals))
+        candidates = candidates_for(balance, current, names, taken, bounds)
+        passing = [rival for rival in candidates if _passes(current, rival)] if current.rms > AT_FLOOR else []
+        steps.append(round_of(current, candidates, passing))
+        added = steps[-1].added
         if added is None:
             break
         taken += [added.effect] if added.effect not in taken else []
-        names += [one for one in added.variant if one not in names]
+        names += [name for name in added.variant if name not in names]
         current = added.fit
     return current, steps
+
+
+def round_of(before: Fit, candidates: Sequence[Candidate], passing: Sequence[Candidate]) -> Step:
+    """A round: of those that pass, from the best, the first is added, and those level with it are its alternatives."""
+    added = passing[0] if passing else None
+    rivals = [rival.effect for rival in passing[1:] if added is not None and is_level(added, rival)]
+    return Step(before, candidates, added, rivals)
 
 
 def is_circular(effect: str, balance: Balance) -> bool:
@@ -149,11 +161,11 @@ def least_gain(effect: str, count: int, balance: Balance) -> float:
     return (CIRCULAR_GAIN if is_circular(effect, balance) else LEAST_GAIN) + PRICE * count
 
 
-def _passes(before: Fit, one: Candidate) -> bool:
-    share, sure = gain(before, one.fit)
-    if one.fit.bounded - set(before.balance.free):  # an effect's number that is no estimate
+def _passes(before: Fit, candidate: Candidate) -> bool:
+    share, sure = gain(before, candidate.fit)
+    if candidate.fit.bounded - set(before.balance.free):  # an effect's number that is no estimate
         return False
-    return share > least_gain(one.effect, len(one.variant), before.balance) and sure > SURE
+    return share > least_gain(candidate.effect, len(candidate.variant), before.balance) and sure > SURE
 
 
 def is_level(best: Candidate, other: Candidate) -> bool:

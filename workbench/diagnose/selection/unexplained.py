@@ -1,13 +1,14 @@
-"""What a residual depends on when no effect explains it: conditional means over one signal at a time, on
-blocks left out.
+"""What a residual depends on when no effect explains it: conditional means over one signal at a time, on blocks left
+out; and the data-driven term that is offered for it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from workbench.diagnose.residuals.fitting import BLOCKS, Balance
+from workbench.diagnose.residuals.balance import BLOCKS, Balance
+from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
 
@@ -61,6 +62,72 @@ class Term:
         return float(np.sqrt(np.mean(before**2))), float(np.sqrt(np.mean(after**2)))
 
 
+@dataclass(frozen=True)
+class TermErrors:
+    """Rms of a residual where something moves, without a data-driven term and with it."""
+
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, eq=False)
+class OfferedTerm:
+    """A data-driven term over a signal (SI): its nodes and the residual there (`unit`), and what it does to the records
+    that were fitted and to those that were held out; None where nothing moves in them.
+    """
+
+    signal: str
+    nodes: np.ndarray
+    values: np.ndarray
+    unit: str
+    fit: TermErrors | None = None
+    held_out: TermErrors | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds it."""
+        tested = {use: asdict(errors) for use in ("fit", "held_out") if (errors := getattr(self, use)) is not None}
+        return {
+            "signal": self.signal,
+            "nodes": self.nodes.tolist(),
+            "values": self.values.tolist(),
+            "unit": self.unit,
+            **tested,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Unexplained:
+    """What no effect explains: the balance, on which signals it depends, and the term that is offered for it."""
+
+    dependence: Dependence
+    term: OfferedTerm
+
+    @property
+    def balance(self) -> str:
+        """The balance by name."""
+        return self.dependence.balance
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds it."""
+        return {
+            "balance": self.balance,
+            "depends_on": self.dependence.signals,
+            "shares": dict(self.dependence.shares),
+            "data_driven_term": self.term.to_json(),
+        }
+
+
+def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion]) -> Unexplained:
+    """What a fit of a balance leaves unexplained, with a term over the signal on which it depends most."""
+    balance, values = after.balance, after.values
+    term = data_driven_term(balance, values, dependence.signals[0])
+    fitted, tested = (
+        TermErrors(*term.left(motions, values)) if term.is_tested_by(motions) else None
+        for motions in (balance.motions, held_out)
+    )
+    return Unexplained(dependence, OfferedTerm(term.signal, term.nodes, term.values, balance.unit, fitted, tested))
+
+
 def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
     """The term of a signal, from the balance's own records."""
     residuals, signals = [], []
@@ -72,8 +139,8 @@ def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
     edges = np.unique(np.quantile(known, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
     place = np.searchsorted(edges, known)
     bins = np.unique(place)
-    nodes = np.array([np.mean(known[place == one]) for one in bins])
-    return Term(balance, signal, nodes, np.array([np.mean(residual[place == one]) for one in bins]))
+    nodes, means = (np.array([np.mean(values_of[place == bin_]) for bin_ in bins]) for values_of in (known, residual))
+    return Term(balance, signal, nodes, means)
 
 
 def _moving(balance: Balance, motion: Motion, values: Values) -> tuple[np.ndarray, np.ndarray]:
@@ -94,12 +161,12 @@ def dependence(balance: Balance, values: Values) -> Dependence | None:
     residual = np.concatenate(residuals)
     if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
         return None
-    shares = {name: explained(np.concatenate(one), residual) for name, one in parts.items()}
-    found = {name: share for name, share in shares.items() if share > LEAST}
-    return Dependence(balance.name, found) if found else None
+    shares = {name: explained_share(np.concatenate(pieces), residual) for name, pieces in parts.items()}
+    strong = {name: share for name, share in shares.items() if share > LEAST}
+    return Dependence(balance.name, strong) if strong else None
 
 
-def explained(signal: np.ndarray, residual: np.ndarray) -> float:
+def explained_share(signal: np.ndarray, residual: np.ndarray) -> float:
     """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
     means.
     """
@@ -116,7 +183,7 @@ def explained(signal: np.ndarray, residual: np.ndarray) -> float:
     return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
 
 
-def strongest(found: Sequence[Dependence | None]) -> Dependence | None:
+def strongest(dependences: Sequence[Dependence | None]) -> Dependence | None:
     """The dependence that explains most."""
-    known = [one for one in found if one is not None]
-    return max(known, key=lambda one: max(one.shares.values()), default=None)
+    known = [dependence for dependence in dependences if dependence is not None]
+    return max(known, key=lambda dependence: max(dependence.shares.values()), default=None)

@@ -1,22 +1,15 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.unknowns import Unknown, Values, unknown
 from workbench.fitting.covariance import long_run_length, sandwich
-
-BLOCKS = 10
-"""Parts, each of one piece, into which the records are cut for cross-validation."""
-
-LEAST_BLOCKS = 4
-"""Parts of each record at least: blocks of several records must not be so few that none can be sure."""
 
 STEP = 1e-4
 """Relative step of difference quotients; the residuals are exact functions of the parameters."""
@@ -31,75 +24,6 @@ BOUNDED = 1e-3
 
 THREADS = 2
 """In which the columns of a Jacobian are found."""
-
-SHARES = (1.0, 0.6, 0.3)
-"""Of a Gauss-Newton step, at which a candidate's promise is looked at: a long step of a logarithm goes too far."""
-
-Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
-"""The residuals of a balance along a motion, one array or more."""
-
-
-@dataclass(frozen=True, eq=False)
-class Balance:
-    """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
-
-    The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
-    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. `parts` is the
-    number of residuals that each motion gives. A `sharp` balance cannot be told where smoothing blurs what happened,
-    and follows a contact from sample to sample; any other is evaluated on thinned motions alone.
-    """
-
-    name: str
-    motions: Sequence[Motion]
-    residual: Residual
-    floor: float
-    unit: str
-    free: tuple[str, ...]
-    effects: tuple[str, ...] = ()
-    parts: int = 1
-    sharp: bool = False
-    simulated: bool = False
-
-    def known(self, motion: Motion) -> np.ndarray:
-        """At which of a motion's thinned instants the residual says something."""
-        thin = motion.thinned
-        return thin.valid & ~thin.blurred if self.sharp else thin.valid
-
-    def residuals(self, motion: Motion, values: Values) -> list[np.ndarray]:
-        """Residuals (in `unit`) of a motion at its thinned instants."""
-        if self.sharp:
-            return [part[:: motion.thinning] for part in self.residual(motion, values)]
-        return list(self.residual(motion.thinned, values))
-
-    def stacked(self, values: Values) -> np.ndarray:
-        """Residuals of all records over the floor, 0 where nothing is known."""
-        return np.concatenate(
-            [
-                np.where(self.known(motion), part, 0.0) / self.floor
-                for motion in self.motions
-                for part in self.residuals(motion, values)
-            ]
-        )
-
-    @cached_property
-    def series(self) -> list[list[slice]]:
-        """Where the residuals of each record stand in the stack."""
-        sizes = [motion.thinned.time.size for motion in self.motions for _ in range(self.parts)]
-        ends = np.cumsum(sizes).tolist()
-        slices = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
-        return [slices[i : i + self.parts] for i in range(0, len(slices), self.parts)]
-
-    @cached_property
-    def blocks(self) -> list[np.ndarray]:
-        """Rows of each block of the stack: pieces of time, with all residuals of a record in them."""
-        per_record = max(BLOCKS // len(self.motions), LEAST_BLOCKS)
-        return [
-            np.concatenate(pieces)
-            for slices in self.series
-            for pieces in zip(
-                *(np.array_split(np.arange(one.start, one.stop), per_record) for one in slices), strict=True
-            )
-        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +98,7 @@ def fit(
     unknowns = [unknown(name, values, bounds or {}) for name in names]
 
     def at(x: np.ndarray) -> dict[str, float]:
-        return {**values, **{u.name: u.value(float(one)) for u, one in zip(unknowns, x, strict=True)}}
+        return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
 
     anchors = np.array([1.0 if u.logarithmic else 0.0 for u in unknowns])
 
@@ -198,7 +122,7 @@ def fit(
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low + 1e-9, high - 1e-9)
     if unknowns:
-        found = least_squares(
+        solution = least_squares(
             residual,
             start,
             jac=jacobian,
@@ -207,48 +131,24 @@ def fit(
             ftol=search.flat,
             max_nfev=search.most_steps,
         )
-        size = found.fun.size - len(unknowns)
-        x, r, j = found.x, found.fun[:size], found.jac[:size] * (found.active_mask == 0)
+        size = solution.fun.size - len(unknowns)
+        x, r, j = solution.x, solution.fun[:size], solution.jac[:size] * (solution.active_mask == 0)
     else:
         x, r = start, residual(start)
         j = np.zeros((r.size, 0))
     deviations = _deviations(j, r, [place for slices in balance.series for place in slices])
+    places = list(zip(unknowns, x, strict=True))
     return Fit(
-        balance,
-        tuple(names),
-        at(x),
-        {u.name: abs(u.slope(one)) * d for u, one, d in zip(unknowns, x, deviations, strict=True)},
-        r,
-        _validated(j, r, balance.blocks),
-        j,
-        unknowns,
-        frozenset(u.name for u, one in zip(unknowns, x, strict=True) if min(one - u.low, u.high - one) < BOUNDED),
+        balance=balance,
+        names=tuple(names),
+        values=at(x),
+        deviations={u.name: abs(u.slope(place)) * std for (u, place), std in zip(places, deviations, strict=True)},
+        residual=r,
+        validated=_validated(j, r, balance.blocks),
+        jacobian=j,
+        unknowns=unknowns,
+        bounded=frozenset(u.name for u, place in places if min(place - u.low, u.high - place) < BOUNDED),
     )
-
-
-def promise(before: Fit, names: Sequence[str], bounds: Mapping[str, tuple[float, float]]) -> float:
-    """Residual rms (floors) after one Gauss-Newton step of a fit that also frees `names`: what a candidate promises."""
-    balance, values = before.balance, before.values
-    added = [unknown(name, values, bounds) for name in names if name not in before.names]
-    kept = [replace(u, start=values[u.name]) if u.logarithmic else u for u in before.unknowns]
-    x = [0.0 if u.logarithmic else values[u.name] / u.size for u in kept]
-    start = np.array(x + [float(np.clip(u.first, u.low, u.high)) for u in added])
-
-    def residual(point: np.ndarray) -> np.ndarray:
-        moved = {u.name: u.value(float(one)) for u, one in zip([*kept, *added], point, strict=True)}
-        return np.nan_to_num(balance.stacked({**values, **moved}), nan=1e6)
-
-    base, columns = residual(start), []
-    for i in range(len(kept), start.size):
-        moved = start.copy()
-        moved[i] += STEP * max(1.0, abs(start[i]))
-        columns.append((residual(moved) - base) / (moved[i] - start[i]))
-    jacobian = np.column_stack([before.jacobian, *columns])
-    step = np.linalg.lstsq(jacobian, -base, rcond=1e-10)[0]
-    low = np.array([u.low for u in [*kept, *added]])
-    high = np.array([u.high for u in [*kept, *added]])
-    reached = [residual(np.clip(start + share * step, low, high)) for share in SHARES]
-    return float(np.sqrt(min(np.mean(one**2) for one in (base, *reached))))
 
 
 def _deviations(jacobian: np.ndarray, residual: np.ndarray, series: list[slice]) -> np.ndarray:

@@ -1,12 +1,14 @@
 """Which effects are worth a whole fit to simulation error: what a first-order prediction says of each."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from plants.effects import EFFECTS
 from plants.equation import NEGATIVE
-from workbench.diagnose.residuals.fitting import Balance, Fit, Search, fit
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit, Search, fit
 from workbench.diagnose.residuals.unknowns import NEUTRAL, Values, unknown
 from workbench.diagnose.selection.selection import Candidate, extends
 
@@ -28,17 +30,31 @@ NEARLY_ALL = 0.9
 EXPLAINS = 0.5
 """Share of the squares beyond noise that an effect has to take away: the stronger one of two that are missing does."""
 
+PRICE = 0.02
+"""Share of what is more than noise that every further parameter has to promise."""
+
 CHANGE = 0.02
 """Relative change of a parameter that has a value already, at which its worth is first looked at."""
 
 
-def candidates(
+class _Promise(NamedTuple):
+    """What a first-order prediction says of an effect: the share beyond noise that it takes away, by which of its
+    parameters, and where these begin.
+    """
+
+    share: float
+    effect: str
+    variant: tuple[str, ...]
+    start: dict[str, float]
+
+
+def promising(
     before: Fit, taken: Mapping[str, Sequence[str]], bounds: Mapping[str, tuple[float, float]]
 ) -> list[Candidate]:
     """The effects that promise most, fitted, from the best."""
     balance, motion = before.balance, before.balance.motions[0]
     columns: dict[str, np.ndarray] = {}
-    promised: list[tuple[float, str, tuple[str, ...], dict[str, float]]] = []
+    promised = list[_Promise]()
     for effect in EFFECTS.values():
         if not motion.has(*effect.needs):
             continue
@@ -53,24 +69,24 @@ def candidates(
             left, sizes = _predicted(before, [columns[name] for name in more])
             share = _share(float(np.mean(before.residual**2)), left)
             start = {name: _reached(before.values, name, size, bounds) for name, size in zip(more, sizes, strict=True)}
-            tried.append((share, effect.name, variant, start))
+            tried.append(_Promise(share, effect.name, variant, start))
         if tried:
-            promised.append(max(tried, key=lambda one: one[0] - 0.02 * len(one[2])))
-    promised.sort(key=lambda one: -one[0])
-    found = list[Candidate]()
-    for share, effect_name, variant, start in promised[:TRIED]:
-        done = any(explained(before, one.fit) > NEARLY_ALL for one in found)
-        if share > max(EXPLAINS if done else PROMISING, NEXT_BEST * promised[0][0]):
-            names = [*before.names, *start]
-            fitted = fit(balance, {**before.values, **start}, names, bounds, QUICK)
-            found.append(Candidate(effect_name, variant, fitted))
-    return sorted(found, key=lambda one: one.score)
+            promised.append(max(tried, key=lambda promise: promise.share - PRICE * len(promise.variant)))
+    promised.sort(key=lambda promise: -promise.share)
+    fitted = list[Candidate]()
+    for promise in promised[:TRIED]:
+        done = any(explained(before, candidate.fit) > NEARLY_ALL for candidate in fitted)
+        if promise.share > max(EXPLAINS if done else PROMISING, NEXT_BEST * promised[0].share):
+            names = [*before.names, *promise.start]
+            with_it = fit(balance, {**before.values, **promise.start}, names, bounds, QUICK)
+            fitted.append(Candidate(promise.effect, promise.variant, with_it))
+    return sorted(fitted, key=lambda candidate: candidate.score)
 
 
 def _step(values: Values, name: str) -> float:
     """The change of a parameter at which its worth is looked at."""
-    one = unknown(name, values, {})
-    return CHANGE * one.size if one.logarithmic else one.size
+    searched = unknown(name, values, {})
+    return CHANGE * searched.size if searched.logarithmic else searched.size
 
 
 def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
@@ -92,12 +108,12 @@ def _predicted(before: Fit, columns: Sequence[np.ndarray]) -> tuple[float, np.nd
 
 def _reached(values: Values, name: str, size: float, bounds: Mapping[str, tuple[float, float]]) -> float:
     """The value of a parameter that a prediction gives, within its bounds."""
-    one = unknown(name, values, bounds)
+    searched = unknown(name, values, bounds)
     start = _value(values, name)
     value = start + size * _step(values, name)
-    if one.logarithmic:
+    if searched.logarithmic:
         return float(np.clip(value, 0.5 * start, 2.0 * start))
-    return float(np.clip(value, one.low * one.size, one.high * one.size))
+    return float(np.clip(value, searched.low * searched.size, searched.high * searched.size))
 
 
 def _share(before: float, after: float) -> float:

@@ -1,4 +1,4 @@
-"""The second look: what smoothing hides shows in the simulated plant, and noise is all that a complete one leaves."""
+"""The simulation stage: what smoothing hides shows in the simulated plant; a complete one leaves noise alone."""
 
 import json
 from collections.abc import Callable
@@ -20,25 +20,25 @@ SEED = 5
 
 def test_air_in_the_oil_is_found_by_simulation_alone(tmp_path: Path) -> None:
     path = make_experiment(tmp_path, {"entrained_air": 0.5}, SEED)
-    found = diagnose(path)
+    diagnosis = diagnose(path)
     truth = json.loads((tmp_path / "truth.json").read_text())["rig"]
-    assert found.simulated is not None
-    assert not any(step.added for result in found.results for step in result.steps)  # the balances do not see it
-    assert [one.name for one in found.found] == ["entrained_air"]
-    assert found.found[0].numbers["air_fraction"][0] == pytest.approx(truth["air"], rel=0.01)
-    assert found.simulated.before.rms > 2.0
-    assert found.simulated.after.rms < 1.05  # standard deviations of the sensors' noise
-    fitted = found.simulated.after.values
+    assert diagnosis.simulation is not None
+    assert not any(step.added for result in diagnosis.results for step in result.steps)  # the balances do not see it
+    assert [effect.name for effect in diagnosis.effects] == ["entrained_air"]
+    assert diagnosis.effects[0].parameters["air_fraction"].value == pytest.approx(truth["air"], rel=0.01)
+    assert diagnosis.simulation.before.rms > 2.0
+    assert diagnosis.simulation.after.rms < 1.05  # standard deviations of the sensors' noise
+    fitted = diagnosis.simulation.after.values
     assert fitted["bulk_modulus"] == pytest.approx(truth["bulk_modulus"], rel=0.02)
     assert fitted["coulomb"] == pytest.approx(truth["coulomb"], rel=0.02)
 
 
 def test_a_complete_plant_leaves_noise_and_nothing_is_added(tmp_path: Path) -> None:
-    found = diagnose(make_experiment(tmp_path, {}, SEED))
-    assert found.report["verdict"] == "none_missing"
-    assert found.simulated is not None
-    assert found.simulated.after.rms < 1.05
-    assert found.simulated.is_trusted
+    diagnosis = diagnose(make_experiment(tmp_path, {}, SEED))
+    assert diagnosis.verdict == "none_missing"
+    assert diagnosis.simulation is not None
+    assert diagnosis.simulation.after.rms < 1.05
+    assert diagnosis.simulation.is_trusted
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,125 @@
+"""The effects of a diagnosis with their numbers: of a sensor, of the balances, of the simulated plant."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from plants.effects import EFFECTS
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.flow import pressure_sum
+from workbench.diagnose.residuals.motion import Motion, load_pressure
+from workbench.diagnose.result import Estimate, Evidence, FittedParameter, FoundEffect
+from workbench.diagnose.selection.selection import Step, gain
+from workbench.diagnose.simulation.promising import explained
+from workbench.diagnose.simulation.stage import SimulationStage
+
+OFFSET_SHARE = 0.5
+"""Share of the rms of the pressures' sum that one constant has to take away to be a sensor's offset."""
+
+OFFSET_SURE = 4.0
+"""Noise deviations (smoothed) that it has to exceed."""
+
+CONFOUNDED = 0.2
+"""Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+
+
+def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> FoundEffect | None:
+    """An offset of pressure 1: the sum of both pressures is off by a constant, and by little else."""
+    if not motions[0].has("pressure_1", "pressure_2") or "supply_pressure" not in values:
+        return None
+    sums = np.concatenate([pressure_sum(motion, values)[motion.valid] for motion in motions])
+    mean, rms = float(np.mean(sums)), float(np.sqrt(np.mean(sums**2)))
+    blocks = np.array([np.mean(part) for part in np.array_split(sums, 10)])
+    std = float(np.std(blocks, ddof=1) / np.sqrt(blocks.size))
+    noise = motions[0].smooth[0] * float(np.hypot(motions[0].noise["pressure_1"], motions[0].noise["pressure_2"]))
+    left = float(np.std(sums))
+    if left > (1.0 - OFFSET_SHARE) * rms or abs(mean) < OFFSET_SURE * max(noise, std):
+        return None
+    return FoundEffect(
+        "pressure_sensor_offset",
+        "sensor",
+        {"pressure_1_offset": Estimate(mean, max(std, noise / 10.0))},
+        [],
+        Evidence(sum_rms=rms, left_rms=left),
+    )
+
+
+def effects_of_steps(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[FoundEffect]:
+    """The effects of a balance in the order in which they were added, their numbers from the last fit.
+
+    An effect that gained a parameter in a later round is one effect, with the evidence of its first.
+    """
+    effects: dict[str, FoundEffect] = {}
+    for step in steps:
+        added = step.added
+        if added is None:
+            continue
+        if (first := effects.get(added.effect)) is not None:
+            names = dict.fromkeys([*first.parameters, *added.variant])
+            effects[added.effect] = replace(first, parameters=_estimates(after, list(names)))
+            continue
+        share, sure = gain(step.before, added.fit)
+        together = _speed_and_pressure(balance.motions) if added.effect == "pressure_dependent_friction" else None
+        effects[added.effect] = FoundEffect(
+            added.effect,
+            EFFECTS[added.effect].balance,
+            _estimates(after, added.variant),
+            step.alternatives,
+            Evidence(share, sure, together),
+            _confounded(together),
+        )
+    return list(effects.values())
+
+
+def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage) -> list[FoundEffect]:
+    """What the balances found and the simulated plant keeps, then what it adds; numbers are its own where it is
+    trusted.
+    """
+    after = simulation.after
+    kept = [effect for effect in effects if effect.name not in simulation.dropped]
+    known = {effect.name for effect in kept}
+    stayed = [step for step in simulation.steps if step.added is not None and step.added.effect in simulation.effects]
+    kept += [effect for effect in effects_of_steps(after.balance, after, stayed) if effect.name not in known]
+    merged = []
+    for effect in kept:
+        names = simulation.effects.get(effect.name, tuple(effect.parameters))
+        if (simulation.is_trusted or effect.name not in known) and set(names) <= set(after.names):
+            effect = replace(effect, parameters=_estimates(after, names))
+        if effect.name not in known:
+            effect = replace(effect, evidence=replace(effect.evidence, explained=explained(simulation.named, after)))
+        merged.append(effect)
+    return merged
+
+
+def fitted_parameters(fits: Sequence[Fit]) -> dict[str, FittedParameter]:
+    """Every fitted parameter by name; of several fits the last counts."""
+    return {
+        name: FittedParameter(number.value, number.std, identified=bool(name not in fitted.bounded and number.is_known))
+        for fitted in fits
+        for name, number in _estimates(fitted, fitted.names).items()
+    }
+
+
+def _estimates(fitted: Fit, names: Sequence[str]) -> dict[str, Estimate]:
+    return {name: Estimate(fitted.values[name], fitted.deviations[name]) for name in names}
+
+
+def _confounded(together: float | None) -> list[str]:
+    """What a reader has to know of an effect of the pressure, whose correlation with the speed is `together`."""
+    if together is None or abs(together) <= CONFOUNDED:
+        return []
+    word = "falls" if together < 0.0 else "rises"
+    return [
+        f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said to "
+        "depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
+    ]
+
+
+def _speed_and_pressure(motions: Sequence[Motion]) -> float:
+    """Correlation between |v| and |P_L| where something moves."""
+    moving = [motion.valid & ~motion.resting for motion in motions]
+    speed = np.concatenate([np.abs(motion.velocity)[at] for motion, at in zip(motions, moving, strict=True)])
+    pressure = np.concatenate([np.abs(load_pressure(motion))[at] for motion, at in zip(motions, moving, strict=True)])
+    return float(np.corrcoef(speed, pressure)[0, 1])

@@ -1,0 +1,1 @@
+"""Figures of a diagnosis: of each one function that makes its numbers, and one that draws them."""

@@ -1,0 +1,144 @@
+"""What the simulated plant shows beside what was measured, without and with what was found."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from workbench.diagnose.report.figures.frame import WIDE, Picture, Side, legend
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.publish.style import COLOURS, REFERENCE, figure_style
+from workbench.toml.units import factor
+
+MEASURED: dict[str, Any] = {**REFERENCE, "color": COLOURS[2], "alpha": 0.45}
+NOISE: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0}
+"""Green is measured, grey is noise."""
+
+THICKNESS = {"before": 0.9, "after": 0.7}
+"""Points of the curves: what came later is drawn over what was before."""
+
+MARGIN = 1.15
+"""Of a panel beyond what it shows, on either side."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """One quantity along a record, in its unit: measured, simulated by each side, the noise of its sensor."""
+
+    words: str
+    unit: str
+    measured: np.ndarray
+    simulated: Mapping[str, np.ndarray]
+    noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedRecord:
+    """A record over time (s), with the quantities that are compared along it."""
+
+    use: str
+    label: str
+    time: np.ndarray
+    quantities: Sequence[Compared]
+
+
+@dataclass(frozen=True)
+class SimulationData:
+    """The records that are drawn, and the models beside them."""
+
+    records: Sequence[ComparedRecord]
+    sides: Sequence[Side]
+
+
+def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> SimulationData:
+    """The numbers of the figure: measured and simulated along the first record of each use."""
+    sides = [Side("after", "declared plant, fitted (nothing was added)")]
+    if diagnosis.effects:
+        after = "with what was rejected" if diagnosis.is_rejected else "after, with what was found"
+        sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
+    motions = [("fit", diagnosis.results[0].balance.motions[0])]
+    motions += [("held-out", motion) for motion in diagnosis.held_out[:1]]
+    records = [
+        ComparedRecord(use, motion.record.label, motion.record.time, _compared(diagnosis, simulation, motion))
+        for use, motion in motions
+    ]
+    return SimulationData(records, sides)
+
+
+def _compared(diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion) -> list[Compared]:
+    """Position, and the load pressure where both pressures are measured."""
+    whole = shooting_of(diagnosis.experiment, [motion], held=simulation.how.held)
+    assert whole is not None  # the diagnosis has simulated such records
+    fits = {"before": simulation.before, "after": simulation.after}
+    simulated = {side: whole.simulated(motion, fitted.values) for side, fitted in fits.items()}
+    scale = factor("m", "mm")
+    shown = {side: scale * channels["position"] for side, channels in simulated.items()}
+    quantities = [
+        Compared("position", "mm", scale * motion.measured["position"], shown, scale * motion.noise["position"])
+    ]
+    if {"pressure_1", "pressure_2"} <= set(simulated["before"]):
+        scale = factor("Pa", "kPa")
+        shown = {side: scale * _load_pressure(channels) for side, channels in simulated.items()}
+        noise = scale * float(np.hypot(motion.noise["pressure_1"], motion.noise["pressure_2"]))
+        quantities.append(Compared("load pressure", "kPa", scale * _load_pressure(motion.measured), shown, noise))
+    return quantities
+
+
+def _load_pressure(channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    return channels["pressure_1"] - channels["pressure_2"]
+
+
+def draw_simulation(data: SimulationData) -> Picture:
+    """The figure: of each record what was measured and simulated, and below the error of each side."""
+    records, sides = data.records, data.sides
+    columns, height = max(len(record.quantities) for record in records), 1 + len(sides)
+    with figure_style():
+        figure = Figure(figsize=(WIDE, 1.8 * height * len(records) + 0.8))
+        FigureCanvasAgg(figure)
+        figure.suptitle("Simulated from the measured input alone, against measured")
+        panels = figure.subplots(height * len(records), columns, squeeze=False)
+        for row, record in enumerate(records):
+            own = panels[height * row : height * (row + 1)]
+            for column, compared in enumerate(record.quantities):
+                _draw(own[:, column], record.time, compared, sides)
+                title = f'{compared.words}, {record.use} record "{record.label}"'
+                own[0, column].set_title(title, fontsize="small")
+            for axes in own[:, len(record.quantities) :].flat:
+                axes.set_visible(False)
+        legend(figure, *panels[:height, 0])
+    caption = (
+        "The plant gets the measured input and nothing else, from the record's beginning to its end. Upper panels: "
+        "what its sensors would have shown, over what they showed. Lower panels: the difference"
+        + (", before and after on scales of their own" if len(sides) > 1 else "")
+        + "; grey is the sensors' noise (two standard deviations). A curve that leaves its panel has run away."
+    )
+    return Picture(figure, caption, SIMULATION)
+
+
+def _draw(panels: np.ndarray, time: np.ndarray, compared: Compared, sides: Sequence[Side]) -> None:
+    """One quantity above, its error of each side below."""
+    upper = panels[0]
+    upper.plot(time, compared.measured, label="measured", **MEASURED)
+    for axes, side in zip(panels[1:], sides, strict=True):
+        values, width = compared.simulated[side.key], THICKNESS[side.key]
+        error = compared.measured - values
+        upper.plot(time, values, color=side.colour, linewidth=width, rasterized=True)
+        axes.axhspan(-2.0 * compared.noise, 2.0 * compared.noise, label="noise (2 std)", **NOISE)
+        axes.plot(time, error, color=side.colour, linewidth=width, label=side.label, rasterized=True)
+        most = float(np.nanquantile(np.abs(error), 0.995)) if np.isfinite(error).any() else 0.0
+        limit = MARGIN * max(most, 3.0 * compared.noise)
+        axes.set_ylim(-limit, limit)
+        axes.set_ylabel(f"error{f', {side.key}' if len(sides) > 1 else ''} ({compared.unit})")
+    low, high = np.min(compared.measured), np.max(compared.measured)
+    middle, half = 0.5 * (low + high), 0.5 * MARGIN * max(high - low, 1e-12)
+    upper.set_ylim(middle - half, middle + half)
+    upper.set_ylabel(f"{compared.words} ({compared.unit})")
+    for axes in panels:
+        axes.set_xlabel("time (s)")

@@ -1,0 +1,231 @@
+"""How sure a diagnosis is, a line each: what speaks for an effect, what stopped the others, what is left over the
+floor, what simulation says, and which parameters the records do not identify.
+"""
+
+from collections.abc import Mapping
+
+from plants.effects import EFFECTS
+from workbench.diagnose.report.names import ERRORS, PLAIN, listed, percent, plain
+from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
+from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
+from workbench.diagnose.residual_stage import PLACED, PLACES
+from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
+from workbench.diagnose.selection.selection import (
+    AT_FLOOR,
+    SURE,
+    BalanceResult,
+    Candidate,
+    Step,
+    gain,
+    is_circular,
+    least_gain,
+)
+from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, dependence
+from workbench.diagnose.simulation.promising import EXPLAINS
+from workbench.publish.tables import shown_number
+from workbench.toml.units import factor
+
+QUIET = 100.0
+"""Floors that only the floor's smallness makes, where the simulated plant fits."""
+
+
+def sureness(diagnosis: Diagnosis) -> list[str]:
+    """How sure the verdict is, a line each: evidence, what remains over the floor, what the records do not show."""
+    unexplained = diagnosis.unexplained
+    names = [effect.name for effect in diagnosis.effects]
+    lines = [_of_effect(diagnosis, effect) for effect in diagnosis.effects]
+    for result in diagnosis.results:
+        lines.append(_of_floor(diagnosis, result))
+        best = result.steps[0].candidates[0].effect if result.steps[0].candidates else None
+        if best not in [None, *names] and result.steps[0].added is None:
+            lines.append(why_none(result))
+    lines += _of_simulation(diagnosis)
+    lines += _of_worse(diagnosis)
+    if unexplained is not None and diagnosis.verdict != "unexplained":
+        said = dependence_words(unexplained.dependence)
+        lines.append(f"What remains is not explained: {said}; no known effect explains it.")
+    if unexplained is not None:
+        lines.append(of_term(unexplained.term))
+    elif far := _far(diagnosis):
+        lines.append(
+            f"What is left of the {listed(far)} balance is not called unexplained, since it depends on no measured "
+            f"signal by more than {percent(LEAST)} of its variance: nothing measured says what is missing."
+        )
+    lines += _of_parameters(diagnosis)
+    if (lost := not_held(diagnosis)) and not diagnosis.is_rejected:
+        lines.append(
+            f"plant.toml does not have {listed([plain(name) for name in lost])}, which {plant_of(diagnosis)} cannot "
+            "hold: it is not the corrected plant, but the declared one with its own parameters fitted without effects."
+        )
+    if not diagnosis.errors.held_out.before.figures:
+        lines.append("There is no held-out record: nothing tests what was found on data that it has not seen whole.")
+    return lines
+
+
+def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
+    """What an effect is, and what speaks for it."""
+    evidence = effect.evidence
+    text = f"{plain(effect.name).capitalize()}: {PLAIN.get(effect.name, 'see its source')} "
+    text += f"({EFFECTS[effect.name].source})."
+    if evidence.left_out_gain is not None:
+        count = len(effect.parameters)
+        least = max(least_gain(effect.name, count, result.balance) for result in diagnosis.results)
+        text += (
+            f" It lowers the residual on data that its fit has not seen by {percent(evidence.left_out_gain)}"
+            f" ({evidence.standard_errors:.1f} standard errors; {percent(least)} and more, and {SURE:g} are asked for)."
+        )
+        if evidence.explained is not None:
+            text += f" Of what the simulated plant was off by beyond noise it explains {percent(evidence.explained)}; "
+            text += f"more than {percent(EXPLAINS)} is asked for."
+    elif evidence.sum_rms is not None and evidence.left_rms is not None:
+        before, after = (f"{1e-3 * rms:.3g}" for rms in (evidence.sum_rms, evidence.left_rms))
+        text += f" The sum of both pressures is off by {before} kPa rms; one constant leaves {after} kPa of it."
+    if effect.alternatives:
+        text += f" As good within its scatter: {listed([plain(name) for name in effect.alternatives])}."
+    return text + "".join(f" But {remark}." for remark in effect.remarks)
+
+
+def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
+    """What is left of a balance in floors, on the records that were fitted and on those that were not."""
+    fitted, tested = result.after.rms, held_out_floors(diagnosis, result)
+    times = f"{shown_number(fitted, 3)} times its noise floor"
+    times += f", and {shown_number(tested, 3)} times on held-out records" if tested else ""
+    if fitted > QUIET and diagnosis.simulation is not None and diagnosis.simulation.is_trusted:
+        reason = "of sensors so quiet, smoothing and sampling leave most of it"
+    elif fitted >= NOISE:
+        reason = "not all of it is the sensors' noise"
+    elif tested >= NOISE:
+        reason = "the sensors' noise explains all of it on the records that were fitted, but not on the held-out ones"
+    else:
+        reason = "the sensors' noise explains all of it"
+    return f"What is left of the {result.balance.name} balance is {times}: {reason}."
+
+
+def why_none(result: BalanceResult) -> str:
+    """Why no effect was added to a balance: what stopped the best one."""
+    step = result.steps[0]
+    best = step.candidates[0]
+    share, _ = gain(step.before, best.fit)
+    return (
+        f"No effect was added to the {result.balance.name} balance: the best, {plain(best.effect)}, would lower it by "
+        f"{percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
+    )
+
+
+def _stopped(step: Step, best: Candidate) -> str:
+    """The rule that stopped a candidate."""
+    balance = step.before.balance
+    share, sure = gain(step.before, best.fit)
+    least = least_gain(best.effect, len(best.variant), balance)
+    ended = sorted(best.fit.bounded - set(balance.free))
+    if step.before.rms <= AT_FLOOR:
+        return "the balance is at its noise floor without any"
+    if ended:
+        return f"{listed(ended)} ran to the end of its range, and so is no estimate"
+    if share <= least:
+        return f"{percent(least)} and more are asked for"
+    if sure <= SURE:
+        return f"by {sure:.1f} standard errors over the pieces of the records, where {SURE:g} are asked for"
+    first = dependence(balance, step.before.values)
+    if is_circular(best.effect, balance) and first is not None:
+        placed = [plain(name) for name in PLACES if first.shares.get(name, 0.0) > PLACED]
+        if placed:
+            return (
+                f"it was withdrawn: it is made of the pressures that it is to explain, and the residual depends on "
+                f"{listed(placed)}, which no such force makes"
+            )
+    return "it was withdrawn: what it left went on to depend on a signal, so that it stands in for something else"
+
+
+def _of_simulation(diagnosis: Diagnosis) -> list[str]:
+    """What the simulated plant says, and how far a free run of a held-out record can be believed."""
+    simulation, lines = diagnosis.simulation, list[str]()
+    if simulation is None:
+        return lines
+    pieces = simulation.starts_anew_every
+    along = "from end to end" if pieces is None else f"in pieces of {pieces:g} s, since it runs away before the end"
+    without = f", {shown_number(simulation.before.rms, 3)} without what was found" if diagnosis.effects else ""
+    error = (
+        f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise{without}; "
+        "the parameters are of this fit"
+    )
+    if not simulation.is_trusted:
+        error = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
+    lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
+    if simulation.dropped:
+        lines.append(
+            f"The simulated plant does without {listed([plain(name) for name in simulation.dropped])}: dropped."
+        )
+    own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
+    if own is not None and own.position is not None and after.position is not None:
+        lines.append(
+            f"A free run of the held-out records is off by {shown_number(1e3 * after.position, 2)} mm in position. "
+            f"With the same parameters fitted to these records themselves {shown_number(1e3 * own.position, 2)} mm "
+            "would be left: so much of it is the model's, and the rest is drift, as small forces that differ between "
+            "records add up."
+        )
+    return lines
+
+
+def _of_worse(diagnosis: Diagnosis) -> list[str]:
+    """Figures of held-out records that get worse with what was found, and yet do not reject it: free runs."""
+    errors = diagnosis.errors.held_out
+    before, after = errors.before.figures, errors.after.figures
+    if diagnosis.is_rejected or not diagnosis.effects or not before:
+        return []
+    worse = [
+        f"{words} (from {shown_number(factor(unit, shown) * before[key], 3)} to "
+        f"{shown_number(factor(unit, shown) * after[key], 3)} {shown})"
+        for key, (words, unit, shown) in ERRORS.items()
+        if key in before and key in after and after[key] > WORSE * before[key]
+    ]
+    if not worse:
+        return []
+    return [
+        f"Not all gets better on held-out records: worse is {listed(worse)}. It does not reject what was found, which "
+        "is judged by the balances; but a study that simulates the corrected plant should not rest on it."
+    ]
+
+
+def of_term(term: OfferedTerm) -> str:
+    """What a data-driven term would do, and that it is no more than that."""
+    use, errors = ("held-out", term.held_out) if term.held_out is not None else ("fit", term.fit)
+    assert errors is not None  # a residual depends on a signal only where something moves
+    shown = {"m^3/s": "cm^3/s"}.get(term.unit, term.unit)
+    before, after = (shown_number(factor(term.unit, shown) * rms, 3) for rms in (errors.before, errors.after))
+    return (
+        f"A data-driven term, the mean of that residual over {plain(term.signal)}, "
+        f"{'would lower' if errors.after < errors.before else 'would not lower'} it on the {use} records: "
+        f"{before} {shown} without it, {after} {shown} with it, where something moves (report.json has its nodes). It "
+        "describes the records and names no cause."
+    )
+
+
+def _far(diagnosis: Diagnosis) -> list[str]:
+    """The balances that are far from their floors, whatever the verdict."""
+    if diagnosis.simulation is not None and diagnosis.simulation.is_trusted:
+        return []
+    return [result.balance.name for result in diagnosis.results if result.after.rms > FAR]
+
+
+def _of_parameters(diagnosis: Diagnosis) -> list[str]:
+    """Which parameters the records do not identify: without effects, and with those that were found."""
+    rows = parameter_rows(diagnosis)
+    final = [name for name, row in rows.items() if row.final.doubt]
+    if not diagnosis.effects:
+        return [f"The records do not identify {listed(final)}: {_doubts(final, rows)}."] if final else []
+    first = [name for name, row in rows.items() if row.baseline is not None and row.baseline.doubt]
+    lines = []
+    if first:
+        lines.append(f"Without effects (baseline) the records do not identify {listed(first)}.")
+    if final:
+        lines.append(f"With what was found the records do not identify {listed(final)}: {_doubts(final, rows)}.")
+    elif first:
+        lines.append("With what was found they identify every parameter that was fitted.")
+    return lines
+
+
+def _doubts(names: list[str], rows: Mapping[str, Row]) -> str:
+    """Why parameters are not identified, and what plant.toml has of them."""
+    reasons = dict.fromkeys(rows[name].final.doubt for name in names)
+    return f"{listed(list(reasons), 'or')}. In plant.toml such a value stands without a deviation"

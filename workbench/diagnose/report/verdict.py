@@ -1,0 +1,82 @@
+"""The verdict of a diagnosis in one sentence."""
+
+from collections.abc import Mapping
+
+from workbench.diagnose.report.names import listed, percent, plain, quantity
+from workbench.diagnose.result import Diagnosis, Estimate
+from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.selection.unexplained import Dependence
+from workbench.publish.tables import shown_number
+
+NOISE = 1.2
+"""Floors up to which a residual is the sensors' noise."""
+
+FAR = 3.0
+"""Floors beyond which a residual is not called explained, whatever the verdict."""
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """What was found, in one sentence."""
+    effects = [f"{plain(effect.name)} ({_numbers(effect.parameters)})" for effect in diagnosis.effects]
+    match diagnosis.verdict:
+        case "rejected_on_held_out":
+            return (
+                f"Rejected on held-out records: {listed(effects)} would lower the error of the records that were "
+                "fitted, but raises it on records that were not; the plant stays as declared."
+            )
+        case "ambiguous":
+            pairs = [
+                f"the data cannot tell {plain(effect.name)} from "
+                f"{listed([plain(name) for name in effect.alternatives], 'or')}"
+                for effect in diagnosis.effects
+                if effect.alternatives
+            ]
+            sure = [text for text, effect in zip(effects, diagnosis.effects, strict=True) if not effect.alternatives]
+            return f"Ambiguous: {listed(pairs)}." + (f" Found beside: {listed(sure)}." if sure else "")
+        case "effect_found":
+            return f"Found: {listed(effects)}."
+        case "unexplained":
+            assert diagnosis.unexplained is not None
+            said = dependence_words(diagnosis.unexplained.dependence)
+            return f"Unexplained: {said}; no known effect explains it."
+        case "none_missing":
+            return _none_missing(diagnosis)
+
+
+def _none_missing(diagnosis: Diagnosis) -> str:
+    simulation = diagnosis.simulation
+    if simulation is not None and simulation.after.rms < FAR:
+        return (
+            "None missing: the declared plant, with its own parameters fitted and simulated along the records, is off "
+            f"by {simulation.after.rms:.1f} standard deviations of the sensors' noise, and no known effect lowers "
+            "that on data left out."
+        )
+    most = max(result.after.rms for result in diagnosis.results)
+    if most > FAR:
+        return (
+            "None missing that is known: no effect lowers the residual on data left out, and it depends on no "
+            f"measured signal; but it is {shown_number(most, 2)} times the noise floor: the plant is not complete, "
+            "the record moves faster than the smoothing follows, or it holds no noise (as a simulated one may)."
+        )
+    tested = max((ratio for result in diagnosis.results if (ratio := held_out_floors(diagnosis, result))), default=0.0)
+    which = "the records that were fitted, but not the held-out ones" if tested >= max(NOISE, most) else "the records"
+    beside = f" ({tested:.1f} times on held-out records)" if tested else ""
+    return (
+        f"None missing: the declared plant, with its own parameters fitted, explains {which}; what is left is "
+        f"{most:.1f} times the noise floor{beside}, and no known effect lowers it on data left out."
+    )
+
+
+def _numbers(parameters: Mapping[str, Estimate]) -> str:
+    return ", ".join(f"{name} = {quantity(name, *number)}" for name, number in parameters.items())
+
+
+def dependence_words(dependence: Dependence) -> str:
+    """On which signals a balance's residual depends."""
+    shares = [f"{plain(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
+    return f"the {dependence.balance} balance's residual depends on {listed(shares)}"
+
+
+def held_out_floors(diagnosis: Diagnosis, result: BalanceResult) -> float:
+    """What is left of a balance on held-out records, in floors; 0 without any."""
+    return diagnosis.errors.held_out.after.balances.get(result.balance.name, 0.0) / result.balance.floor

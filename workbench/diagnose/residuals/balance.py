@@ -1,0 +1,82 @@
+"""A physical balance of some records: what is left of it with values of the parameters, over its noise floor."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+
+BLOCKS = 10
+"""Parts, each of one piece, into which the records are cut for cross-validation."""
+
+LEAST_BLOCKS = 4
+"""Parts of each record at least: blocks of several records must not be so few that none can be sure."""
+
+Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
+"""The residuals of a balance along a motion, one array or more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
+
+    The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
+    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. `parts` is the
+    number of residuals that each motion gives. A `sharp` balance cannot be told where smoothing blurs what happened,
+    and follows a contact from sample to sample; any other is evaluated on thinned motions alone.
+    """
+
+    name: str
+    motions: Sequence[Motion]
+    residual: Residual
+    floor: float
+    unit: str
+    free: tuple[str, ...]
+    effects: tuple[str, ...] = ()
+    parts: int = 1
+    sharp: bool = False
+    simulated: bool = False
+
+    def known(self, motion: Motion) -> np.ndarray:
+        """At which of a motion's thinned instants the residual says something."""
+        thin = motion.thinned
+        return thin.valid & ~thin.blurred if self.sharp else thin.valid
+
+    def residuals(self, motion: Motion, values: Values) -> list[np.ndarray]:
+        """Residuals (in `unit`) of a motion at its thinned instants."""
+        if self.sharp:
+            return [part[:: motion.thinning] for part in self.residual(motion, values)]
+        return list(self.residual(motion.thinned, values))
+
+    def stacked(self, values: Values) -> np.ndarray:
+        """Residuals of all records over the floor, 0 where nothing is known."""
+        return np.concatenate(
+            [
+                np.where(self.known(motion), part, 0.0) / self.floor
+                for motion in self.motions
+                for part in self.residuals(motion, values)
+            ]
+        )
+
+    @cached_property
+    def series(self) -> list[list[slice]]:
+        """Where the residuals of each record stand in the stack."""
+        sizes = [motion.thinned.time.size for motion in self.motions for _ in range(self.parts)]
+        ends = np.cumsum(sizes).tolist()
+        slices = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
+        return [slices[i : i + self.parts] for i in range(0, len(slices), self.parts)]
+
+    @cached_property
+    def blocks(self) -> list[np.ndarray]:
+        """Rows of each block of the stack: pieces of time, with all residuals of a record in them."""
+        per_record = max(BLOCKS // len(self.motions), LEAST_BLOCKS)
+        return [
+            np.concatenate(pieces)
+            for slices in self.series
+            for pieces in zip(
+                *(np.array_split(np.arange(place.start, place.stop), per_record) for place in slices), strict=True
+            )
+        ]

@@ -1,0 +1,38 @@
+"""Errors of a free run: the plant from end to end of its records, driven by the measured input alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.shooting import Shooting
+
+SETTLED = 20
+"""Samples at the beginning that a free run's error leaves out."""
+
+
+@dataclass(frozen=True)
+class FreeRunErrors:
+    """Rms of measured less simulated position (m) and load pressure (Pa); None where the plant diverges, or where not
+    both pressures are measured.
+    """
+
+    position: float | None = None
+    load_pressure: float | None = None
+
+
+def free_run(whole: Shooting, motions: Sequence[Motion], values: Values) -> FreeRunErrors:
+    """Errors over all records."""
+    positions, pressures = list[np.ndarray](), list[np.ndarray]()
+    for motion in motions:
+        errors = {
+            name: np.where(motion.record.valid, motion.measured[name] - shown, 0.0)[SETTLED:]
+            for name, shown in whole.simulated(motion, values).items()
+        }
+        positions.append(errors["position"])
+        if "pressure_1" in errors and "pressure_2" in errors:
+            pressures.append(errors["pressure_1"] - errors["pressure_2"])
+    rms = [float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for parts in (positions, pressures) if parts]
+    return FreeRunErrors(*rms) if np.all(np.isfinite(rms)) else FreeRunErrors()

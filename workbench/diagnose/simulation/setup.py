@@ -1,0 +1,65 @@
+"""How an experiment's plant is simulated along its records, and how far it follows them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from plants.interface import Plant
+from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.shooting import VALVE, Shooting
+from workbench.errors import UserError
+from workbench.fitting.replay import observe
+from workbench.records.experiment import Experiment
+from workbench.simulation.simulate import Setup
+
+SEGMENT = 2.0
+"""s between new starts."""
+
+ASTRAY = 0.1
+"""Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
+
+
+def simulated_by(plant: Plant) -> Plant:
+    """The plant that holds the effects of a declared one: the one with two chambers for a valve's actuator."""
+    return TWO_CHAMBER if plant.name == "non_rotating" else plant
+
+
+def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool = True) -> Shooting | None:
+    """How to simulate `experiment`'s plant along motions from end to end; None where they hold no input of it.
+
+    `held`: the valve's voltage holds from sample to sample, as a computer gives it, and is no straight line between.
+    """
+    plant = simulated_by(experiment.plant)
+    believed = replace(experiment, plant=plant)
+    setups, channels = dict[int, Setup](), tuple[str, ...]()
+    for motion in motions:
+        try:
+            observed = observe(motion.record, believed)
+        except UserError:
+            return None
+        feeds = tuple(replace(feed, linear=not (held and feed.input == VALVE)) for feed in observed.setup.feeds)
+        setups[id(motion.record)] = replace(observed.setup, feeds=feeds)
+        channels = tuple(observed.measured)
+    return Shooting(plant, experiment.flow, setups, channels, held) if "position" in channels else None
+
+
+def as_far_as_it_follows(whole: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
+    """End to end where the plant with `values` stays near what was measured on every record, else piece by piece."""
+    if all(_off(whole, motion, values) < ASTRAY for motion in motions):
+        return whole
+    return replace(whole, length=SEGMENT)
+
+
+def _off(whole: Shooting, motion: Motion, values: Values) -> float:
+    """Rms of the position's error over the position's standard deviation; infinite where the plant diverges."""
+    position = motion.measured["position"]
+    error = position - whole.simulated(motion, values)["position"]
+    return float(np.nan_to_num(np.sqrt(np.mean(error**2)) / np.std(position), nan=np.inf))
+
+
+def behind_backlash(whole: Shooting | None, motions: Sequence[Motion], values: Values) -> list[Motion]:
+    """Motions with the rod on the side of a backlash where the simulated one is; as they are without a simulation."""
+    return list(motions) if whole is None else [whole.with_backlash_of(motion, values) for motion in motions]

@@ -1,0 +1,13 @@
+"""How far long work is: who does it tells, who waits for it shows it."""
+
+from typing import Protocol
+
+
+class Progress(Protocol):
+    """Is told in words what is being done, and which share (0 to 1) of the whole is over; None where nobody knows."""
+
+    def __call__(self, doing: str, done: float | None = None, /) -> None: ...
+
+
+def silent(doing: str, done: float | None = None, /) -> None:
+    """Progress that nobody watches."""
