@@ -265,7 +265,7 @@ def test_an_interrupted_identification_leaves_nothing(tmp_path: Path, monkeypatc
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patched:
-        patched.setattr("workbench.identify.report.folder.as_data", stopped)
+        patched.setattr("workbench.identify.result.Identification.to_json", stopped)
         path = write(tmp_path, text, "experiment.toml")
         assert workbench("identify", path, "--out", tmp_path / "out").code == 2
     assert sorted(item.name for item in tmp_path.rglob("*") if item.is_file()) == [

@@ -31,8 +31,8 @@ def command(
     content = read_experiment(experiment)
     check_folder(out, overwrite)
     try:
-        with ProgressLine() as said:
-            paths = write_identification(identify(content, method, said), out)
+        with ProgressLine() as progress:
+            paths = write_identification(identify(content, method, progress), out)
     except KeyboardInterrupt:
         print("stopped; nothing is written", file=sys.stderr)
         raise typer.Exit(130) from None

@@ -6,8 +6,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.errors import UserError
-from workbench.identify.identification import Identification
 from workbench.identify.report.published import scale_shown, unit_shown
+from workbench.identify.result import Identification
 from workbench.identify.simulation.method import SimulationFit
 from workbench.identify.thesis.method import STATIC as STEADY
 from workbench.identify.thesis.method import steady
@@ -34,45 +34,48 @@ def _figure(title: str, panels: int, height: float = 1.0) -> tuple[Figure, list[
     return figure, list(figure.subplots(panels, squeeze=False)[:, 0])
 
 
-def requested_figures(found: Identification) -> dict[str, Figure]:
+def requested_figures(identification: Identification) -> dict[str, Figure]:
     """The figures that the experiment names; without any, friction over velocity of all records.
 
     Raises:
         UserError: a figure at a speed of rotation that no record has.
     """
-    specs = found.experiment.figures
+    specs = identification.experiment.figures
     if not specs:
-        return {"friction_velocity": friction_figure(found, "Friction over velocity", None)}
+        return {"friction_velocity": friction_figure(identification, "Friction over velocity", None)}
     figures = {}
     for spec in specs:
         if spec.parameter:
-            figures[spec.name] = over_rpm_figure(found, spec)
+            figures[spec.name] = over_rpm_figure(identification, spec)
             continue
-        speeds = sorted({record.rpm for record in found.records})
+        speeds = sorted({record.rpm for record in identification.records})
         if spec.rpm not in speeds:
             shown = ", ".join(f"{rpm:g}" for rpm in speeds)
             raise UserError(
-                f"{found.experiment.path}: figures: {spec.name}: no record at {spec.rpm:g} rpm, expected one of {shown}"
+                f"{identification.experiment.path}: figures: {spec.name}: no record at {spec.rpm:g} rpm, "
+                f"expected one of {shown}"
             )
-        figures[spec.name] = friction_figure(found, spec.title, spec.rpm)
+        figures[spec.name] = friction_figure(identification, spec.title, spec.rpm)
     return figures
 
 
-def friction_figure(found: Identification, title: str, rpm: float | None) -> Figure:
+def friction_figure(identification: Identification, title: str, rpm: float | None) -> Figure:
     """Measured friction over velocity (10 Hz) against steady curves: both methods', the published, the true one."""
-    records = [record for record in found.records if rpm is None or record.rpm == rpm]
+    records = [record for record in identification.records if rpm is None or record.rpm == rpm]
     rotary = all(is_rotary(record) for record in records)
     scale = 1.0 if rotary else 1e3
     with figure_style():
         figure, (axes,) = _figure(title, 1)
         fastest: dict[int, float] = {1: 0.0, -1: 0.0}
         for i, record in enumerate(records):
-            data = _curve(found, record)
-            label = None if i else f"{'measured' if found.experiment.truth is None else 'simulated record'}, 10 Hz"
+            data = _curve(identification, record)
+            label = (
+                None if i else f"{'measured' if identification.experiment.truth is None else 'simulated record'}, 10 Hz"
+            )
             axes.plot(scale * data.velocity, data.force, ".", color="#999999", markersize=2.0, label=label)
             for sign in fastest:
                 fastest[sign] = max(fastest[sign], float(np.nanmax(sign * data.velocity)))
-        for source, values in _sets(found, rpm).items():
+        for source, values in _sets(identification, rpm).items():
             label = source
             for sign, speed in fastest.items():
                 direction = "rotary" if rotary else "forward" if sign > 0 else "backward"
@@ -91,33 +94,33 @@ LEAST = 1e-3
 """m/s. A direction in which nothing moves faster has no curve."""
 
 
-def _curve(found: Identification, record: Record) -> Slow:
-    known = found.thesis.curves.get(str(record.path)) if found.thesis is not None else None
-    return known or slower(friction_of(record, found.experiment))
+def _curve(identification: Identification, record: Record) -> Slow:
+    known = identification.thesis.curves.get(str(record.path)) if identification.thesis is not None else None
+    return known or slower(friction_of(record, identification.experiment))
 
 
-def _sets(found: Identification, rpm: float | None) -> dict[str, dict[str, float]]:
+def _sets(identification: Identification, rpm: float | None) -> dict[str, dict[str, float]]:
     """Friction by canonical name of each curve to be drawn, by its label."""
-    experiment = found.experiment
+    experiment = identification.experiment
     sets: dict[str, dict[str, float]] = {}
-    if found.thesis is not None:
-        group = found.thesis.groups.get(rpm, {}) if rpm is not None else found.thesis.estimates
-        sets["thesis's method"] = {name: one.value for name, one in group.items()}
-    if found.simulation is not None:
-        estimates = {name: one.value for name, one in found.simulation.estimates.items()}
+    if identification.thesis is not None:
+        group = identification.thesis.groups.get(rpm, {}) if rpm is not None else identification.thesis.estimates
+        sets["thesis's method"] = {name: estimate.value for name, estimate in group.items()}
+    if identification.simulation is not None:
+        estimates = {name: fitted.value for name, fitted in identification.simulation.estimates.items()}
         sets["simulation"] = {**experiment.values, **estimates}
     if experiment.truth is not None and not rpm:
         sets["truth"] = dict(experiment.truth)
-    published = _published(found, rpm)
+    published = _published(identification, rpm)
     if published:
         sets["published"] = published
     return sets
 
 
-def _published(found: Identification, rpm: float | None) -> dict[str, float]:
+def _published(identification: Identification, rpm: float | None) -> dict[str, float]:
     """Printed friction at one speed by canonical name, Stribeck friction as static less Coulomb friction."""
     values: dict[str, float] = {}
-    for spec in found.experiment.published:
+    for spec in identification.experiment.published:
         if rpm not in spec.rpm:
             continue
         printed = {name: numbers[spec.rpm.index(rpm)] for name, numbers in spec.values.items()}
@@ -144,13 +147,13 @@ def _steady_curve(
     return True
 
 
-def over_rpm_figure(found: Identification, spec: FigureTable) -> Figure:
+def over_rpm_figure(identification: Identification, spec: FigureTable) -> Figure:
     """One parameter over the speed of rotation: found with error bars of one standard deviation, published as crosses.
 
     The thesis's method only: without it there is nothing but the axes.
     """
     name = spec.parameter
-    scale, groups = scale_shown(name), found.thesis.groups if found.thesis is not None else {}
+    scale, groups = scale_shown(name), identification.thesis.groups if identification.thesis is not None else {}
     with figure_style():
         figure, (axes,) = _figure(spec.title, 1)
         for number, direction in enumerate(("forward", "backward")):
@@ -162,15 +165,15 @@ def over_rpm_figure(found: Identification, spec: FigureTable) -> Figure:
             shift = SHIFT * (2 * number - 1)
             axes.errorbar(
                 [rpm + shift for rpm in own],
-                [scale * one.value for one in own.values()],
-                [0.0 if one.count < 2 else scale * one.std for one in own.values()],
+                [scale * estimate.value for estimate in own.values()],
+                [scale * (estimate.std_of_repeats or 0.0) for estimate in own.values()],
                 fmt=marker(number),
                 color=COLOURS[number],
                 capsize=2.0,
                 clip_on=False,
                 label=f"{direction}, found",
             )
-            for table in found.experiment.published:
+            for table in identification.experiment.published:
                 if table.direction == direction and name in table.values:
                     printed = [scale * value for value in table.values[name]]
                     axes.plot(
@@ -194,20 +197,20 @@ SHIFT = 0.8
 """rpm by which the points of the two directions stand apart."""
 
 
-def record_figures(found: Identification) -> dict[str, Figure]:
+def record_figures(identification: Identification) -> dict[str, Figure]:
     """Of the first record of each label: each output simulated against measured, with the residual below."""
-    fit = found.simulation
+    fit = identification.simulation
     if fit is None:
         return {}
     figures: dict[str, Figure] = {}
-    for record in found.records:
+    for record in identification.records:
         name = f"record_{''.join(c if c.isalnum() else '_' for c in record.label)}"
         if name in figures:
             continue
         path = str(record.path)
         time = fit.times[path]
         with figure_style():
-            alike = [other for other in found.records if other.label == record.label]
+            alike = [other for other in identification.records if other.label == record.label]
             which = f"{record.label}, record 1 of {len(alike)}" if len(alike) > 1 else record.label
             figure, panels = _figure(f"Simulated against measured\n{which}", 2 * len(fit.measured[path]), 0.55)
             for i, (output, measured) in enumerate(fit.measured[path].items()):

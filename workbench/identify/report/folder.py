@@ -1,13 +1,10 @@
 """A finished identification as files: identified.json, plant.toml, tables and figures."""
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from workbench.identify.identification import Identification, as_data
 from workbench.identify.report.figures import correlation_figure, record_figures, requested_figures
 from workbench.identify.report.published import (
     SHOWN,
@@ -17,6 +14,7 @@ from workbench.identify.report.published import (
     scale_shown,
     unit_shown,
 )
+from workbench.identify.result import Corrected, Identification, IdentifiedParameter
 from workbench.identify.thesis.records import ThesisFit
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.publish.folders import ResultFolder
@@ -38,22 +36,22 @@ TAKEN_FOR_RIGHT = (
 )
 
 
-def write_identification(found: Identification, folder: Path) -> list[Path]:
+def write_identification(identification: Identification, folder: Path) -> list[Path]:
     """Write everything, whole or not at all. Returns the Markdown tables' paths."""
 
     def write(beside: Path) -> list[Path]:
-        return [path.relative_to(beside) for path in _write(found, beside)]
+        return [path.relative_to(beside) for path in _write(identification, beside)]
 
     return [folder / path for path in FOLDER.write(folder, write)]
 
 
-def _write(found: Identification, folder: Path) -> list[Path]:
+def _write(identification: Identification, folder: Path) -> list[Path]:
     """All files, into an empty folder."""
-    experiment, thesis = found.experiment, found.thesis
-    frame, notes = table_of(found), notes_of(found)
-    figures = {**requested_figures(found), **record_figures(found)}
-    if found.simulation is not None and len(found.simulation.estimates) > 1:
-        figures["correlation"] = correlation_figure(found.simulation)
+    experiment, thesis = identification.experiment, identification.thesis
+    frame, notes = table_of(identification), notes_of(identification)
+    figures = {**requested_figures(identification), **record_figures(identification)}
+    if identification.simulation is not None and len(identification.simulation.estimates) > 1:
+        figures["correlation"] = correlation_figure(identification.simulation)
     paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
     for spec in experiment.published:
         if thesis is None:
@@ -62,21 +60,20 @@ def _write(found: Identification, folder: Path) -> list[Path]:
         paths.append(write_frame(spec.table, spec.title, beside, notes, folder / "tables")[1])
     for name, figure in figures.items():
         save(figure, name, folder / "figures")
-    if found.corrected:
-        (folder / PLANT).write_text(plant_file(found), encoding="utf-8")
-    (folder / RESULT).write_text(json.dumps(as_data(found), indent=2) + "\n", encoding="utf-8")
+    if identification.corrected:
+        (folder / PLANT).write_text(plant_file(identification), encoding="utf-8")
+    (folder / RESULT).write_text(json.dumps(identification.to_json(), indent=2) + "\n", encoding="utf-8")
     return paths
 
 
-def table_of(found: Identification) -> pd.DataFrame:
+def table_of(identification: Identification) -> pd.DataFrame:
     """parameter | thesis mean, std | simulation value, std, interval | truth | biases, as text ready to be shown.
 
     Where records differ in their speed of rotation: rpm | parameter | thesis mean, std, without a truth to hold it to.
     """
-    if found.thesis is not None and len(found.thesis.groups) > 1:
-        return _by_speed(found.thesis)
-    data = as_data(found)["parameters"]
-    lines = [_line(found, name, entry) for name, entry in data.items()]
+    if identification.thesis is not None and len(identification.thesis.groups) > 1:
+        return _by_speed(identification.thesis)
+    lines = [_line(identification, name, parameter) for name, parameter in identification.parameters.items()]
     frame = pd.DataFrame(lines).fillna("")
     return frame.drop(columns=[name for name in frame.columns if not frame[name].any()])
 
@@ -84,66 +81,65 @@ def table_of(found: Identification) -> pd.DataFrame:
 def _by_speed(fit: ThesisFit) -> pd.DataFrame:
     lines = []
     for rpm, group in fit.groups.items():
-        for name, one in group.items():
-            value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (one.value, one.std))
+        for name, estimate in group.items():
+            value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (estimate.value, estimate.std))
             line = {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
-            lines.append({**line, "remark": remark(one)})
+            lines.append({**line, "remark": remark(estimate)})
     frame = pd.DataFrame(lines).replace("nan", "")
     return frame.drop(columns=[name for name in ("remark",) if not frame[name].any()])
 
 
-def _line(found: Identification, name: str, entry: Mapping[str, Any]) -> dict[str, str]:
-    unit = SHOWN.get(entry["unit"], entry["unit"])
-    scale = factor(entry["unit"], unit)
-    truth = entry.get("truth")
+def _line(identification: Identification, name: str, parameter: IdentifiedParameter) -> dict[str, str]:
+    unit = SHOWN.get(parameter.unit, parameter.unit)
+    scale, truth = factor(parameter.unit, unit), parameter.truth
+    thesis, simulation = parameter.thesis, parameter.simulation
 
     def shown(number: float | None) -> str:
         return "" if number is None or number != number else shown_number(scale * number, DIGITS)
 
-    line = {"parameter": name, "unit": unit, "declared": shown(entry["declared"])}
-    thesis, simulation = entry.get("thesis"), entry.get("simulation")
-    if found.thesis is not None and name in found.thesis.unidentified:
+    line = {"parameter": name, "unit": unit, "declared": shown(parameter.declared)}
+    if identification.thesis is not None and name in identification.thesis.unidentified:
         line |= {"thesis": "not identified"}
         thesis = None
-    elif thesis:
-        line |= {"thesis": shown(thesis["mean"]), "thesis std": shown(thesis["std"])}
-    if simulation and "at_bound" in simulation:
-        line |= {"simulation": f"{shown(simulation['value'])}, at its bound"}
+    elif thesis is not None:
+        line |= {"thesis": shown(thesis.value), "thesis std": shown(thesis.std_of_repeats)}
+    if parameter.bound is not None:
+        line |= {"simulation": f"{shown(parameter.bound)}, at its bound"}
         simulation = None
-    elif simulation:
+    elif simulation is not None:
         line |= {
-            "simulation": shown(simulation["value"]),
-            "simulation std": shown(simulation["std"]),
-            "95 % interval": f"{shown(simulation['low'])} to {shown(simulation['high'])}",
+            "simulation": shown(simulation.value),
+            "simulation std": shown(simulation.std),
+            "95 % interval": f"{shown(simulation.low)} to {shown(simulation.high)}",
         }
-    elif found.simulation is not None and name in found.simulation.unidentified:
+    elif identification.simulation is not None and name in identification.simulation.unidentified:
         line |= {"simulation": "not identified"}
     if truth:
         line["truth"] = shown(truth)
-        for method, value, key in (("thesis", thesis, "mean"), ("simulation", simulation, "value")):
-            if value:
-                line[f"{method} bias (%)"] = f"{100.0 * (value[key] / truth - 1.0):+.2f}"
-        if simulation and simulation["std"]:
-            line["simulation bias / std"] = f"{(simulation['value'] - truth) / simulation['std']:+.2f}"
+        for method, fitted in (("thesis", thesis), ("simulation", simulation)):
+            if fitted is not None:
+                line[f"{method} bias (%)"] = f"{100.0 * (fitted.value / truth - 1.0):+.2f}"
+        if simulation is not None and simulation.std:
+            line["simulation bias / std"] = f"{(simulation.value - truth) / simulation.std:+.2f}"
     return line
 
 
-def notes_of(found: Identification) -> list[str]:
+def notes_of(identification: Identification) -> list[str]:
     """What a reader of the table must know."""
     notes = []
-    fit = found.simulation
-    for record in found.records:
+    fit = identification.simulation
+    for record in identification.records:
         notes += [f"{record.label}, {record.path.name}: {note}." for note in record.notes]
-    if found.thesis is not None:
-        count = max(one.count for group in found.thesis.groups.values() for one in group.values())
+    if identification.thesis is not None:
+        count = max(estimate.count for group in identification.thesis.groups.values() for estimate in group.values())
         repeats = (
             f"mean and standard deviation over {count} records" if count > 1 else "of one record: without a deviation"
         )
         notes.append(f"Thesis's method: {repeats}.")
-        notes += [f"{note}." for note in found.thesis.notes]
+        notes += [f"{note}." for note in identification.thesis.notes]
         notes += [
             f"{name} is not identified by the thesis's method{STAYS * (fit is None)}: {why}."
-            for name, why in found.thesis.unidentified.items()
+            for name, why in identification.thesis.unidentified.items()
         ]
     if fit is not None:
         notes.append(TAKEN_FOR_RIGHT)
@@ -157,24 +153,24 @@ def notes_of(found: Identification) -> list[str]:
             shown = SHOWN.get(unit, unit)
             values = [shown_number(factor(unit, shown) * value, 3) for value in (before, fit.rms[name])]
             notes.append(f"{name}, simulated against measured: {values[0]} {shown} rms as declared, {values[1]} after.")
-        for name, one in fit.sensors.items():
+        for name, sensor in fit.sensors.items():
             unit = NUISANCES[name]
             shown = SHOWN.get(unit, unit)
-            texts = [shown_number(factor(unit, shown) * value, 3) for value in (one.value, one.std)]
-            true = found.experiment.true_sensors.get(name)
+            texts = [shown_number(factor(unit, shown) * value, 3) for value in (sensor.value, sensor.std)]
+            true = identification.experiment.true_sensors.get(name)
             truth = "" if true is None else f"; truth {shown_number(factor(unit, shown) * true, 3)}"
             notes.append(f"{name}: {texts[0]} (std {texts[1]}{truth}) {'as a share' if shown == '1' else shown}.")
         notes += [f"{note}." for note in fit.notes]
     return notes
 
 
-def plant_file(found: Identification) -> str:
+def plant_file(identification: Identification) -> str:
     """The corrected plant as a parameter file: what was identified, with its std; the rest as declared."""
-    experiment, corrected = found.experiment, found.corrected
+    experiment, corrected = identification.experiment, identification.corrected
     declared = f"as declared: {experiment.declared}"
     entries = []
-    for name, value in found.values.items():
-        _, std, source = corrected.get(name, (value, None, declared))
-        entries.append(Entry(name, value, std, source))
+    for name, value in identification.values.items():
+        entry = corrected.get(name, Corrected(value, None, declared))
+        entries.append(Entry(name, value, entry.std, entry.source))
     title = f"{experiment.declared}, corrected by {experiment.path.name}"
     return parameter_file(title, f"workbench identify: {experiment.title}", entries)

@@ -1,7 +1,6 @@
 """The printed tables of friction beside what the thesis's method finds in the records."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
@@ -44,20 +43,20 @@ def published_table(spec: PublishedTable, fit: ThesisFit, truth: Mapping[str, fl
     lines = []
     for name in names:
         line = {"parameter": name, "unit": unit_shown(name)}
-        line |= {FOUND: _found(groups[0].get(name + suffix), name), PRINTED: _printed(spec, name, 0)}
+        line |= {FOUND: _estimated(groups[0].get(name + suffix), name), PRINTED: _printed(spec, name, 0)}
         if truth is not None and spec.rpm[0] == 0.0:
-            line["truth"] = _one(_true(truth, name, suffix), None, name)
+            line["truth"] = _mean_and_std(_true(truth, name, suffix), None, name)
         lines.append(line)
     return pd.DataFrame(lines)
 
 
 def _line_of_speed(
     spec: PublishedTable, i: int, names: list[str], group: Mapping[str, Estimate], suffix: str
-) -> dict[str, Any]:
+) -> dict[str, str]:
     line = {"rpm": f"{spec.rpm[i]:g}"}
     for name in names:
         label = name.replace("_", " ")
-        line[f"{label} ({unit_shown(name)})"] = _found(group.get(name + suffix), name)
+        line[f"{label} ({unit_shown(name)})"] = _estimated(group.get(name + suffix), name)
         line[f"{label}, {PRINTED}"] = _printed(spec, name, i)
     return line
 
@@ -69,23 +68,23 @@ def _true(truth: Mapping[str, float], name: str, suffix: str) -> float | None:
     return truth.get(name + suffix, None if suffix == SUFFIXES["rotary"] else truth.get(name))
 
 
-def _found(one: Estimate | None, name: str) -> str:
-    if one is None:
+def _estimated(estimate: Estimate | None, name: str) -> str:
+    if estimate is None:
         return ""
-    text = _one(one.value, one.std if one.count > 1 else None, name)
-    return f"{text}, {said}" if (said := remark(one)) else text
+    text = _mean_and_std(estimate.value, estimate.std_of_repeats, name)
+    return f"{text}, {doubted}" if (doubted := remark(estimate)) else text
 
 
-def remark(one: Estimate) -> str:
+def remark(estimate: Estimate) -> str:
     """What to say beside a value that the records do not give."""
-    return "" if not doubt(one) else "none seen" if one.value == 0.0 else "not identified"
+    return "" if not doubt(estimate) else "none seen" if estimate.value == 0.0 else "not identified"
 
 
 def _printed(spec: PublishedTable, name: str, i: int) -> str:
-    return _one(spec.values[name][i], spec.std[name][i] if name in spec.std else None, name)
+    return _mean_and_std(spec.values[name][i], spec.std[name][i] if name in spec.std else None, name)
 
 
-def _one(value: float | None, std: float | None, name: str) -> str:
+def _mean_and_std(value: float | None, std: float | None, name: str) -> str:
     """`mean (std)` in the unit shown; nothing smaller than a thousandth of its unit is told from 0."""
     if value is None or value != value:
         return ""
@@ -103,7 +102,8 @@ def _number(value: float) -> str:
 def published_notes(spec: PublishedTable, fit: ThesisFit) -> list[str]:
     """How to read the table, and what the experiment says of it."""
     suffix = SUFFIXES[spec.direction]
-    counts = {one.count for rpm in spec.rpm for name, one in fit.groups.get(rpm, {}).items() if name == STATIC + suffix}
+    groups = [fit.groups.get(rpm, {}) for rpm in spec.rpm]
+    counts = {group[STATIC + suffix].count for group in groups if STATIC + suffix in group}
     repeats = "no" if not counts else f"{min(counts)}" if len(counts) == 1 else f"{min(counts)} to {max(counts)}"
     source = f" Published: {spec.source}." if spec.source else ""
     means = "Of one run" if counts == {1} else f"Means and, in brackets, standard deviations over {repeats} runs"

@@ -111,13 +111,13 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
         seen[name] = None
         off = float(np.sqrt(np.mean(residuals[place][known] ** 2)))
         if not off < LOST * varied:
-            said = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
-            lost.setdefault(name, []).append((off / varied, f"does not follow {item.record.path}: {said}"))
+            by = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
+            lost.setdefault(name, []).append((off / varied, f"does not follow {item.record.path}: {by}"))
     moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
     moving = moving or list(seen)
     if moving and all(name in lost for name in moving):
-        _, said = max(lost[moving[0]])
-        raise UserError(f"plant {problem.experiment.plant.name} {said}; is a sign or a unit in [channels] wrong?")
+        _, worst = max(lost[moving[0]])
+        raise UserError(f"plant {problem.experiment.plant.name} {worst}; is a sign or a unit in [channels] wrong?")
 
 
 def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[str, float]) -> None:
@@ -137,14 +137,14 @@ def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[s
 
 def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> tuple[str, ...]:
     """What is suspicious about a fit: sensors' errors beyond what is declared, residuals far above the noise."""
-    said = []
+    suspicions = []
     _, numbers = problem.left(theta)
     for name, std in problem.experiment.accuracies.items():
         if name not in problem.sensors:
             continue
         number = float(numbers[problem.sensors.index(name)])
         if abs(number) > FAR:
-            said.append(
+            suspicions.append(
                 f"{name} is {abs(number):.0f} times the standard deviation that [sensors] gives it "
                 f"({std:.3g} {NUISANCES[name]}): the unit or the sign of a channel may be wrong"
             )
@@ -152,11 +152,11 @@ def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> 
         places = [place for _, name, place in problem.series() if name == output]
         noise = float(np.sqrt(np.mean([noise_of(problem.measured[place]) ** 2 for place in places])))
         if rms > NOISY * noise:
-            said.append(
+            suspicions.append(
                 f"{output}: the residuals are {rms / noise:.0f} times the noise: the plant lacks something that the "
                 "records show, and the standard deviations do not know it"
             )
-    return tuple(said)
+    return tuple(suspicions)
 
 
 def _number(output: str, value: float) -> str:

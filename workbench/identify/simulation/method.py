@@ -1,8 +1,8 @@
 """Identification by simulation error: the parameters with which the declared plant, driven by what was measured,
 follows the record best."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -13,6 +13,7 @@ from workbench.fitting import covariance
 from workbench.fitting.replay import observe
 from workbench.identify.simulation import judgement
 from workbench.identify.simulation.problem import Problem, make_problem, projected
+from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, parameter_names
 from workbench.records.friction import directions
 from workbench.records.reading import Record
@@ -66,6 +67,18 @@ class SimulationFit:
     notes: tuple[str, ...] = ()
     bounded: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
+    def to_json(self) -> dict[str, object]:
+        """As identified.json holds it."""
+        return {
+            "unidentified": dict(self.unidentified),
+            "notes": list(self.notes),
+            "correlation": {"names": list(self.estimates), "matrix": self.correlation.tolist()},
+            "sensors": {name: asdict(fitted) for name, fitted in self.sensors.items()},
+            "rms": {"before": dict(self.before), "after": dict(self.rms)},
+            "residual_memory_s": self.memory,
+            "evaluations": self.evaluations,
+        }
+
 
 def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]:
     """Friction in the directions in which the records move; one value for both where the plant has one."""
@@ -79,7 +92,7 @@ def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]
 
 
 def identify_by_simulation(
-    experiment: Experiment, records: Sequence[Record], progress: Callable[[str], None] | None = None
+    experiment: Experiment, records: Sequence[Record], progress: Progress = silent
 ) -> SimulationFit:
     """Fit the free parameters to all records together.
 
@@ -97,8 +110,7 @@ def identify_by_simulation(
     if not free:
         raise UserError(f"{experiment.path}: fit.free: is empty: expected at least one parameter")
     problem = make_problem(experiment, observed, free)
-    if progress is not None:
-        problem.progress = progress
+    problem.progress = progress
     theta = np.zeros(len(free))
     before = _rms(problem, theta)
     unidentified = judgement.without_effect(problem, theta)
@@ -139,7 +151,7 @@ def _solve(problem: Problem, theta: np.ndarray, *, rough: bool = False) -> np.nd
         return theta
     q = problem.projector()
     low, high = problem.limits()
-    found = least_squares(
+    solution = least_squares(
         lambda x: projected(q, problem.errors(x)),
         np.clip(theta, low + INSIDE, high - INSIDE),
         jac=lambda x: projected(q, problem.jacobian(x, rough=rough)),
@@ -149,7 +161,7 @@ def _solve(problem: Problem, theta: np.ndarray, *, rough: bool = False) -> np.nd
         gtol=None,
         max_nfev=MOST_STEPS,
     )
-    return np.asarray(found.x)
+    return np.asarray(solution.x)
 
 
 def _reweight(problem: Problem, theta: np.ndarray) -> int:

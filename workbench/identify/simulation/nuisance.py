@@ -34,14 +34,14 @@ def columns(
     parts = np.split(values, starts[1:-1])
     owners = [(i, name) for i, item in enumerate(observed) for name in item.measured]
     blocks = [(i, name, part) for (i, name), part in zip(owners, parts, strict=True)]
-    found: list[np.ndarray] = []
+    stacked: list[np.ndarray] = []
     names: list[str] = []
 
     def add(name: str, places: Mapping[int, np.ndarray]) -> None:
         column = np.zeros(starts[-1])
         for block, numbers in places.items():
             column[starts[block] : starts[block + 1]] = np.nan_to_num(numbers)
-        found.append(column)
+        stacked.append(column)
         names.append(name)
 
     for block, (i, name, part) in enumerate(blocks):
@@ -61,7 +61,7 @@ def columns(
         if members and f"{channel}_gain" in accuracies:
             std = accuracies[f"{channel}_gain"]
             add(f"{channel}_gain", {block: std * part for block, part in members.items()})
-    return (np.column_stack(found) if found else np.zeros((starts[-1], 0))), names
+    return (np.column_stack(stacked) if stacked else np.zeros((starts[-1], 0))), names
 
 
 def _splines(position: np.ndarray) -> list[np.ndarray]:

@@ -6,7 +6,7 @@ of 0.1 ms (0.2 s with error control) and agree with exact sensitivities to 8e-5;
 of the same equations folded over the samples, take 2.6 s.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +16,7 @@ from workbench.errors import UserError
 from workbench.fitting.replay import Observed
 from workbench.identify.simulation.nuisance import columns
 from workbench.parameters.sets import SIGNED
+from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
 
 WIDEST = 100.0
@@ -65,7 +66,7 @@ class Problem:
     known: dict[tuple[bytes, tuple[float, ...]], list[np.ndarray]] = field(default_factory=dict)
     held: dict[str, float] = field(default_factory=dict)
     """Parameters (SI) that a fit has driven to their bounds and that stay there."""
-    progress: Callable[[str], None] = lambda said: None
+    progress: Progress = silent
     """Told, in words, how far the fit is."""
 
     def logarithmic(self, name: str) -> bool:
@@ -103,12 +104,12 @@ class Problem:
 
     def series(self) -> list[tuple[Observed, str, slice]]:
         """Where each output of each record stands in the stack."""
-        found, first = [], 0
+        series, first = [], 0
         for item in self.observed:
             for name, values in item.measured.items():
-                found.append((item, name, slice(first, first + values.size)))
+                series.append((item, name, slice(first, first + values.size)))
                 first += values.size
-        return found
+        return series
 
     def _outputs(self, item: Observed, changes: dict[str, float]) -> list[np.ndarray]:
         """Predictions of a record; the same numbers where all that matters to it is the same."""
@@ -146,13 +147,13 @@ class Problem:
             ahead = self.errors(theta + STEP * direction)
             behind = base if rough else self.errors(theta - STEP * direction)
             slopes.append((ahead - behind) / (STEP if rough else 2.0 * STEP))
-        found = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
+        jacobian = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
         if not self.idle:
             for item in self.observed:
                 rows = np.concatenate([np.arange(p.start, p.stop) for other, _, p in self.series() if other is item])
-                moved = np.any(found[rows] != 0.0, axis=0)
+                moved = np.any(jacobian[rows] != 0.0, axis=0)
                 self.idle[item.key] = frozenset(name for name, any_ in zip(self.free, moved, strict=True) if not any_)
-        return found
+        return jacobian
 
     def describe_sensors(self, theta: np.ndarray) -> None:
         """Columns of the sensors' errors about the outputs simulated at `theta`.

@@ -13,10 +13,7 @@ import numpy as np
 from scipy.optimize import curve_fit, nnls
 
 from workbench.errors import UserError
-from workbench.records.friction import (
-    SLIDING,
-    Slow,
-)
+from workbench.records.friction import SLIDING, Slow
 
 DAMPING_RATIO = 0.9
 """zeta in the first value of sigma1, thesis (4.14)."""
@@ -63,10 +60,10 @@ def static_parameters(data: Slow) -> dict[str, float]:
     slope, level = np.polyfit(v[upper], f[upper], 1)
     start = np.array([max(level, 1.0), max(float(np.max(f)) - level, 1.0), max(slope, 1.0), 0.25 * np.max(v)])
     bounds = ([0.0, 0.0, 0.0, 0.1 * SLIDING], [np.inf, np.inf, np.inf, 2.0 * np.max(v)])
-    found, _ = curve_fit(steady, v, f, np.clip(start, bounds[0], bounds[1]), bounds=bounds, x_scale=start)
-    found = np.where(found < SMALLEST, 0.0, found)
-    values = dict(zip(STATIC, found.tolist(), strict=True))
-    scatter = float(np.std(f - steady(v, *found)))
+    fitted, _ = curve_fit(steady, v, f, np.clip(start, bounds[0], bounds[1]), bounds=bounds, x_scale=start)
+    fitted = np.where(fitted < SMALLEST, 0.0, fitted)
+    values = dict(zip(STATIC, fitted.tolist(), strict=True))
+    scatter = float(np.std(f - steady(v, *fitted)))
     if values["stribeck"] * np.exp(-((SLIDING / values["stribeck_velocity"]) ** 2)) < VISIBLE * scatter:
         coulomb, viscous = nnls(np.column_stack([np.ones(v.size), v]), f)[0].tolist()
         return {"coulomb": coulomb, "stribeck": 0.0, "viscous": viscous, "stribeck_velocity": float("nan")}
@@ -126,26 +123,36 @@ class Estimate:
     std: float
     count: int
 
+    @property
+    def std_of_repeats(self) -> float | None:
+        """The deviation; None of one record alone."""
+        return self.std if self.count > 1 else None
+
+    def to_json(self) -> dict[str, object]:
+        """As identified.json holds it."""
+        return {"mean": self.value, "std": self.std_of_repeats, "repeats": self.count}
+
 
 UNKNOWN = 0.5
 """Relative standard deviation from which a parameter counts as not identified, as in a fit by simulation."""
 
 
-def doubt(one: Estimate) -> str:
+def doubt(estimate: Estimate) -> str:
     """Why an estimate says nothing of its parameter; empty where it does."""
-    if one.value == 0.0:
+    value, std = abs(estimate.value), estimate.std
+    if value == 0.0:
         return "none is seen, the fit is at its bound of 0"
-    if one.count > 1 and one.std > UNKNOWN * abs(one.value):
-        return f"the standard deviation over the records is {100.0 * one.std / abs(one.value):.0f} % of its value"
+    if estimate.count > 1 and std > UNKNOWN * value:
+        return f"the standard deviation over the records is {100.0 * std / value:.0f} % of its value"
     return ""
 
 
-def over_repeats(found: Sequence[Mapping[str, float]]) -> dict[str, Estimate]:
+def over_repeats(repeats: Sequence[Mapping[str, float]]) -> dict[str, Estimate]:
     """Mean and standard deviation of each parameter over the records that give it."""
-    names = dict.fromkeys(name for one in found for name in one)
+    names = dict.fromkeys(name for record in repeats for name in record)
     result = {}
     for name in names:
-        values = np.array([one[name] for one in found if np.isfinite(one.get(name, np.nan))])
+        values = np.array([record[name] for record in repeats if np.isfinite(record.get(name, np.nan))])
         if values.size:
             std = float(np.std(values, ddof=1)) if values.size > 1 else float("nan")
             result[name] = Estimate(float(np.mean(values)), std, values.size)

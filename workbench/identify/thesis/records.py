@@ -1,7 +1,7 @@
 """The thesis's method on records: each direction of each one, and mean and deviation over the repeats."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from workbench.errors import UserError
 from workbench.identify.thesis import method
 from workbench.identify.thesis.method import Estimate
+from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
 from workbench.records.friction import SLIDING, Slow, directions, friction_of, is_rotary, slower
 from workbench.records.reading import Record
@@ -35,17 +36,23 @@ class ThesisFit:
         if len(self.groups) > 1:
             return {}
         (group,) = self.groups.values()
-        return {name: one for name, one in group.items() if not name.startswith(STATIC)}
+        return {name: estimate for name, estimate in group.items() if not name.startswith(STATIC)}
+
+    def to_json(self) -> dict[str, object]:
+        """As identified.json holds it."""
+        by_rpm = {
+            f"{rpm:g}": {name: estimate.to_json() for name, estimate in group.items()}
+            for rpm, group in self.groups.items()
+        }
+        return {"notes": list(self.notes), "unidentified": self.unidentified, "by_rpm": by_rpm}
 
     @property
     def unidentified(self) -> dict[str, str]:
         """Those of `estimates` that the records do not give, and why."""
-        return {name: why for name, one in self.estimates.items() if (why := method.doubt(one))}
+        return {name: why for name, estimate in self.estimates.items() if (why := method.doubt(estimate))}
 
 
-def identify_by_thesis(
-    experiment: Experiment, records: list[Record], progress: Callable[[str], None] | None = None
-) -> ThesisFit:
+def identify_by_thesis(experiment: Experiment, records: Sequence[Record], progress: Progress = silent) -> ThesisFit:
     """The thesis's method on each record, and mean and standard deviation over those of a direction and speed.
 
     `progress` is told in words which record is taken.
@@ -53,13 +60,12 @@ def identify_by_thesis(
     Raises:
         UserError: the channels do not serve, or no record gives anything.
     """
-    found: dict[float, list[dict[str, float]]] = {}
+    by_rpm: dict[float, list[dict[str, float]]] = {}
     curves: dict[str, Slow] = {}
     failed: Counter[tuple[str, str, float]] = Counter()
     mass = experiment.known_values()["mass"]
     for place, record in enumerate(sorted(records, key=lambda record: record.rpm)):
-        if progress is not None:
-            progress(f"the thesis's method: record {place + 1} of {len(records)}")
+        progress(f"the thesis's method: record {place + 1} of {len(records)}")
         fine = friction_of(record, experiment)
         coarse = slower(fine)
         curves[str(record.path)] = coarse
@@ -73,22 +79,22 @@ def identify_by_thesis(
                 values |= method.static_parameters(coarse.turned(sign))
                 values[STATIC] = values["coulomb"] + values["stribeck"]
                 if np.isnan(values["stribeck_velocity"]):
-                    said = "no Stribeck friction is seen, and a line is fitted"
-                    failed[said, direction, record.rpm] += 1
+                    why = "no Stribeck friction is seen, and a line is fitted"
+                    failed[why, direction, record.rpm] += 1
                 if _starts(fine) == sign:
                     values |= method.dynamic_parameters(fine.turned(sign), values[STATIC], mass)
                     if values["bristle_damping"] > DOUBTFUL * method.damping_rule(values["bristle_stiffness"], mass):
-                        said = f"bristle_damping is over {DOUBTFUL:g} times what (4.14) gives: slow runs hardly show it"
-                        failed[said, direction, record.rpm] += 1
+                        why = f"bristle_damping is over {DOUBTFUL:g} times what (4.14) gives: slow runs hardly show it"
+                        failed[why, direction, record.rpm] += 1
             except UserError as error:
                 failed[str(error), direction, record.rpm] += 1
             if values:
                 named = {f"{name}{SUFFIXES[direction]}": value for name, value in values.items()}
-                found.setdefault(record.rpm, []).append(named)
+                by_rpm.setdefault(record.rpm, []).append(named)
     notes = tuple(_merged(failed))
-    if not found:
+    if not by_rpm:
         raise UserError(f"the thesis's method finds nothing: {notes[0] if notes else 'no record slides'}")
-    return ThesisFit({rpm: method.over_repeats(found[rpm]) for rpm in sorted(found)}, curves, notes)
+    return ThesisFit({rpm: method.over_repeats(by_rpm[rpm]) for rpm in sorted(by_rpm)}, curves, notes)
 
 
 def _merged(failed: Mapping[tuple[str, str, float], int]) -> list[str]:
