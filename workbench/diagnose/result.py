@@ -124,7 +124,7 @@ class Errors:
     load_pressure: float | None = None
 
     @property
-    def figures(self) -> dict[str, float]:
+    def by_key(self) -> dict[str, float]:
         """Those that there are, by their names in report.json."""
         whole = {
             **{BALANCE_ERRORS[name]: rms for name, rms in self.balances.items()},
@@ -144,7 +144,7 @@ class BeforeAfter:
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
-        return {"before": self.before.figures, "after": self.after.figures}
+        return {"before": self.before.by_key, "after": self.after.by_key}
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class ErrorsByUse:
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
-        own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.figures}
+        own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.by_key}
         return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own}}
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from workbench.diagnose.report import tables as diagnosis_tables
 from workbench.diagnose.report.figures.every import pictures_of
-from workbench.diagnose.report.names import listed, plain
+from workbench.diagnose.report.names import listed_names
 from workbench.diagnose.report.page import Table, page
 from workbench.diagnose.report.parameters import (
     not_held,
@@ -91,7 +91,9 @@ def plant_words(diagnosis: Diagnosis) -> str:
     if diagnosis.is_rejected:
         return f"the plant as declared; a study names it with model = {model}"
     if lost := not_held(diagnosis):
-        return f"the declared plant, fitted without effects, for model = {model}, which cannot hold {_names(lost)}"
+        return (
+            f"the declared plant, fitted without effects, for model = {model}, which cannot hold {listed_names(lost)}"
+        )
     return f"the corrected plant; a study names it with model = {model}"
 
 
@@ -108,8 +110,8 @@ def plant_file(diagnosis: Diagnosis) -> str:
     if diagnosis.is_rejected:
         title, fitted = "as declared: what was found was rejected on held-out records", {}
     elif lost:
-        title = f"fitted by {experiment.path.name} without {_names(lost)}: not the corrected plant"
-        source += f"; {model} cannot hold {_names(lost)}: the values are those of the fit without effects"
+        title = f"fitted by {experiment.path.name} without {listed_names(lost)}: not the corrected plant"
+        source += f"; {model} cannot hold {listed_names(lost)}: the values are those of the fit without effects"
         fitted = {name: row.baseline for name, row in rows.items() if row.baseline is not None}
     else:
         title = f"corrected by {experiment.path.name}"
@@ -121,10 +123,6 @@ def plant_file(diagnosis: Diagnosis) -> str:
         else:
             entries.append(Entry(name, experiment.values[name], None, f"as declared: {experiment.declared}"))
     return parameter_file(f"{experiment.declared}, {title}", source, entries)
-
-
-def _names(effects: list[str]) -> str:
-    return listed([plain(name) for name in effects])
 
 
 def _entry(name: str, fitted: FittedParameter, source: str) -> Entry:

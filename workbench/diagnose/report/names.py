@@ -1,9 +1,11 @@
 """What a diagnosis is told with: names and units for a reader, numbers with as many digits as say something."""
 
 import math
+from collections.abc import Iterable
 
 from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name
 from workbench.toml.units import factor
 
 PLAIN = {
@@ -41,11 +43,6 @@ MOST_DECIMALS, READABLE = 6, 1e7
 """Decimals, and a size, up to which a number is written out."""
 
 _COARSE = {"m": 1e-4, "Pa": 1e6, "s": 0.1}
-
-
-def plain(name: str) -> str:
-    """A name without its underscores."""
-    return name.replace("_", " ")
 
 
 def shown_unit(unit: str, value: float) -> str:
@@ -109,3 +106,8 @@ def interval(value: float, half: float) -> str:
 def listed(names: list[str], last: str = "and") -> str:
     """Words in a row: a, b and c."""
     return f" {last} ".join(part for part in (", ".join(names[:-1]), names[-1]) if part) if names else ""
+
+
+def listed_names(names: Iterable[str], last: str = "and") -> str:
+    """Names as a reader sees them, in a row."""
+    return listed([plain_name(name) for name in names], last)

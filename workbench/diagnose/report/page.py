@@ -12,6 +12,7 @@ from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.html import html_environment
+from workbench.publish.words import plain_name
 
 _HTML = """\
 {% extends "frame" %}
@@ -115,5 +116,5 @@ def _scope(diagnosis: Diagnosis) -> str:
     return (
         f"Declared plant: {experiment.plant.name}, {experiment.declared}. {len(records)} "
         f"record{'s' * (len(records) > 1)} of {seconds:.0f} s in all for the fit; {tested}. "
-        f"Channels: {', '.join(name.replace('_', ' ') for name in experiment.channels)}."
+        f"Channels: {', '.join(map(plain_name, experiment.channels))}."
     )

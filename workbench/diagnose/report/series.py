@@ -10,14 +10,12 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.selection.unexplained import bins_of
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.toml.units import factor
 
-BINS = 24
-"""Of equal count, over a signal."""
-
 FEWEST = 8
-"""Values in a bin that is shown."""
+"""Values in a bin that is shown: the mean of fewer says little."""
 
 LONGEST_LAG = 1.0
 """s of the autocorrelation that is shown."""
@@ -141,11 +139,10 @@ def binned(signal: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.nda
     signal, residual = signal[known], residual[known]
     if signal.size < FEWEST:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
-    place = np.searchsorted(edges, signal)
+    place = bins_of(signal)
     rows = [
         (np.mean(signal[place == i]), np.mean(residual[place == i]), np.std(residual[place == i]))
-        for i in range(edges.size + 1)
+        for i in range(int(np.max(place)) + 1)
         if np.sum(place == i) >= FEWEST
     ]
     centre, mean, spread = np.array(rows).reshape(-1, 3).T

@@ -5,7 +5,7 @@ floor, what simulation says, and which parameters the records do not identify.
 from collections.abc import Mapping
 
 from plants.effects import EFFECTS
-from workbench.diagnose.report.names import ERRORS, PLAIN, listed, percent, plain
+from workbench.diagnose.report.names import ERRORS, PLAIN, listed, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residual_stage import PLACED, PLACES
@@ -23,6 +23,7 @@ from workbench.diagnose.selection.selection import (
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, dependence
 from workbench.diagnose.simulation.promising import EXPLAINS
 from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name
 from workbench.toml.units import factor
 
 QUIET = 100.0
@@ -42,8 +43,8 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
     lines += _of_simulation(diagnosis)
     lines += _of_worse(diagnosis)
     if unexplained is not None and diagnosis.verdict != "unexplained":
-        said = dependence_words(unexplained.dependence)
-        lines.append(f"What remains is not explained: {said}; no known effect explains it.")
+        depends = dependence_words(unexplained.dependence)
+        lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
         lines.append(of_term(unexplained.term))
     elif far := _far(diagnosis):
@@ -54,10 +55,10 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
     lines += _of_parameters(diagnosis)
     if (lost := not_held(diagnosis)) and not diagnosis.is_rejected:
         lines.append(
-            f"plant.toml does not have {listed([plain(name) for name in lost])}, which {plant_of(diagnosis)} cannot "
+            f"plant.toml does not have {listed_names(lost)}, which {plant_of(diagnosis)} cannot "
             "hold: it is not the corrected plant, but the declared one with its own parameters fitted without effects."
         )
-    if not diagnosis.errors.held_out.before.figures:
+    if not diagnosis.errors.held_out.before.by_key:
         lines.append("There is no held-out record: nothing tests what was found on data that it has not seen whole.")
     return lines
 
@@ -65,7 +66,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
 def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     """What an effect is, and what speaks for it."""
     evidence = effect.evidence
-    text = f"{plain(effect.name).capitalize()}: {PLAIN.get(effect.name, 'see its source')} "
+    text = f"{plain_name(effect.name).capitalize()}: {PLAIN.get(effect.name, 'see its source')} "
     text += f"({EFFECTS[effect.name].source})."
     if evidence.left_out_gain is not None:
         count = len(effect.parameters)
@@ -81,7 +82,7 @@ def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
         before, after = (f"{1e-3 * rms:.3g}" for rms in (evidence.sum_rms, evidence.left_rms))
         text += f" The sum of both pressures is off by {before} kPa rms; one constant leaves {after} kPa of it."
     if effect.alternatives:
-        text += f" As good within its scatter: {listed([plain(name) for name in effect.alternatives])}."
+        text += f" As good within its scatter: {listed_names(effect.alternatives)}."
     return text + "".join(f" But {remark}." for remark in effect.remarks)
 
 
@@ -107,8 +108,8 @@ def why_none(result: BalanceResult) -> str:
     best = step.candidates[0]
     share, _ = gain(step.before, best.fit)
     return (
-        f"No effect was added to the {result.balance.name} balance: the best, {plain(best.effect)}, would lower it by "
-        f"{percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
+        f"No effect was added to the {result.balance.name} balance: the best, {plain_name(best.effect)}, would lower "
+        f"it by {percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
     )
 
 
@@ -128,7 +129,7 @@ def _stopped(step: Step, best: Candidate) -> str:
         return f"by {sure:.1f} standard errors over the pieces of the records, where {SURE:g} are asked for"
     first = dependence(balance, step.before.values)
     if is_circular(best.effect, balance) and first is not None:
-        placed = [plain(name) for name in PLACES if first.shares.get(name, 0.0) > PLACED]
+        placed = [plain_name(name) for name in PLACES if first.shares.get(name, 0.0) > PLACED]
         if placed:
             return (
                 f"it was withdrawn: it is made of the pressures that it is to explain, and the residual depends on "
@@ -153,9 +154,7 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         error = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
     lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
     if simulation.dropped:
-        lines.append(
-            f"The simulated plant does without {listed([plain(name) for name in simulation.dropped])}: dropped."
-        )
+        lines.append(f"The simulated plant does without {listed_names(simulation.dropped)}: dropped.")
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.position is not None and after.position is not None:
         lines.append(
@@ -170,7 +169,7 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
 def _of_worse(diagnosis: Diagnosis) -> list[str]:
     """Figures of held-out records that get worse with what was found, and yet do not reject it: free runs."""
     errors = diagnosis.errors.held_out
-    before, after = errors.before.figures, errors.after.figures
+    before, after = errors.before.by_key, errors.after.by_key
     if diagnosis.is_rejected or not diagnosis.effects or not before:
         return []
     worse = [
@@ -194,7 +193,7 @@ def of_term(term: OfferedTerm) -> str:
     shown = {"m^3/s": "cm^3/s"}.get(term.unit, term.unit)
     before, after = (shown_number(factor(term.unit, shown) * rms, 3) for rms in (errors.before, errors.after))
     return (
-        f"A data-driven term, the mean of that residual over {plain(term.signal)}, "
+        f"A data-driven term, the mean of that residual over {plain_name(term.signal)}, "
         f"{'would lower' if errors.after < errors.before else 'would not lower'} it on the {use} records: "
         f"{before} {shown} without it, {after} {shown} with it, where something moves (report.json has its nodes). It "
         "describes the records and names no cause."

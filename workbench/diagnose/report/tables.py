@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 
-from workbench.diagnose.report.names import ERRORS, interval, percent, plain, quantity, shown_unit
+from workbench.diagnose.report.names import ERRORS, interval, percent, quantity, shown_unit
 from workbench.diagnose.report.parameters import Row, parameter_rows
 from workbench.diagnose.report.series import scale_of, unit_of
 from workbench.diagnose.residuals.fit import Fit
@@ -12,6 +12,7 @@ from workbench.diagnose.result import BALANCE_ERRORS, ENDED, Diagnosis
 from workbench.diagnose.selection.selection import Step, gain
 from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name
 from workbench.toml.units import factor
 
 INTERVAL = 1.96
@@ -24,12 +25,12 @@ def effects_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """effect | balance | parameter | value | left-out gain | alternatives; empty where none was found."""
     lines = [
         {
-            "effect": plain(effect.name),
+            "effect": plain_name(effect.name),
             "balance": effect.balance,
             "parameter": name,
             "value ± std": quantity(name, *number),
             "gain on left-out data": "" if (share := effect.evidence.left_out_gain) is None else percent(share),
-            "cannot be told from": ", ".join(map(plain, effect.alternatives)),
+            "cannot be told from": ", ".join(map(plain_name, effect.alternatives)),
         }
         for effect in diagnosis.effects
         for name, number in effect.parameters.items()
@@ -46,12 +47,12 @@ def error_table(diagnosis: Diagnosis) -> pd.DataFrame:
     models = [errors for _, use in uses for errors in (use.before, use.after)]
     floors = {BALANCE_ERRORS[result.balance.name]: result.balance.floor for result in diagnosis.results}
     lines = []
-    for key in dict.fromkeys(key for errors in models for key in errors.figures):
-        words, unit, shown = ERRORS.get(key, (plain(key), "1", "1"))
+    for key in dict.fromkeys(key for errors in models for key in errors.by_key):
+        words, unit, shown = ERRORS.get(key, (plain_name(key), "1", "1"))
         scale = factor(unit, shown)
         line = {"error (rms)": words, "unit": shown if shown != "1" else ""}
         for use, errors in uses:
-            before, after = (side.figures.get(key) for side in (errors.before, errors.after))
+            before, after = (side.by_key.get(key) for side in (errors.before, errors.after))
             columns = {f"{use}, before": before, f"{use}, after": after} if diagnosis.effects else {use: after}
             for heading, rms in columns.items():
                 line[heading] = "" if rms is None else shown_number(scale * rms, 3)
@@ -111,7 +112,7 @@ def evidence_table(diagnosis: Diagnosis) -> pd.DataFrame:
                 lines.append(
                     {
                         **start,
-                        "candidate": plain(candidate.effect),
+                        "candidate": plain_name(candidate.effect),
                         "its parameters": ", ".join(quantity_of(candidate.fit, name) for name in candidate.variant),
                         "left-out rms": shown_number(scale * candidate.fit.validated_rms, 3),
                         "gain": percent(share, 1),

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 
-from workbench.diagnose.report.names import listed, percent, plain, quantity
+from workbench.diagnose.report.names import listed, listed_names, percent, quantity
 from workbench.diagnose.result import Diagnosis, Estimate
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name
 
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""
@@ -17,7 +18,7 @@ FAR = 3.0
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """What was found, in one sentence."""
-    effects = [f"{plain(effect.name)} ({_numbers(effect.parameters)})" for effect in diagnosis.effects]
+    effects = [f"{plain_name(effect.name)} ({_numbers(effect.parameters)})" for effect in diagnosis.effects]
     match diagnosis.verdict:
         case "rejected_on_held_out":
             return (
@@ -26,8 +27,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             )
         case "ambiguous":
             pairs = [
-                f"the data cannot tell {plain(effect.name)} from "
-                f"{listed([plain(name) for name in effect.alternatives], 'or')}"
+                f"the data cannot tell {plain_name(effect.name)} from {listed_names(effect.alternatives, 'or')}"
                 for effect in diagnosis.effects
                 if effect.alternatives
             ]
@@ -37,8 +37,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return f"Found: {listed(effects)}."
         case "unexplained":
             assert diagnosis.unexplained is not None
-            said = dependence_words(diagnosis.unexplained.dependence)
-            return f"Unexplained: {said}; no known effect explains it."
+            depends = dependence_words(diagnosis.unexplained.dependence)
+            return f"Unexplained: {depends}; no known effect explains it."
         case "none_missing":
             return _none_missing(diagnosis)
 
@@ -73,7 +73,7 @@ def _numbers(parameters: Mapping[str, Estimate]) -> str:
 
 def dependence_words(dependence: Dependence) -> str:
     """On which signals a balance's residual depends."""
-    shares = [f"{plain(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
+    shares = [f"{plain_name(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
     return f"the {dependence.balance} balance's residual depends on {listed(shares)}"
 
 

@@ -23,7 +23,7 @@ BOUNDED = 1e-3
 """Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there."""
 
 THREADS = 2
-"""In which the columns of a Jacobian are found."""
+"""Threads in which the columns of a Jacobian are found, beside one another."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ TRACKING = 20.0
 """rad/s. Crossover of the loop that keeps the simulation beside the record: its own valve voltage drifts away."""
 
 SEED = 20
-"""Of the noise."""
+"""Of the generator of the noise that is added: the same experiment gives the same floors."""
 
 
 def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion | None:

@@ -13,7 +13,7 @@ from workbench.diagnose.residuals.motion import Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
 
 BINS = 24
-"""Of equal count, over each signal."""
+"""Bins over a signal, with equally many values in each."""
 
 LEAST = 0.15
 """Share of the residual's variance on left-out blocks that a signal has to explain."""
@@ -128,6 +128,12 @@ def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion
     return Unexplained(dependence, OfferedTerm(term.signal, term.nodes, term.values, balance.unit, fitted, tested))
 
 
+def bins_of(signal: np.ndarray) -> np.ndarray:
+    """The number of the bin in which each value of a signal is, from 0; fewer bins where many values are the same."""
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
+    return np.searchsorted(edges, signal)
+
+
 def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
     """The term of a signal, from the balance's own records."""
     residuals, signals = [], []
@@ -136,8 +142,7 @@ def data_driven_term(balance: Balance, values: Values, signal: str) -> Term:
         residuals.append(residual)
         signals.append(signals_of(motion.thinned)[signal][moving])
     residual, known = np.concatenate(residuals), np.concatenate(signals)
-    edges = np.unique(np.quantile(known, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
-    place = np.searchsorted(edges, known)
+    place = bins_of(known)
     bins = np.unique(place)
     nodes, means = (np.array([np.mean(values_of[place == bin_]) for bin_ in bins]) for values_of in (known, residual))
     return Term(balance, signal, nodes, means)
@@ -170,15 +175,15 @@ def explained_share(signal: np.ndarray, residual: np.ndarray) -> float:
     """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
     means.
     """
-    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BINS + 1)[1:-1]))
-    place = np.searchsorted(edges, signal)
+    place = bins_of(signal)
+    size = int(np.max(place)) + 1
     blocks = np.array_split(np.arange(residual.size), BLOCKS)
     left = np.empty_like(residual)
     for block in blocks:
         rest = np.ones(residual.size, dtype=bool)
         rest[block] = False
-        counts = np.bincount(place[rest], minlength=edges.size + 1)
-        sums = np.bincount(place[rest], weights=residual[rest], minlength=edges.size + 1)
+        counts = np.bincount(place[rest], minlength=size)
+        sums = np.bincount(place[rest], weights=residual[rest], minlength=size)
         left[block] = residual[block] - (sums / np.maximum(counts, 1))[place[block]]
     return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
 

@@ -13,7 +13,7 @@ from workbench.diagnose.simulation.setup import SEGMENT
 from workbench.diagnose.simulation.shooting import Shooting
 
 SEARCH = Search(flat=1e-4, near=1e-5, most_steps=30)
-"""Of the plant with what is known."""
+"""When the fit ends whose parameters count: later than `QUICK`, by which effects are ranked."""
 
 NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""

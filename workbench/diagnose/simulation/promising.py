@@ -13,7 +13,7 @@ from workbench.diagnose.residuals.unknowns import NEUTRAL, Values, unknown
 from workbench.diagnose.selection.selection import Candidate, extends
 
 QUICK = Search(flat=1e-3, near=1e-4, most_steps=10)
-"""On the way: an effect is worth several per cent of the error."""
+"""When a fit ends by which effects are ranked: one that counts is worth several per cent of the error."""
 
 TRIED = 3
 """Effects that are fitted whole in a round, of those that promise most."""

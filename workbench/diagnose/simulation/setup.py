@@ -16,7 +16,7 @@ from workbench.records.experiment import Experiment
 from workbench.simulation.simulate import Setup
 
 SEGMENT = 2.0
-"""s between new starts."""
+"""s between new starts of a plant that does not follow its record to the end."""
 
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""

@@ -8,13 +8,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.diagnose.report.figures.frame import WIDE, Picture
-from workbench.diagnose.report.names import percent, plain
+from workbench.diagnose.report.names import percent
 from workbench.diagnose.report.series import scale_of, title_of, unit_of
 from workbench.diagnose.report.tables import outcome
 from workbench.diagnose.selection.selection import LEAST_GAIN, BalanceResult, Candidate, Step, gain, least_gain
 from workbench.diagnose.simulation.promising import EXPLAINS
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.style import COLOURS, figure_style
+from workbench.publish.words import plain_name
 
 OUTCOMES = {"added": COLOURS[0], "as good": COLOURS[5], "": "#bbbbbb"}
 OUTCOME_WORDS = {"added": "added", "as good": "as good: cannot be told from it", "": "not added"}
@@ -67,7 +68,7 @@ def evidence_data(result: BalanceResult) -> EvidenceData:
     for number, step in enumerate([step for step in result.steps if step.candidates], 1):
         bars = [
             CandidateBar(
-                plain(candidate.effect),
+                plain_name(candidate.effect),
                 scale * candidate.fit.validated_rms,
                 scale * threshold(step, candidate),
                 *gain(step.before, candidate.fit),
@@ -94,8 +95,8 @@ def threshold(step: Step, candidate: Candidate) -> float:
 def _ending(step: Step) -> str:
     if step.added is None:
         return "none is added"
-    also = f"; as good: {', '.join(map(plain, step.alternatives))}" if step.alternatives else ""
-    return f"{plain(step.added.effect)} is added{also}"
+    also = f"; as good: {', '.join(map(plain_name, step.alternatives))}" if step.alternatives else ""
+    return f"{plain_name(step.added.effect)} is added{also}"
 
 
 def draw_evidence(data: EvidenceData) -> Picture:
