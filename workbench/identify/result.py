@@ -82,12 +82,12 @@ class Identification:
         plain, truth = name.removesuffix("_negative"), experiment.truth or {}
         bound = None if simulation is None else simulation.bounded.get(name)
         return IdentifiedParameter(
-            known_units()[name],
-            experiment.values.get(name, experiment.values.get(plain)),
-            truth.get(name, truth.get(plain)),
-            None if thesis is None else thesis.estimates.get(name),
-            None if simulation is None else simulation.estimates.get(name),
-            None if bound is None else bound[0],
+            unit=known_units()[name],
+            declared=experiment.values.get(name, experiment.values.get(plain)),
+            truth=truth.get(name, truth.get(plain)),
+            thesis=None if thesis is None else thesis.estimates.get(name),
+            simulation=None if simulation is None else simulation.estimates.get(name),
+            bound=None if bound is None else bound[0],
         )
 
     @property

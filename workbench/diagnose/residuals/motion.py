@@ -200,21 +200,21 @@ def motion_of(record: Record) -> Motion:
     creep = CREEP * smooth[1] * noise.get("position", 0.0)
     slack = _slack(velocity, creep, step)
     return Motion(
-        record,
-        record.time,
-        smoothed(position, points),
-        velocity,
-        smoothed(position, points, 2, step),
-        channels,
-        rates,
-        bridged,
-        whole,
-        np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
-        _blurred(bridged, noise, points),
-        noise,
-        (smooth[0], smooth[1], smooth[2]),
-        _with_rates(slack, points, step),
-        bridged.get("valve_voltage"),
+        record=record,
+        time=record.time,
+        position=smoothed(position, points),
+        velocity=velocity,
+        acceleration=smoothed(position, points, 2, step),
+        channels=channels,
+        rates=rates,
+        measured=bridged,
+        valid=whole,
+        resting=np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
+        blurred=_blurred(bridged, noise, points),
+        noise=noise,
+        smooth=(smooth[0], smooth[1], smooth[2]),
+        slack=_with_rates(slack, points, step),
+        voltage=bridged.get("valve_voltage"),
     )
 
 

@@ -18,7 +18,6 @@ from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build
-from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Loop, Setup, simulate
 
 TRACKING = 20.0
@@ -43,13 +42,13 @@ def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion 
     gains = PID.design(pid.Settings(kp=TRACKING / speed_gain), parameters, record.sample_time)
     run = simulate(
         Setup(
-            TWO_CHAMBER,
-            parameters,
-            state._replace(position=float(motion.position[0])),
-            inputs,
-            float(record.time[-1]),
-            Loop(PID, gains),
-            position,
+            plant=TWO_CHAMBER,
+            parameters=parameters,
+            state=state._replace(position=float(motion.position[0])),
+            inputs=inputs,
+            duration=float(record.time[-1]),
+            loop=Loop(PID, gains),
+            reference=position,
             feeds=(Feed("valve_voltage", voltage, linear=False),),
             sample_time=record.sample_time,
         )
@@ -69,9 +68,7 @@ def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion 
     channels["valve_voltage"] = run.command
     for name, values_of in record.channels.items():
         channels.setdefault(name, values_of)
-    return motion_of(
-        Record(record.label, record.path, record.use, record.rpm, record.time, channels, record.valid, record.notes)
-    )
+    return motion_of(replace(record, channels=channels))
 
 
 SPOILT = 1.3

@@ -146,4 +146,13 @@ def _along(
         current, effects, idle = without_idle(current, effects, start.declared, bounds, progress)
         dropped += [effect for effect in idle if effect in given]
     before, current = (with_honest_deviations(how, fitted) for fitted in (before, current))
-    return SimulationStage(how, before, named, first, current, effects, steps, dropped)
+    return SimulationStage(
+        how=how,
+        before=before,
+        named=named,
+        first=first,
+        after=current,
+        effects=effects,
+        steps=steps,
+        dropped=dropped,
+    )
