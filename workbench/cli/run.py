@@ -1,8 +1,6 @@
 """workbench run: every case of a study, then its tables, figures and pages."""
 
 import sys
-from collections.abc import Callable
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +11,6 @@ from workbench.errors import UserError
 
 if TYPE_CHECKING:
     from workbench.study.runner import Plan
-    from workbench.study.study import Study
 
 MADE = ("results.csv", "tables", "figures", "comparison.html")
 """What a folder of results is told to hold, where it does."""
@@ -38,6 +35,7 @@ def command(
     """Run a study: every case of it, then its tables and figures."""
     from workbench.cli.progress import ProgressBar
     from workbench.study.description import description
+    from workbench.study.rounds import run_rounds
     from workbench.study.runner import run_study
 
     if resume and overwrite:
@@ -62,8 +60,7 @@ def command(
             )
 
     try:
-        run(planned, out, resume, overwrite)
-        _again(planned, out, resume, run)
+        run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=print)
     except KeyboardInterrupt:
         print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None
@@ -78,6 +75,7 @@ def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) 
     """
     from workbench.records.experiment import is_experiment
     from workbench.study.reading import read_study
+    from workbench.study.rounds import with_draws
     from workbench.study.runner import plan
     from workbench.study.sections import other_command
     from workbench.toml.reading import read_toml
@@ -88,40 +86,8 @@ def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) 
     if (other := other_command(study)) is not None:
         use = f"use workbench {other.command} {path} --out {out}"
         raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")
-    study = _with_draws(study, "--draws", draws, "uncertainty", "draws")
-    return plan(_with_draws(study, "--fresh-draws", fresh_draws, "comparison", "fresh_draws"))
-
-
-def _with_draws(study: "Study", option: str, number: int | None, section: str, key: str) -> "Study":
-    """The study with this number of draws in a table of its own."""
-    if number is None:
-        return study
-    table = getattr(study.file, section)
-    if table is None:
-        raise UserError(f"{study.path}: {option} needs a table [{section}]; leave it out")
-    return study.with_section(section, table.model_copy(update={key: number}))
-
-
-def _again(planned: "Plan", out: Path, resume: bool, run: Callable[["Plan", Path, bool, bool], None]) -> None:
-    """Run once more what the study's questions ask for, round by round, into folders of `out`."""
-    import pandas as pd
-
-    from workbench.study.runner import again
-    from workbench.study.sections import sections_of
-    from workbench.study.store import DATABASE, FRESH, export, read_results
-
-    for section, table in sections_of(planned.study):
-        fresh: pd.DataFrame | None = None
-        rounds = count(1)
-        while (more := section.again(table, read_results(out), fresh)) is not None:
-            measured = again(planned, more.wanted, more.draws)
-            print(f"{more.said} again, on {more.draws} fresh draws: {len(measured.cases)} cases")
-            folder = out / FRESH / f"round_{next(rounds)}"
-            going_on = resume and (folder / DATABASE).exists()
-            run(measured, folder, going_on, not going_on)
-            fresh = pd.concat([fresh, read_results(folder)], ignore_index=True)
-        if fresh is not None:
-            export(fresh, out / FRESH)
+    study = with_draws(study, "--draws", draws, "uncertainty", "draws")
+    return plan(with_draws(study, "--fresh-draws", fresh_draws, "comparison", "fresh_draws"))
 
 
 def _report(planned: "Plan", folder: Path) -> None:

@@ -72,6 +72,12 @@ def unit_of_column(column: str) -> str:
     return "1"
 
 
+def without_unit(column: str) -> str:
+    """The name of a result column without the unit that it ends in."""
+    unit = unit_of_column(column)
+    return column.removesuffix(next((f"_{text}" for text, means in BASE_UNITS.items() if means == unit), ""))
+
+
 def shown_factor(unit: str, shown: str) -> float:
     """What to multiply a value in `unit` with to show it in `shown`; "1" shows it as it is stored.
 

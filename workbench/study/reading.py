@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from workbench.errors import nearest
 from workbench.study.layers import LAYERS, Layer
@@ -18,7 +19,18 @@ def read_study(path: Path) -> Study:
     Raises:
         UserError: unreadable, not TOML, unknown or missing keys.
     """
-    data, text = files.read_toml(path)
+    return study_of(*files.read_toml(path), path)
+
+
+def study_of(data: dict[str, Any], text: str, path: Path) -> Study:
+    """The study with this content, checked as that of a file (not yet its cases).
+
+    `path` is where it stands, or would: what it names is looked for beside it. `text` is what the file holds, by whose
+    lines mistakes are told; "" of a study that was never written.
+
+    Raises:
+        UserError: unknown or missing keys.
+    """
     study = Study(path, text, files.validate(file_model(data), data, path, text))
     file = study.file
     sections = [layer.section for layer in LAYERS.values()]

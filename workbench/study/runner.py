@@ -168,15 +168,24 @@ def run_case(
     """
     resolved = resolved or resolve(study, case)
     run = simulate(resolved.setup)
-    values: dict[str, Any] = dict(case.columns)
-    values |= evaluated(resolved, run)
-    values |= _solver_errors(resolved, run, values["rms_error_m"]) if case.tells_solver_error else dict.fromkeys(SOLVER)
+    values: dict[str, Any] = {**case.columns, **figures_of(resolved, run, solver_error=case.tells_solver_error)}
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)
     if record is not None:
         write_record(run, study.file.records, case.rpm, record)
     return values
+
+
+def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
+    """All of `COLUMNS` of a case's run, in their order; None where a figure does not apply.
+
+    `solver_error`: whether those of `SOLVER` are found too, which takes a second, finer run.
+    """
+    figures = evaluated(resolved, run)
+    rms = figures["rms_error_m"]
+    errors = _solver_errors(resolved, run, rms if isinstance(rms, float) else None) if solver_error else {}
+    return {**figures, **dict.fromkeys(SOLVER), **errors}
 
 
 def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:

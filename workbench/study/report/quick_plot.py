@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from workbench.errors import UserError, nearest
 from workbench.publish.pictures import FORMATS, save
 from workbench.publish.tables import with_unit
-from workbench.study.names import BASE_UNITS, in_words, signal_units, unit_of_column
+from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
 from workbench.study.report.figures import draw
 from workbench.study.report.schema import Curve, FigureSpec, Panel
 from workbench.study.report.select import rows
@@ -126,9 +126,7 @@ def _drawn(panel: Panel, where: Mapping[str, str], frame: pd.DataFrame, folder: 
 
 def _in_plain_words(name: str) -> str:
     """The name of a signal or a column as a reader sees it: without the unit that it ends in."""
-    unit = unit_of_column(name)
-    ending = next((f"_{text}" for text, means in BASE_UNITS.items() if means == unit), "")
-    return name.removesuffix(ending).replace("_", " ")
+    return without_unit(name).replace("_", " ")
 
 
 def _axis_value(axis: str, value: Any) -> str:

@@ -1,0 +1,42 @@
+"""Whether a point of a plant is an equilibrium: nothing but the motion itself changes there."""
+
+from typing import Any
+
+import numpy as np
+
+from plants.equation import fields, to_array
+from plants.interface import Plant
+from workbench.linear.linearise import EVALUATION_TIME, jacobians
+
+STATIONARY = 1e-3
+"""Share of the states' typical magnitudes by which a point may be off: a force or an opening that is known to three
+digits passes, a rod that a tenth of its friction accelerates does not."""
+
+MOTION = ("position",)
+"""States whose rate is motion: they grow while all else is in equilibrium."""
+
+
+def changing(plant: Plant, parameters: Any, state: Any, inputs: Any) -> dict[str, float]:
+    """The states that do not stay, each with its rate (in its unit per second); none at an equilibrium or steady slide.
+
+    A rate counts as none where displacing the states by `STATIONARY` of their typical magnitudes s changes it as much,
+    or where the state takes as long as 1 s / `STATIONARY` to change by its magnitude:
+
+        |f_i(x, u)| <= STATIONARY (sum_j |df_i/dx_j| s_j + s_i / 1 s)
+
+    Args:
+        plant: with true or believed
+        parameters: of its `Parameters` (SI).
+        state: of its `State` (SI).
+        inputs: of its `Inputs` (SI).
+    """
+    states = fields(plant.State)
+    rates = to_array(plant.derivatives(EVALUATION_TIME, state, inputs, parameters))
+    a, _ = jacobians(plant, parameters, state, inputs)
+    scales = np.array([item.scale for item in states])
+    slack = STATIONARY * (np.abs(a) @ scales + scales)
+    return {
+        item.name: float(rate)
+        for item, rate, least in zip(states, rates, slack, strict=True)
+        if item.name not in MOTION and not abs(rate) <= least
+    }
