@@ -1,0 +1,353 @@
+"""The Python interface: the same numbers and the same mistakes as the command line, in objects."""
+
+import json
+import os
+import subprocess
+import sys
+import warnings
+from importlib.util import find_spec
+from pathlib import Path
+
+import control
+import numpy as np
+import pandas as pd
+import pytest
+from command import ROOT, STUDIES, STUDY, changed, workbench, write
+from test_plugin import site
+
+import workbench as wb
+from controllers.registry import controllers
+from plants.equation import fields
+from plants.registry import plants
+from workbench import api
+from workbench.study.store import read_results
+
+HEAVY = ("numpy", "pandas", "numba", "pydantic", "scipy", "matplotlib", "control", "casadi", "optuna")
+
+LOADED = """\
+[plant]
+model = "rotating"
+parameters = "owen2001_simulation"
+bristle = "isotropic"
+motor_limits = false
+set = { coulomb = "400 N" }
+[belief]
+set = { coulomb = "350 N" }
+[sensors.position]
+noise = "5 um"
+resolution = "2 um"
+"""
+
+
+def small(**changes: object) -> wb.LoopSetup:
+    """A short run of the standing rod, with changes of it."""
+    options = {"controller": wb.pid(kp=500), "reference": wb.sine("5 mm", "2 Hz"), "duration": "0.5 s", **changes}
+    return wb.setup("non_rotating", "owen2001_simulation", **options)
+
+
+def same(row: pd.Series, other: pd.Series) -> None:
+    """Two rows of results agree to the last digit."""
+    for name, value in row.items():
+        beside = other[name]
+        assert value == beside or (pd.isna(value) and pd.isna(beside)), name
+
+
+# --- the front door ---
+
+
+def test_importing_it_costs_nothing() -> None:
+    code = f"import sys, workbench; print([name for name in {HEAVY!r} if name in sys.modules], len(sys.modules))"
+    before = "import sys; print([], len(sys.modules))"
+    runs = [subprocess.run([sys.executable, "-c", text], capture_output=True, text=True) for text in (before, code)]
+    least, most = (int(run.stdout.split()[-1]) for run in runs)
+    assert runs[1].stdout.startswith("[]")
+    assert most - least < 10  # itself, and what of the standard library it takes
+
+
+def test_the_public_names_are_those_of_the_api_and_a_function_for_each_controller() -> None:
+    assert set(api.__all__) == {*wb.__all__, *controllers()}
+    assert set(wb.__all__) <= set(dir(wb))
+    for name in api.__all__:
+        assert callable(getattr(wb, name))
+    with pytest.raises(AttributeError, match="no attribute 'simulat'; did you mean \"simulate\""):
+        wb.simulat  # noqa: B018
+
+
+def test_a_room_is_called_as_its_question_and_stays_a_room() -> None:
+    import workbench.tune.study as room
+
+    assert wb.tune is sys.modules["workbench.tune"]
+    assert callable(wb.tune)
+    assert wb.tune.__doc__ == api.tune.__doc__
+    assert find_spec("workbench.tune.study").name == room.__name__
+
+
+def test_controllers_of_other_packages_have_a_function(tmp_path: Path) -> None:
+    folder = site(tmp_path, declared=True)
+    code = "import workbench as wb; print(wb.deadband_p(kp=5).table == wb.controller('deadband_p', kp=5).table)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])}
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+    assert run.stdout == "True\n", run.stderr
+
+
+# --- one loop ---
+
+
+def test_a_setup_gives_the_row_of_the_same_study(tmp_path: Path) -> None:
+    text = STUDY
+    for old, new in {
+        '[plant]\nmodel = "by_rpm"\nparameters = "owen2001_simulation"\n': LOADED,
+        "rpm = [0, 460]": 'rpm = [120]\nscenario = ["friction_up"]',
+        'type = "pid"\nkp = "500 V/m"': 'type = "tafazoli"\nposition_rate = "30 1/s"',
+    }.items():
+        text = changed(old, new, text)
+    assert workbench("run", write(tmp_path, text), "--out", tmp_path / "out").code == 0
+    loop = wb.setup(
+        "rotating",
+        "owen2001_simulation",
+        rpm=120,
+        scenario="friction_up",
+        controller=wb.tafazoli(position_rate=30.0),
+        reference=wb.sine(0.005, "2 Hz"),
+        duration=1.0,
+        transient="400 ms",
+        plant={"bristle": "isotropic", "motor_limits": False, "set": {"coulomb": np.float64(400.0)}},
+        belief={"set": {"coulomb": 350}},
+        sensors={"position": {"noise": "5 um", "resolution": 2e-6}},
+    )
+    row = wb.evaluate(wb.simulate(loop))
+    same(row, read_results(tmp_path / "out").iloc[0])
+    assert row["solver_error_m"] > 0.0
+    assert wb.evaluate(wb.simulate(loop), solver_error=False)["solver_error_m"] is None
+
+
+def test_a_study_of_a_file_has_the_same_loops(tmp_path: Path) -> None:
+    study = wb.Study(write(tmp_path, STUDY))
+    results = study.run(tmp_path / "out", jobs=2)
+    same(wb.evaluate(wb.simulate(study.setup(rpm=460))), results.case(rpm="460").row)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"controller": wb.pid(kpp=1)}, 'setup: controllers.pid.kpp: unknown key; did you mean "kp"?'),
+        ({"controller": wb.pid(kp="5 mm")}, 'controllers.pid.kp: got "5 mm", expected a quantity in V/m'),
+        ({"controller": wb.pid(kp=500, jerk_density=1)}, "controllers.pid.jerk_density: has no effect"),
+        ({"reference": wb.sine("3 s", 1)}, 'references.sine.amplitude: got "3 s", expected a quantity in m'),
+        ({"reference": wb.recorded("motion.csv", time="t", value="x")}, "motion.csv: no such file"),
+        ({"duration": "5"}, 'simulation.duration: got "5" without a unit'),
+        ({"rpm": 60}, "rpm: plant"),
+        ({"belief": "owen"}, 'belief.parameters: unknown parameter set "owen"'),
+        ({"scenario": "friction_upp"}, 'axes.scenario: unknown scenario "friction_upp"; did you mean "friction_up"?'),
+        ({"sensors": {"position": {"nois": 1}}}, 'sensors.position.nois: unknown key; did you mean "noise"?'),
+        ({"plant": {"flow": "chapter4"}}, 'plant.flow: got "chapter4", expected'),
+        ({"plant": {"set": {"coulomb": np}}}, "setup.plant.set.coulomb: got a module, expected a number"),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_mistakes_are_those_of_a_study(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(wb.UserError) as told:
+        small(**changes)
+    assert words in str(told.value)
+    assert "pydantic" not in str(told.value)
+
+
+def test_what_is_seldom_meant_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match=r"setup: references.sine: reaches 0.04 m, the stroke ends at \+-0.03"):
+        small(reference=wb.sine("40 mm", "2 Hz"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        small()
+
+
+def test_a_run_as_a_frame_has_its_units() -> None:
+    run = wb.simulate(small(controller=wb.pid(kp=500, ki=100)))
+    frame = run.frame()
+    assert list(frame.columns) == ["time", *run.run.signals]
+    assert frame.attrs["units"]["controller_integral"] == "V"
+    assert frame.attrs["units"]["axial_friction"] == "N"
+    assert set(frame.attrs["units"]) == set(frame.columns)
+    np.testing.assert_array_equal(frame["position"], run.run.state("position"))
+
+
+def test_a_plot_has_a_panel_for_each_signal_and_units_on_its_axes() -> None:
+    run = wb.simulate(small())
+    figure = run.plot("position", "valve_voltage")
+    assert [axes.get_ylabel() for axes in figure.axes] == ["position (m)", "valve voltage (V)"]
+    assert figure.axes[-1].get_xlabel() == "time (s)"
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(wb.UserError, match='no signal "axial_frction"; did you mean "axial_friction"'):
+        run.plot("axial_frction")
+
+
+# --- linear analysis ---
+
+
+@pytest.mark.parametrize("name", [name for name in plants() if not name.startswith(("drive", "pump"))])
+def test_the_rod_at_rest_is_an_equilibrium_of_every_plant(name: str) -> None:
+    rpm = {"rpm": 120} if plants()[name].rotary_command else {}
+    rotation = {"plant": {"rotation": "ideal"}} if name.endswith("ideal") else {}
+    loop = wb.setup(name, "owen2001_simulation", controller=wb.pid(kp=500), **rpm, **rotation)
+    model = wb.linearise(loop, outputs=["position", "axial_friction"])
+    assert model.state_labels == [item.name for item in fields(loop.plant.State)]
+    assert wb.linearise(loop, speed="20 mm/s").nstates == model.nstates
+
+
+def test_a_point_that_is_no_equilibrium_is_told() -> None:
+    loop = small()
+    rest, holding = loop.plant.equilibrium(loop.parameters, 0.0)
+    with pytest.raises(wb.UserError, match="no equilibrium of non_rotating: velocity changes at"):
+        wb.linearise(loop, state=rest._replace(load_pressure=1e6))
+    with pytest.raises(wb.UserError, match="spool_position changes at"):
+        wb.linearise(loop, state=rest, inputs=holding._replace(valve_voltage=1.0))
+    with pytest.raises(wb.UserError, match="got a speed and a point"):
+        wb.linearise(loop, state=rest, speed=0.01)
+    with pytest.raises(wb.UserError, match=r"speed: got \"3 mm\", expected a quantity in m/s"):
+        wb.linearise(loop, speed="3 mm")
+
+
+def test_margins_are_those_of_python_control() -> None:
+    loop = small(controller=wb.pid(kp=2000))
+    margins, gain = wb.margins(loop, speed="30 mm/s"), wb.loop_gain(loop, speed=0.03)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that it interpolates
+        factor, phase, *_ = control.margin(gain)
+    assert margins.stable
+    assert margins.gain_dB == pytest.approx(20.0 * np.log10(factor), abs=1e-3)
+    assert margins.phase_deg == pytest.approx(phase, abs=1e-3)
+
+
+# --- studies ---
+
+FIGURES = """
+[[tables]]
+name = "lag"
+title = "Phase lag"
+index = "rpm"
+columns = [{ result = "phase_lag_deg", label = "lag", unit = "deg" }]
+[[figures]]
+name = "friction"
+title = "Friction"
+[[figures.panels]]
+x = "velocity"
+x_label = "velocity"
+y_label = "friction"
+curves = [{ y = "axial_friction", where = { rpm = 460 } }]
+"""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> api.StudyResults:
+    """Of the tests' small study, with a table and a figure."""
+    folder = tmp_path_factory.mktemp("api")
+    return wb.Study(write(folder, STUDY + FIGURES)).run(folder / "out", jobs=2)
+
+
+def test_tables_figures_and_columns_by_name(results: api.StudyResults) -> None:
+    assert (results.tables, results.figures) == (["lag"], ["friction"])
+    assert list(results.table("lag").columns) == ["rpm", "lag (deg)"]
+    numbers = results.table("phase_lag")
+    assert numbers["phase_lag_deg"].tolist() == results.frame["phase_lag_deg"].tolist()
+    assert results.figure("friction").axes[0].get_title() == ""
+    with pytest.raises(wb.UserError, match='no table and no column "phase_lg"; did you mean "phase_lag"'):
+        results.table("phase_lg")
+    with pytest.raises(wb.UserError, match='no figure "frction"; did you mean "friction"'):
+        results.figure("frction")
+
+
+def test_signals_of_a_case_where_they_were_kept(results: api.StudyResults) -> None:
+    case = results.case(rpm=460)
+    assert case.kept
+    assert case.frame().attrs["units"]["velocity"] == "m/s"
+    assert case.plot("axial_friction", against="velocity").axes[0].get_xlabel() == "velocity (m/s)"
+    with pytest.raises(wb.UserError, match="the signals of rpm 0 were not kept; run with keep_trajectories=True"):
+        results.case(rpm=0).frame()
+    with pytest.raises(wb.UserError, match="2 cases for no condition, expected one"):
+        results.case()
+
+
+def test_results_are_plain_data_and_can_be_read_again(results: api.StudyResults) -> None:
+    data = json.loads(json.dumps(results.to_json()))
+    assert data["units"]["phase_lag_deg"] == "deg"
+    assert data["rows"][0]["settling_time_s"] is None
+    assert data["rows"][1]["phase_lag_deg"] == pytest.approx(results.case(rpm=460).row["phase_lag_deg"], rel=1e-12)
+    assert api.StudyResults.read(results.folder).to_json() == results.to_json()
+
+
+def test_a_dictionary_is_the_same_study_as_its_file(results: api.StudyResults, tmp_path: Path) -> None:
+    study = wb.Study(
+        {
+            "title": "a study for tests",
+            "plant": {"model": "by_rpm", "parameters": "owen2001_simulation"},
+            "axes": {"rpm": [0, 460]},
+            "controllers": {"p": wb.pid(kp="500 V/m")},
+            "references": {"sine": wb.sine("5 mm", "2 Hz")},
+            "simulation": {"duration": "1 s", "transient": "0.4 s"},
+        }
+    )
+    here = study.run(tmp_path / "out", keep_trajectories=True)
+    pd.testing.assert_frame_equal(here.frame, results.frame)
+    assert workbench("check", tmp_path / "out" / "study.toml").code == 0
+    with pytest.raises(wb.UserError, match="holds results already"):
+        study.run(tmp_path / "out")
+    assert study.run(tmp_path / "out", resume=True).frame.equals(here.frame)
+    with pytest.raises(wb.UserError, match="draws needs a table"):
+        study.run(tmp_path / "other", draws=2)
+
+
+def test_which_case_is_meant(results: api.StudyResults) -> None:
+    study = wb.Study(results.folder / "study.toml")
+    assert study.cases["rpm"].tolist() == [0, 460]
+    with pytest.raises(wb.UserError, match="2 cases with no condition, expected one; the axes are rpm"):
+        study.setup()
+    with pytest.raises(wb.UserError, match="no cases with rpm 50"):
+        study.setup(rpm=50)
+    with pytest.raises(wb.UserError, match="no axis rmp"):
+        study.setup(rmp=460)
+    with pytest.raises(wb.UserError, match=r"has \[tune\] and no \[references\]; use wb.tune"):
+        _ = wb.Study({"title": "t", "tune": {"objective": {"rms_error": 1}}}).plan
+    assert wb.Study(STUDIES / "thesis_chapter3.toml").setup(rpm=460).reference is not None
+
+
+# --- faces ---
+
+
+def test_faces_are_small_and_stand_alone(results: api.StudyResults) -> None:
+    for shown in (wb.simulate(small()), results):
+        html = shown._repr_html_()
+        assert "<table" in html
+        assert "data:image/png;base64," in html
+        assert "http" not in html
+        assert len(html) < 200_000
+    assert "rpm" in wb.Study(results.folder / "study.toml")._repr_html_()
+
+
+# --- questions ---
+
+
+def test_a_tuning_of_a_dictionary_leaves_a_study_and_gains(tmp_path: Path) -> None:
+    content = {
+        "title": "a dictionary that is tuned",
+        "plant": {"model": "non_rotating", "parameters": "owen2001_simulation"},
+        "controllers": {"p": wb.pid(kp=500)},
+        "references": {"sine": wb.sine("5 mm", "2 Hz")},
+        "simulation": {"duration": "1 s"},
+        "tune": {"seeds": 1, "trials": 3, "objective": {"rms_error": 1}},
+    }
+    tuning = wb.tune(content, tmp_path / "out", controllers=["p"])
+    (result,) = tuning.found
+    gains = tmp_path / "out" / "tuned" / "p.toml"
+    assert workbench("check", tmp_path / "out" / "study.toml").code == 0
+    loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(gains=str(gains)))
+    assert loop.gains.proportional == pytest.approx(result.best["kp"])
+    with pytest.raises(wb.UserError, match="holds trials already"):
+        wb.tune(content, tmp_path / "out", controllers=["p"])
+
+
+def test_questions_say_what_is_wrong(tmp_path: Path) -> None:
+    with pytest.raises(wb.UserError, match="no such file"):
+        wb.diagnose(tmp_path / "experiment.toml")
+    with pytest.raises(wb.UserError, match='method "simulated": did you mean "simulation"'):
+        wb.identify(tmp_path / "experiment.toml", method="simulated")
+    with pytest.raises(wb.UserError, match="decide"):
+        wb.decide({"title": "no question", "controllers": {"p": wb.pid(kp=500)}})

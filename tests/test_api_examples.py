@@ -1,0 +1,64 @@
+"""Every public name is documented, its examples run, and a notebook made of them executes without a screen."""
+
+import doctest
+import inspect
+import re
+from pathlib import Path
+
+import control
+import nbformat
+import pytest
+from api_examples import FACES, documented, examples, given, notebook
+from command import ROOT
+from nbclient import NotebookClient
+
+from workbench import api
+
+EXAMPLES = examples()
+"""Names with their documentation."""
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_run(name: str, tmp_path: Path) -> None:
+    test = doctest.DocTestParser().get_doctest(EXAMPLES[name], given(tmp_path), name, name, 0)
+    failures: list[str] = []
+    doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE).run(test, out=failures.append)
+    assert not failures, "".join(failures)
+
+
+@pytest.mark.parametrize("name", api.__all__)
+def test_every_public_name_is_documented_with_its_arguments_and_an_example(name: str) -> None:
+    texts = {where: text for where, text in documented() if where.partition(".")[0] == name}
+    assert texts[name].strip()
+    thing = getattr(api, name)
+    if name == "UserError":
+        return
+    assert any(">>>" in text for text in texts.values())
+    if inspect.isfunction(thing):
+        assert "Raises:" in texts[name] or name in ("simulate", "evaluate")
+        for parameter in inspect.signature(thing).parameters:
+            assert f"{parameter}:" in texts[name] or f"{parameter} " in texts[name], parameter
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_notebook_of_the_examples_executes(tmp_path: Path) -> None:
+    given(tmp_path)
+    cells = notebook(tmp_path)
+    NotebookClient(cells, timeout=300, resources={"metadata": {"path": ROOT}}).execute()
+    nbformat.write(cells, tmp_path / "examples.ipynb")
+    shown = [{kind for output in cell.get("outputs", []) for kind in output.get("data", {})} for cell in cells.cells]
+    *faces, figure = shown[-len(FACES) :]
+    assert all("text/html" in kinds for kinds in faces)
+    assert "image/png" in figure
+
+
+def test_the_readme_and_the_guide_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    monkeypatch.chdir(tmp_path)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    section = readme.partition("## In Python")[2].partition("\n## ")[0]
+    guide = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    code = "\n".join(re.findall(r"^    (.*)$", section + guide, flags=re.MULTILINE))
+    names: dict[str, object] = {"control": control}
+    exec(code, names)
+    assert str(names["results"]).startswith('StudyResults("Chapter 3: tracking", 9 cases')

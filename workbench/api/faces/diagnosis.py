@@ -1,0 +1,32 @@
+"""A diagnosis as a notebook shows it."""
+
+from dataclasses import dataclass
+
+from workbench.diagnose.diagnose import Diagnosis
+from workbench.diagnose.report.figures import pictures_of
+from workbench.diagnose.report.folder import tables_of
+from workbench.diagnose.report.words import sureness, verdict_sentence
+from workbench.publish.notebook import face
+
+DRAWN = ("simulation", "flow_time", "force_time")
+"""Pictures by name, the most telling first: the plant simulated against what was measured, or else a residual."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShownDiagnosis(Diagnosis):
+    """Shown by verdict, how sure it is, the error before and after, and the plant against its records."""
+
+    @property
+    def verdict(self) -> str:
+        """Of the whole, as report.json names it."""
+        return str(self.report["verdict"])
+
+    def _repr_html_(self) -> str:
+        pictures, tables = pictures_of(self), tables_of(self)
+        drawn = next((pictures[name] for name in DRAWN if name in pictures), None)
+        return face(
+            self.experiment.title,
+            lines=[verdict_sentence(self), *sureness(self)],
+            table=tables["error"].cells if "error" in tables else None,
+            figure=None if drawn is None else drawn.figure,
+        )

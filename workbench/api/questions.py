@@ -1,0 +1,195 @@
+"""The questions that have a command of their own: tune, decide, identify, diagnose."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from workbench.api.faces import shown_as
+from workbench.api.studies import Content, Study, as_study
+from workbench.errors import UserError, nearest
+
+if TYPE_CHECKING:
+    from workbench.api.faces.decision import ShownDecision
+    from workbench.api.faces.diagnosis import ShownDiagnosis
+    from workbench.api.faces.identification import ShownIdentification
+    from workbench.api.faces.tuning import ShownTuning
+
+
+def tune(
+    study: str | Path | Content | Study,
+    out: str | Path | None = None,
+    *,
+    controllers: Sequence[str] = ("all",),
+    trials: int | None = None,
+    jobs: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+) -> "ShownTuning":
+    """Find gains for the controllers of a study, with the same budget and objective for all (docs/tuning.md).
+
+    Args:
+        study: with a table [tune]: a file, its content, or a `Study`.
+        out: folder for gain files, trials, tables, figures and tuning.html; without one nothing is kept.
+        controllers: of the study; "all": every one, and a PD.
+        trials: of each seed, in place of what [tune] says.
+        jobs: searches at a time; default one a core.
+        resume: go on with the trials in `out`.
+        overwrite: replace what is there.
+
+    Returns:
+        what became of each controller: its gains, scores and trials.
+
+    Raises:
+        UserError: a mistake in the study, no such controller, or a folder that does not serve.
+
+    Example:
+        >>> tuning = wb.tune({**small_study, "axes": {}, "tune": {"seeds": 1, "objective": {"rms_error": 1}}},
+        ...                  controllers=["p"], trials=3)
+        >>> [len(result.trials) for result in tuning.found]
+        [3]
+    """
+    from workbench.api.faces.tuning import ShownTuning
+    from workbench.tune.report.folder import open_folder, write_tuning
+    from workbench.tune.study import prepared, tune_all
+
+    asked = as_study(study)
+    ready, names = prepared(asked.content, list(controllers), trials)
+    ready = replace(ready, text=asked.text)
+    began = time.time()
+    if out is None:
+        with TemporaryDirectory() as folder:
+            database = open_folder(Path(folder), resume=resume, overwrite=overwrite)
+            return shown_as(ShownTuning, tune_all(ready, names, database, jobs))
+    database = open_folder(Path(out), resume=resume, overwrite=overwrite)
+    tuning = tune_all(ready, names, database, jobs)
+    write_tuning(tuning, Path(out), began=began, jobs=jobs)
+    return shown_as(ShownTuning, tuning)
+
+
+def decide(
+    study: str | Path | Content | Study,
+    out: str | Path | None = None,
+    *,
+    machine: str | None = None,
+    jobs: int | None = None,
+    overwrite: bool = False,
+) -> "ShownDecision":
+    """Say which controllers and speeds of rotation meet an accuracy within a power, and how probably.
+
+    The probability is that of machines drawn as [uncertainty] says; its interval is exact (Clopper and Pearson).
+
+    Args:
+        study: with a table [decide]: a file, its content, or a `Study`.
+        out: folder for decision.html, results, tables and figures; without one nothing is kept.
+        machine: in place of the study's.
+        jobs: runs at a time; default one a core.
+        overwrite: replace what is in `out`.
+
+    Returns:
+        every run, and what suffices at each speed and spread.
+
+    Raises:
+        UserError: a mistake in the study, or a folder that does not serve.
+
+    Example:
+        >>> decision = wb.decide({
+        ...     "title": "1 mm at 20 mm/s",
+        ...     "plant": {"model": "non_rotating", "parameters": "owen2001_simulation"},
+        ...     "controllers": {"feed": wb.pid(kp=500, feedforward=1)},
+        ...     "uncertainty": {"scale": {"mass": {"min": 0.8, "max": 1.5}}},
+        ...     "decide": {"accuracy": "1 mm", "speed": "20 mm/s", "amplitude": "1 mm", "power": "2 kW",
+        ...                "plain": ["feed"], "rpm": [0], "draws": 2, "fresh_draws": 60, "hold_duration": "1 s"},
+        ... })
+        >>> decision.asked.answer().best.controller
+        'feed'
+    """
+    from workbench.api.faces.decision import ShownDecision
+    from workbench.decide.decision import decide as decided
+    from workbench.decide.plan import plan_decision
+    from workbench.decide.report.folder import check_folder, write_decision
+
+    began, asked = time.time(), as_study(study)
+    checked = plan_decision(asked.content, machine)
+    planned = replace(checked, study=replace(checked.study, text=asked.text))
+    if out is not None:
+        check_folder(Path(out), overwrite)
+    decision = decided(planned, jobs)
+    if out is not None:
+        write_decision(decision, Path(out), began, jobs)
+    return shown_as(ShownDecision, decision)
+
+
+def identify(
+    experiment: str | Path, out: str | Path | None = None, *, method: str | None = None, overwrite: bool = False
+) -> "ShownIdentification":
+    """Find friction and other parameters of a plant in records of it (docs/experiments.md).
+
+    By the thesis's method, from slow motions and load pressures, and by simulation error: the parameters with which the
+    plant, driven by the measured input, shows what the sensors showed with the least sum of squared differences.
+
+    Args:
+        experiment: the path of an experiment file, with its records beside it.
+        out: folder for identified.json, plant.toml, tables and figures; without one nothing is kept.
+        method: "thesis", "simulation" or "both"; default what the file says.
+        overwrite: replace what is in `out`.
+
+    Returns:
+        both methods' estimates with their deviations, and the corrected plant.
+
+    Raises:
+        UserError: a mistake in the file, a record that does not serve, or a folder that does not.
+
+    Example:
+        >>> identification = wb.identify(experiment, method="simulation")
+        >>> sorted(identification.simulation.estimates)
+        ['coulomb', 'coulomb_negative', 'viscous', 'viscous_negative']
+    """
+    from workbench.api.faces.identification import ShownIdentification
+    from workbench.identify.identification import identify as identified
+    from workbench.identify.report.folder import check_folder, write_identification
+    from workbench.records.experiment import read_experiment
+    from workbench.records.schema import METHODS
+
+    if method is not None and method not in METHODS:
+        raise UserError(f'method "{method}": {nearest(method, METHODS)}')
+    content = read_experiment(Path(experiment))
+    if out is not None:
+        check_folder(Path(out), overwrite)
+    identification = identified(content, method)
+    if out is not None:
+        write_identification(identification, Path(out))
+    return shown_as(ShownIdentification, identification)
+
+
+def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite: bool = False) -> "ShownDiagnosis":
+    """Say what a plant lacks, by records of it, and how sure that is (docs/diagnosis.md).
+
+    Args:
+        experiment: the path of an experiment file, with its records beside it.
+        out: folder for report.json, report.html, plant.toml, tables and figures; without one nothing is kept.
+        overwrite: replace what is in `out`.
+
+    Returns:
+        effects with their parameters, what stays unexplained, errors before and after, and the `verdict`:
+        "none_missing", "effect_found", "ambiguous", "unexplained" or "rejected_on_held_out".
+
+    Raises:
+        UserError: a mistake in the file, channels that allow no balance, or a folder that does not serve.
+
+    Example:
+        >>> wb.diagnose(experiment).verdict
+        'none_missing'
+    """
+    from workbench.api.faces.diagnosis import ShownDiagnosis
+    from workbench.diagnose.diagnose import diagnose as diagnosed
+    from workbench.diagnose.report.folder import check_folder, write_diagnosis
+
+    if out is not None:
+        check_folder(Path(out), overwrite)
+    diagnosis = diagnosed(Path(experiment))
+    if out is not None:
+        write_diagnosis(diagnosis, Path(out))
+    return shown_as(ShownDiagnosis, diagnosis)

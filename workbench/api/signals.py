@@ -1,0 +1,69 @@
+"""Signals over time as a notebook has them: their units, and pictures of them."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from plants.equation import fields
+from workbench.errors import UserError, nearest
+from workbench.publish.tables import with_unit
+from workbench.simulation.simulate import Run, memory_names
+from workbench.study.names import SIGNAL_UNITS
+from workbench.toml.units import COMMAND
+
+if TYPE_CHECKING:
+    from workbench.publish.notebook import NotebookFigure
+
+UNITS = "units"
+"""Where a frame's units are: in its `attrs`, by column."""
+
+
+def frame_of(run: Run) -> pd.DataFrame:
+    """All signals of a run, a row a sample, with their units in `attrs["units"]`."""
+    frame = pd.DataFrame({"time": run.time, **run.signals})
+    units = units_of(run)
+    frame.attrs[UNITS] = {str(name): units.get(str(name), "1") for name in frame.columns}
+    return frame
+
+
+def units_of(run: Run) -> dict[str, str]:
+    """The SI unit of every signal of a run, by name."""
+    plant, controller = run.plant, run.loop.controller
+    units = {item.name: item.unit for item in (*fields(plant.Inputs), *fields(plant.Signals))}
+    for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
+        units[name] = item.unit.replace(COMMAND, plant.command_unit)
+    return {**SIGNAL_UNITS, **units}
+
+
+def plot_signals(frame: pd.DataFrame, names: Sequence[str], against: str, title: str) -> "NotebookFigure":
+    """Signals of a frame, a panel each, over another one; in the units of the frame.
+
+    Raises:
+        UserError: no such signal, or none asked for.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from workbench.publish.notebook import NotebookFigure
+    from workbench.publish.style import PANEL_HEIGHT, WIDTH, figure_style, line_style
+
+    units, known = frame.attrs[UNITS], [str(name) for name in frame.columns]
+    for name in (*names, against):
+        if name not in known:
+            raise UserError(f'there is no signal "{name}"; {nearest(name, known)}')
+    if not names:
+        raise UserError("plot: no signal is named; expected one such as position")
+    with figure_style():
+        figure = NotebookFigure(figsize=(WIDTH, PANEL_HEIGHT * len(names)))
+        FigureCanvasAgg(figure)
+        figure.suptitle(title)
+        panels = figure.subplots(len(names), sharex=True, squeeze=False)[:, 0]
+        for number, (axes, name) in enumerate(zip(panels, names, strict=True)):
+            axes.plot(frame[against], frame[name], **line_style(number))
+            axes.set_ylabel(_label(name, units))
+        panels[-1].set_xlabel(_label(against, units))
+    return figure
+
+
+def _label(name: str, units: Mapping[str, str]) -> str:
+    return with_unit(name.replace("_", " "), units[name])
