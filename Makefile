@@ -12,7 +12,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test lint benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -64,6 +64,10 @@ lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# The reference of the public names, from their docstrings.
+docs: $(ENVIRONMENT)/ready-for-docs
+	$(BIN)/python -W error -m pdoc workbench.api --docformat google --no-show-source --output-directory results/reference
+
 benchmark: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/python benchmarks/closed_loop.py
 
@@ -82,4 +86,8 @@ $(ENVIRONMENT)/ready: pyproject.toml
 
 $(ENVIRONMENT)/ready-for-tests: $(ENVIRONMENT)/ready
 	$(INSTALL) --editable ".[test]"
+	@touch $@
+
+$(ENVIRONMENT)/ready-for-docs: $(ENVIRONMENT)/ready
+	$(INSTALL) --editable ".[docs]"
 	@touch $@
