@@ -335,7 +335,7 @@ def test_a_tuning_of_a_dictionary_leaves_a_study_and_gains(tmp_path: Path) -> No
         "tune": {"seeds": 1, "trials": 3, "objective": {"rms_error": 1}},
     }
     tuning = wb.tune(content, tmp_path / "out", controllers=["p"])
-    (result,) = tuning.found
+    (result,) = tuning.tuned
     gains = tmp_path / "out" / "tuned" / "p.toml"
     assert workbench("check", tmp_path / "out" / "study.toml").code == 0
     loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(gains=str(gains)))

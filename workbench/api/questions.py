@@ -48,12 +48,13 @@ def tune(
     Example:
         >>> tuning = wb.tune({**small_study, "axes": {}, "tune": {"seeds": 1, "objective": {"rms_error": 1}}},
         ...                  controllers=["p"], trials=3)
-        >>> [len(result.trials) for result in tuning.found]
+        >>> [len(result.trials) for result in tuning.tuned]
         [3]
     """
     from workbench.api.faces.tuning import ShownTuning
+    from workbench.tune.prepare import prepared
     from workbench.tune.report.folder import open_folder, write_tuning
-    from workbench.tune.study import prepared, tune_all
+    from workbench.tune.run import tune_all
 
     asked = as_study(study)
     ready, names = prepared(asked.content, list(controllers), trials)
@@ -107,9 +108,9 @@ def decide(
         'feed'
     """
     from workbench.api.faces.decision import ShownDecision
-    from workbench.decide.decision import decide as decided
     from workbench.decide.plan import plan_decision
     from workbench.decide.report.folder import check_folder, write_decision
+    from workbench.decide.run import decide as decided
 
     began, asked = time.time(), as_study(study)
     checked = plan_decision(asked.content, machine)

@@ -2,17 +2,21 @@
 
 from dataclasses import dataclass
 
-from workbench.decide.decision import Decision
 from workbench.decide.report.answer import paragraph
+from workbench.decide.report.axes import is_known
 from workbench.decide.report.tables import short_table
+from workbench.decide.report.trade_figure import trade_figure
 from workbench.decide.report.words import price, question
+from workbench.decide.result import Decision
 from workbench.publish.notebook import face
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShownDecision(Decision):
-    """Shown by question and answer, and a row a candidate."""
+    """Shown by question and answer, a row a candidate, and error against power where runs complete."""
 
     def _repr_html_(self) -> str:
         lines = [line for line in (paragraph(self), price(self)) if line]
-        return face(question(self), lines=lines, table=short_table(self))
+        known = any(is_known(row) for row in self.asked.ordered)
+        figure = trade_figure(self)[0] if known else None
+        return face(question(self), lines=lines, table=short_table(self), figure=figure)

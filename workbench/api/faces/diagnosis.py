@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
-from workbench.diagnose.diagnose import Diagnosis
-from workbench.diagnose.report.figures import pictures_of
+from workbench.diagnose.report.figures.every import pictures_of
 from workbench.diagnose.report.folder import tables_of
-from workbench.diagnose.report.words import sureness, verdict_sentence
+from workbench.diagnose.report.sureness import sureness
+from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.result import Diagnosis
 from workbench.publish.notebook import face
 
 DRAWN = ("simulation", "flow_time", "force_time")
@@ -15,11 +16,6 @@ DRAWN = ("simulation", "flow_time", "force_time")
 @dataclass(frozen=True, eq=False, repr=False)
 class ShownDiagnosis(Diagnosis):
     """Shown by verdict, how sure it is, the error before and after, and the plant against its records."""
-
-    @property
-    def verdict(self) -> str:
-        """Of the whole, as report.json names it."""
-        return str(self.report["verdict"])
 
     def _repr_html_(self) -> str:
         pictures, tables = pictures_of(self), tables_of(self)

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from workbench.identify.identification import Identification
 from workbench.identify.report.figures import record_figures
 from workbench.identify.report.folder import table_of
+from workbench.identify.result import Identification
 from workbench.publish.notebook import face
 
 

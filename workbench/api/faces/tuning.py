@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from workbench.publish.notebook import face
-from workbench.tune.report.search import history_picture
+from workbench.tune.report.history import history_picture
 from workbench.tune.report.tables import brief, tables_of
 from workbench.tune.report.words import first_lines
-from workbench.tune.study import Tuning
+from workbench.tune.result import Tuning
 
 
 @dataclass(frozen=True, eq=False, repr=False)
