@@ -74,12 +74,12 @@ def test_the_public_names_are_those_of_the_api_and_a_function_for_each_controlle
 
 
 def test_a_room_is_called_as_its_question_and_stays_a_room() -> None:
-    import workbench.tune.study as room
+    import workbench.tune.run as room
 
     assert wb.tune is sys.modules["workbench.tune"]
     assert callable(wb.tune)
     assert wb.tune.__doc__ == api.tune.__doc__
-    assert find_spec("workbench.tune.study").name == room.__name__
+    assert find_spec("workbench.tune.run").name == room.__name__
 
 
 def test_controllers_of_other_packages_have_a_function(tmp_path: Path) -> None:

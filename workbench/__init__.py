@@ -81,7 +81,7 @@ QUESTIONS = ("tune", "decide", "identify", "diagnose")
 
 
 class _Question(ModuleType):
-    # A room that is called as the question it answers: `workbench.tune` holds `workbench.tune.study`, and
+    # A room that is called as the question it answers: `workbench.tune` holds `workbench.tune.run`, and
     # `workbench.tune(path)` tunes.
 
     def __call__(self, *arguments: object, **options: object) -> object:
