@@ -25,10 +25,10 @@ from scipy.integrate import solve_ivp
 
 from controllers.pid import PID, Settings
 from plants.equation import fields, from_array, to_array
-from plants.interface import compile_derivatives
 from plants.non_rotating import NON_ROTATING as PLANT
 from workbench.linear.linearise import nonlinear_system, symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Integrator, Loop, Setup, simulate
 

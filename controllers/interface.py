@@ -4,11 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
-from numba import types
-
-from plants.equation import POINTER, caller, compiled, fingerprint, pack, unpack
-from plants.interface import Measurement
-
 
 class Reference(NamedTuple):
     """What is wanted at one instant, with exact derivatives; for a rotary controller a speed in rad/s."""
@@ -53,43 +48,3 @@ class Controller:
     forcing: Callable[..., float] | None = None
     unused: frozenset[str] = frozenset()
     gauge: bool = False
-
-
-STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)
-"""C signature: reference, measurement, state (in and out), gains, sample time -> command."""
-
-COMMIT = types.void(types.float64, POINTER, POINTER, types.float64)
-"""C signature: realised command, state (in and out), gains, sample time."""
-
-call_step, call_commit = caller(STEP), caller(COMMIT)
-
-
-def compile_step(controller: Controller) -> Any:
-    """The controller's step as a C function of signature `STEP`."""
-    step, state_class, gains_class = controller.step, controller.State, controller.Gains
-    reference_class, measurement_class = Reference, Measurement
-    source = fingerprint(step)
-
-    @compiled(STEP)
-    def entry(reference: Any, measurement: Any, state: Any, gains: Any, sample_time: float) -> float:
-        _ = source  # part of the key of the compiled code's cache
-        r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
-        command, following = step(r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time)
-        pack(following, state)
-        return command
-
-    return entry
-
-
-def compile_commit(controller: Controller) -> Any:
-    """The controller's commit as a C function of signature `COMMIT`."""
-    commit, state_class, gains_class = controller.commit, controller.State, controller.Gains
-    source = fingerprint(commit)
-
-    @compiled(COMMIT)
-    def entry(realised: float, state: Any, gains: Any, sample_time: float) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        s = unpack(state_class, state)
-        pack(commit(realised, s, unpack(gains_class, gains), sample_time), state)
-
-    return entry

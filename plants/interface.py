@@ -5,10 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-from numba import types
-
-from plants.equation import POINTER, caller, compiled, fields, fingerprint, pack, unpack
+from plants.equation import fields
 
 
 class Measurement(NamedTuple):
@@ -79,47 +76,3 @@ class Plant:
     def input_index(self, name: str) -> int:
         """Place of an input among `Inputs`."""
         return [field.name for field in fields(self.Inputs)].index(name)
-
-
-DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
-"""C signature: time, state, inputs, parameters, rates (out)."""
-
-MEASURE = types.void(POINTER, POINTER, POINTER)
-"""C signature: state, parameters, measurement (out)."""
-
-call_derivatives, call_measure = caller(DERIVATIVES), caller(MEASURE)
-
-
-def compile_derivatives(plant: Plant) -> Any:
-    """The plant's derivatives as a C function of signature `DERIVATIVES`."""
-    derivatives, state_class = plant.derivatives, plant.State
-    inputs_class, parameters_class = plant.Inputs, plant.Parameters
-    source = fingerprint(derivatives)
-
-    @compiled(DERIVATIVES)
-    def entry(time: float, state: Any, inputs: Any, parameters: Any, rates: Any) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        s, u = unpack(state_class, state), unpack(inputs_class, inputs)
-        pack(derivatives(time, s, u, unpack(parameters_class, parameters)), rates)
-
-    return entry
-
-
-def compile_measure(plant: Plant) -> Any:
-    """The plant's noise-free readings as a C function of signature `MEASURE`.
-
-    A channel that its `measure` leaves to the default is absent from the compiled tuple: it is NaN.
-    """
-    measure, state_class, parameters_class = plant.measure, plant.State, plant.Parameters
-    channels = len(Measurement._fields)
-    source = fingerprint(measure)
-
-    @compiled(MEASURE)
-    def entry(state: Any, parameters: Any, measurement: Any) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        readings = measure(unpack(state_class, state), unpack(parameters_class, parameters))
-        for i in range(len(readings), channels):
-            measurement[i] = np.nan
-        pack(readings, measurement)
-
-    return entry

@@ -10,7 +10,8 @@ from command import ROOT
 
 MODULE = """\
 from numba import types
-from plants.equation import compiled, equation
+from plants.compiled import compiled
+from plants.equation import equation
 
 @equation
 def double(x):

@@ -13,13 +13,14 @@ from controllers.pid import PID, Settings
 from plants.drive import DRIVE_FORCE
 from plants.equation import fields, from_array, leaves, to_array
 from plants.friction import LuGre, steady_friction
-from plants.interface import Plant, compile_derivatives
+from plants.interface import Plant
 from plants.motor import LIMITS
 from plants.non_rotating import NON_ROTATING
 from plants.registry import plants
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from workbench.linear.linearise import symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.simulate import Feed, Integrator, Loop, Setup, simulate
 

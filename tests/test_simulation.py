@@ -17,9 +17,10 @@ from controllers.speed_servo import SPEED_SERVO
 from controllers.velocity import filtered_differentiator
 from plants.equation import fields, from_array
 from plants.friction_gauge import gauged
-from plants.interface import Measurement, Plant, compile_derivatives
+from plants.interface import Measurement, Plant
 from plants.non_rotating import NON_ROTATING
 from workbench.simulation import compilation, engine
+from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import Multisine, Ramp, Recorded, ReferenceSignal, Sine, Steps
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Feed, Integrator, Loop, Run, Setup, simulate

@@ -9,7 +9,8 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numba import njit
+
+from plants.compiled import njit
 
 Ending = Literal["over", "falling", "going on"]
 

@@ -7,15 +7,102 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from controllers.interface import Controller, compile_commit, compile_step
-from plants.interface import Plant, compile_derivatives, compile_measure
+import numpy as np
+from numba import types
+
+from controllers.interface import Controller, Reference
+from plants.compiled import POINTER, caller, compiled, pack, unpack
+from plants.equation import fingerprint
+from plants.interface import Measurement, Plant
 from workbench.errors import UserError
 
 NUMBA_FAILED = "Failed in nopython mode pipeline"
 """What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
 
+DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
+"""C signature: time, state, inputs, parameters, rates (out)."""
+
+MEASURE = types.void(POINTER, POINTER, POINTER)
+"""C signature: state, parameters, measurement (out)."""
+
+call_derivatives, call_measure = caller(DERIVATIVES), caller(MEASURE)
+
+STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)
+"""C signature: reference, measurement, state (in and out), gains, sample time -> command."""
+
+COMMIT = types.void(types.float64, POINTER, POINTER, types.float64)
+"""C signature: realised command, state (in and out), gains, sample time."""
+
+call_step, call_commit = caller(STEP), caller(COMMIT)
+
 COMPILING = threading.Lock()
 """Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
+
+
+def compile_derivatives(plant: Plant) -> Any:
+    """The plant's derivatives as a C function of signature `DERIVATIVES`."""
+    derivatives, state_class = plant.derivatives, plant.State
+    inputs_class, parameters_class = plant.Inputs, plant.Parameters
+    source = fingerprint(derivatives)
+
+    @compiled(DERIVATIVES)
+    def entry(time: float, state: Any, inputs: Any, parameters: Any, rates: Any) -> None:
+        _ = source  # part of the key of the compiled code's cache
+        s, u = unpack(state_class, state), unpack(inputs_class, inputs)
+        pack(derivatives(time, s, u, unpack(parameters_class, parameters)), rates)
+
+    return entry
+
+
+def compile_measure(plant: Plant) -> Any:
+    """The plant's noise-free readings as a C function of signature `MEASURE`.
+
+    A channel that its `measure` leaves to the default is absent from the compiled tuple: it is NaN.
+    """
+    measure, state_class, parameters_class = plant.measure, plant.State, plant.Parameters
+    channels = len(Measurement._fields)
+    source = fingerprint(measure)
+
+    @compiled(MEASURE)
+    def entry(state: Any, parameters: Any, measurement: Any) -> None:
+        _ = source  # part of the key of the compiled code's cache
+        readings = measure(unpack(state_class, state), unpack(parameters_class, parameters))
+        for i in range(len(readings), channels):
+            measurement[i] = np.nan
+        pack(readings, measurement)
+
+    return entry
+
+
+def compile_step(controller: Controller) -> Any:
+    """The controller's step as a C function of signature `STEP`."""
+    step, state_class, gains_class = controller.step, controller.State, controller.Gains
+    reference_class, measurement_class = Reference, Measurement
+    source = fingerprint(step)
+
+    @compiled(STEP)
+    def entry(reference: Any, measurement: Any, state: Any, gains: Any, sample_time: float) -> float:
+        _ = source  # part of the key of the compiled code's cache
+        r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
+        command, following = step(r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time)
+        pack(following, state)
+        return command
+
+    return entry
+
+
+def compile_commit(controller: Controller) -> Any:
+    """The controller's commit as a C function of signature `COMMIT`."""
+    commit, state_class, gains_class = controller.commit, controller.State, controller.Gains
+    source = fingerprint(commit)
+
+    @compiled(COMMIT)
+    def entry(realised: float, state: Any, gains: Any, sample_time: float) -> None:
+        _ = source  # part of the key of the compiled code's cache
+        s = unpack(state_class, state)
+        pack(commit(realised, s, unpack(gains_class, gains), sample_time), state)
+
+    return entry
 
 
 def plant_addresses(plant: Plant) -> tuple[int, int]:

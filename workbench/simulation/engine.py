@@ -1,6 +1,6 @@
 """The compiled loop: sample, control, saturate, log, integrate to the next sample.
 
-Compiled once for the C signatures of `plants.interface` and `controllers.interface`; plants and controllers plug
+Compiled once for the C signatures of `workbench.simulation.compilation`; plants and controllers plug
 in as function pointers.
 """
 
@@ -8,12 +8,12 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import register_jitable
 
-from controllers.interface import call_commit, call_step
-from plants.equation import address, shift
-from plants.interface import Measurement, call_measure
+from plants.compiled import address, njit, shift
+from plants.interface import Measurement
+from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
 from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 
+from plants.equation import equation
 from plants.interface import Measurement
 
 HARMONICS = 4
@@ -21,7 +21,7 @@ ERROR_NUMBERS = 2 + 3 * HARMONICS
 """Numbers that describe a channel's systematic error, in the order of `systematic_error`."""
 
 
-@register_jitable
+@equation
 def systematic_error(value: Any, numbers: Any) -> Any:
     """Error that a sensor adds to the true `value`, in the channel's unit; it repeats whenever the value does.
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from plants.equation import shift
-from plants.interface import call_derivatives, call_measure
+from plants.compiled import shift
+from workbench.simulation.compilation import call_derivatives, call_measure
 
 OK, STEP_LIMIT, NOT_FINITE = 0, 1, 2
 """What an interval ended with."""

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from plants import effects as fx
+from plants.compiled import njit
 from plants.effects import FrictionEffects
 from plants.friction import Friction
 from plants.hydraulics import Mass

@@ -1,0 +1,192 @@
+"""Equations as compiled code: C functions over pointers to doubles, cached on disk.
+
+The simulation engine knows only such functions. All plants and controllers have the same C signatures, so that the
+engine is compiled once and they plug in. This module imports numba, which takes as long as all else that a command
+needs: what only names plants, or checks a file, does without it.
+"""
+
+import functools
+import operator
+import os
+import secrets
+import typing
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from llvmlite import ir
+from numba import types
+from numba.core.bytecode import FunctionIdentity
+from numba.extending import intrinsic, overload, register_jitable
+
+from plants.equation import select, source_hash, tell_compiler, when
+
+
+def _cache_folder() -> Path:
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "friction-workbench" / "compiled" / source_hash()
+
+
+if not os.environ.get("NUMBA_CACHE_DIR"):
+    numba.config.CACHE_DIR = str(_cache_folder())
+
+FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), None)
+# Numba numbers functions from 1 on in each process, and the numbers are all that tells the symbols of closures of the
+# same name apart: of two that two processes have cached, a third would run one for both (numba issue 10486).
+
+tell_compiler(register_jitable)
+
+
+@overload(select)
+def _compiled_select(condition: Any, when_true: Any, when_false: Any) -> Callable[..., Any]:
+    def choose(condition: Any, when_true: Any, when_false: Any) -> Any:
+        return when_true if condition else when_false
+
+    return choose
+
+
+@overload(when)
+def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Callable[..., Any]:
+    def choose(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Any:
+        if condition:
+            return function(*arguments)
+        return otherwise
+
+    return choose
+
+
+POINTER = types.CPointer(types.float64)
+
+
+def _numba_type(cls: Any) -> Any:
+    hints = typing.get_type_hints(cls)
+    members = [types.float64 if hints[n] is float else _numba_type(hints[n]) for n in cls._fields]
+    return (
+        types.NamedUniTuple(types.float64, len(members), cls)
+        if all(member == types.float64 for member in members)
+        else types.NamedTuple(members, cls)
+    )
+
+
+@intrinsic
+def unpack(typingctx: Any, cls: Any, pointer: Any) -> Any:
+    """In compiled code: read a (nested) NamedTuple of class `cls` from consecutive doubles at `pointer`."""
+    result = _numba_type(cls.instance_class)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        position = iter(range(10_000))
+
+        def load(kind: Any) -> Any:
+            if isinstance(kind, types.Float):
+                index = context.get_constant(types.intp, next(position))
+                return builder.load(builder.gep(args[1], [index]))
+            return context.make_tuple(builder, kind, [load(member) for member in kind.types])
+
+        return load(result)
+
+    return result(cls, pointer), codegen
+
+
+@intrinsic
+def pack(typingctx: Any, value: Any, pointer: Any) -> Any:
+    """In compiled code: write the numbers of a (nested) tuple to consecutive doubles at `pointer`."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        position = iter(range(10_000))
+
+        def store(kind: Any, item: Any) -> None:
+            if isinstance(kind, types.BaseTuple):
+                for i, member in enumerate(kind.types):
+                    store(member, builder.extract_value(item, i))
+            else:
+                index = context.get_constant(types.intp, next(position))
+                number = context.cast(builder, item, kind, types.float64)
+                builder.store(number, builder.gep(args[1], [index]))
+
+        store(signature.args[0], args[0])
+        return context.get_dummy_value()
+
+    return types.void(value, pointer), codegen
+
+
+@intrinsic
+def address(typingctx: Any, array: Any) -> Any:
+    """In compiled code: the pointer to the first element of a contiguous float64 array."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return context.make_array(signature.args[0])(context, builder, args[0]).data
+
+    return POINTER(array), codegen
+
+
+@intrinsic
+def shift(typingctx: Any, pointer: Any, count: Any) -> Any:
+    """In compiled code: the pointer `count` doubles further on."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.gep(args[0], [args[1]])
+
+    return POINTER(POINTER, types.intp), codegen
+
+
+@intrinsic
+def _load(typingctx: Any, pointer: Any, index: Any) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.load(builder.gep(args[0], [args[1]]))
+
+    return types.float64(POINTER, types.intp), codegen
+
+
+@intrinsic
+def _store(typingctx: Any, pointer: Any, index: Any, value: Any) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        builder.store(args[2], builder.gep(args[0], [args[1]]))
+        return context.get_dummy_value()
+
+    return types.void(POINTER, types.intp, types.float64), codegen
+
+
+def caller(signature: Any) -> Any:
+    """An intrinsic `call(address, *arguments)`: in compiled code, call the C function of `signature` at an address.
+
+    Addresses are plain integers, so that an engine takes them at no cost.
+    """
+
+    @intrinsic
+    def call(typingctx: Any, address: Any, *arguments: Any) -> Any:
+        def codegen(context: Any, builder: Any, _: Any, args: Any) -> Any:
+            kinds = [context.get_value_type(kind) for kind in signature.args]
+            result = ir.VoidType() if signature.return_type == types.void else ir.DoubleType()
+            function = builder.inttoptr(args[0], ir.FunctionType(result, kinds).as_pointer())
+            values = [builder.extract_value(args[1], i) for i in range(len(kinds))]
+            returned = builder.call(function, values)
+            return context.get_dummy_value() if signature.return_type == types.void else returned
+
+        return signature.return_type(types.int64, types.Tuple(signature.args)), codegen
+
+    return call
+
+
+@overload(operator.getitem)
+def _pointer_item(pointer: Any, index: Any) -> Any:
+    """In compiled code a pointer is read like an array. Arrays themselves cost a reference count at each call."""
+    if pointer == POINTER and isinstance(index, types.Integer):
+        return lambda pointer, index: _load(pointer, index)
+    return None
+
+
+@overload(operator.setitem)
+def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
+    if pointer == POINTER and isinstance(index, types.Integer):
+        return lambda pointer, index, value: _store(pointer, index, value)
+    return None
+
+
+def compiled(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Decorator: a C function of `signature`, cached on disk; dividing by zero gives infinity, as in NumPy."""
+    return numba.cfunc(signature, cache=True, error_model="numpy")
+
+
+njit = numba.njit
+"""For loops over arrays. Had from here, it finds the folder of the cache set."""
