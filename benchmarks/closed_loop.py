@@ -30,7 +30,8 @@ from workbench.linear.linearise import nonlinear_system, symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import Sine
-from workbench.simulation.simulate import Integrator, Loop, Setup, simulate
+from workbench.simulation.setup import Integrator, Loop, Setup
+from workbench.simulation.simulate import simulate
 
 GAIN = 500.0
 SAMPLE = 1e-3

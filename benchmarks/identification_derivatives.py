@@ -16,7 +16,8 @@ from plants.non_rotating import NON_ROTATING, Inputs
 from workbench.linear.linearise import symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
-from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
+from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.simulation.simulate import simulate
 
 FREE = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 DURATION, SAMPLE, START = 35.0, 1e-3, -0.07

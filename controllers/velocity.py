@@ -10,8 +10,6 @@ import functools
 from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
-from filterpy.common import Q_continuous_white_noise
-from filterpy.kalman import KalmanFilter
 
 from controllers.settings import About, Needs, Tuned
 from plants.equation import Scalar, equation
@@ -132,6 +130,9 @@ def kalman(position_noise: float, jerk_density: float, sample_time: float) -> Es
     Raises:
         ArithmeticError: the gain does not settle.
     """
+    from filterpy.common import Q_continuous_white_noise  # a second of imports that no other estimator needs
+    from filterpy.kalman import KalmanFilter
+
     h = sample_time
     model = KalmanFilter(dim_x=3, dim_z=1)
     model.F = np.array([[1.0, h, 0.5 * h * h], [0.0, 1.0, h], [0.0, 0.0, 1.0]])

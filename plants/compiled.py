@@ -11,7 +11,6 @@ import os
 import secrets
 import typing
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -20,16 +19,11 @@ from numba import types
 from numba.core.bytecode import FunctionIdentity
 from numba.extending import intrinsic, overload, register_jitable
 
+from plants.cache import cache_folder
 from plants.equation import select, source_hash, tell_compiler, when
 
-
-def _cache_folder() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "friction-workbench" / "compiled" / source_hash()
-
-
 if not os.environ.get("NUMBA_CACHE_DIR"):
-    numba.config.CACHE_DIR = str(_cache_folder())
+    numba.config.CACHE_DIR = str(cache_folder() / "compiled" / source_hash())
 
 FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), None)
 # Numba numbers functions from 1 on in each process, and the numbers are all that tells the symbols of closures of the

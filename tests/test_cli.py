@@ -3,7 +3,6 @@
 import os
 import pty
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,22 +13,6 @@ from plants.registry import plants
 from workbench.metrics import COLUMNS
 from workbench.parameters.sets import named_sets
 from workbench.study.reference_tables import KINDS
-
-HEAVY = ("numba", "numpy", "scipy", "pandas", "matplotlib", "pydantic", "pint", "casadi", "control")
-
-
-def test_help_imports_nothing_heavy() -> None:
-    """Else it takes seconds; this is why commands import what they need themselves."""
-    script = (
-        "import sys\nfrom workbench.cli import main\nsys.argv = ['workbench', '--help']\n"
-        "try:\n    main()\nfinally:\n    print(*sys.modules, file=sys.stderr)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert [name for name in HEAVY if name in done.stderr.split()] == []
-    assert "typer" in done.stderr.split()
-    for command in ("run", "check", "list", "table", "plot"):
-        assert f"  {command} " in done.stdout
-    assert "..." not in done.stdout.partition("Commands:")[2], "what each command does fits on its line"
 
 
 def test_list_names_all_that_a_study_may_name() -> None:

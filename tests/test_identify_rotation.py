@@ -14,8 +14,8 @@ from workbench.identify.simulation.nuisance import columns
 from workbench.identify.thesis import method as thesis_method
 from workbench.records.friction import Slow
 from workbench.simulation.simulate import simulate
+from workbench.study.plan import plan
 from workbench.study.reading import read_study
-from workbench.study.runner import plan
 
 RADIUS, TORQUE = 31.75e-3, 0.77
 

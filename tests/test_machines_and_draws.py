@@ -9,8 +9,8 @@ from command import workbench
 
 from plants.equation import to_array
 from workbench.errors import UserError
+from workbench.study.plan import again, plan
 from workbench.study.reading import read_study
-from workbench.study.runner import again, plan
 
 STUDY = """\
 title = "a study for tests"

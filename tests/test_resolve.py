@@ -9,9 +9,9 @@ from command import DRIVE, FIGURE, STUDY, changed, write
 
 from workbench.errors import UserError
 from workbench.study.names import matches
+from workbench.study.plan import Plan, needed_trajectories, plan
 from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved
-from workbench.study.runner import Plan, needed_trajectories, plan
 
 
 def planned(folder: Path, text: str) -> Plan:

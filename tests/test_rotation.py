@@ -10,9 +10,10 @@ from scipy.optimize import brentq
 
 from controllers.speed_servo import SPEED_SERVO, holds, runaway_rate
 from workbench.simulation.simulate import Run, simulate
+from workbench.study.plan import plan
 from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved, resolve
-from workbench.study.runner import plan, run_case
+from workbench.study.runner import run_case
 from workbench.study.unfold import unfold
 
 RPM = 60.0 / (2.0 * np.pi)

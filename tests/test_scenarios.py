@@ -9,8 +9,9 @@ from support import registered
 
 from plants.equation import to_array
 from workbench.errors import UserError
+from workbench.study.plan import plan
 from workbench.study.reading import read_study
-from workbench.study.runner import plan, run_case
+from workbench.study.runner import run_case
 
 FILES = sorted(FOLDER.glob("*.toml"))
 

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -38,6 +39,19 @@ def test_quantities(text: Any, unit: str, value: float) -> None:
 def test_a_bare_number_is_si(number: float) -> None:
     assert si(number, "m") == number
     assert si(f"{number!r} mm", "m") == pytest.approx(1e-3 * number, rel=1e-12)
+
+
+REGISTRY = pint.UnitRegistry()
+
+
+@given(
+    st.floats(-1e9, 1e9, allow_subnormal=False),
+    st.sampled_from([("mm", "m"), ("psi", "Pa"), ("rpm", "rad/s"), ("l/min", "m^3/s"), ("%", "1"), ("degC", "K")]),
+)
+def test_a_quantity_has_every_digit_that_pint_gives_it(number: float, units: tuple[str, str]) -> None:
+    """A factor that is kept between runs is pint's; where two scales have other zeros there is none."""
+    named, unit = units
+    assert si(f"{number!r} {named}", unit) == REGISTRY.Quantity(number, REGISTRY.Unit(named)).to_base_units().magnitude
 
 
 def test_gains_are_in_units_of_the_command() -> None:

@@ -1,57 +1,95 @@
 """What there is to put into a study, in words."""
 
-import typing
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
-from plants.effects import EFFECTS
 from plants.plugins import Registry
 from plants.registry import PLANTS
-from workbench.diagnose.report.names import PLAIN
-from workbench.metrics import COLUMNS
-from workbench.parameters.sets import named_sets
-from workbench.simulation.simulate import METHODS, memory_names
-from workbench.study.layers import LAYERS
-from workbench.study.reference_tables import KINDS
-from workbench.study.resolve import MODELS
-from workbench.toml.reading import read_toml
 
 
-def catalogue() -> dict[str, list[str]]:
-    """Lines by section, in the order in which they are shown."""
-    return {
-        "plants": [
-            f"{'model':22} {', '.join(MODELS)}",
-            *(f"{name:22} {plant.summary}" for name, plant in PLANTS.working().items()),
-            *_broken(PLANTS),
-        ],
-        "controllers": [
-            *(line for name, controller in CONTROLLERS.working().items() for line in _controller(name, controller)),
-            *_broken(CONTROLLERS),
-        ],
-        "parameters": [f"{name:22} {read_toml(path)[0]['title']}" for name, path in named_sets().items()],
-        **{
-            layer.section: [
-                f"{name:22} {read_toml(path)[0].get('title', '')}" for name, path in layer.files(Path.cwd()).items()
-            ]
-            for layer in LAYERS.values()
-        },
-        "references": [
-            f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}"
-            for kind, table in KINDS.items()
-        ],
-        "effects": [
-            f"{effect.name:28} {effect.balance:7} {PLAIN[effect.name]}; {', '.join(effect.numbers)}"
-            for effect in EFFECTS.values()
-        ],
-        "integrators": list(METHODS),
-        "columns": list(COLUMNS),
-    }
+def _plants() -> list[str]:
+    from workbench.study.resolve import MODELS
+
+    return [
+        f"{'model':22} {', '.join(MODELS)}",
+        *(f"{name:22} {plant.summary}" for name, plant in PLANTS.working().items()),
+        *_broken(PLANTS),
+    ]
 
 
-def _broken(registry: Registry[typing.Any]) -> list[str]:
+def _controllers() -> list[str]:
+    working = CONTROLLERS.working()
+    return [
+        *(line for name, controller in working.items() for line in _controller(name, controller)),
+        *_broken(CONTROLLERS),
+    ]
+
+
+def _parameters() -> list[str]:
+    from workbench.parameters.sets import named_sets
+    from workbench.toml.reading import read_toml
+
+    return [f"{name:22} {read_toml(path)[0]['title']}" for name, path in named_sets().items()]
+
+
+def _layers(axis: str) -> list[str]:
+    """The machines or scenarios that a study in this folder can name."""
+    from workbench.study.layers import LAYERS
+    from workbench.toml.reading import read_toml
+
+    files = LAYERS[axis].files(Path.cwd())
+    return [f"{name:22} {read_toml(path)[0].get('title', '')}" for name, path in files.items()]
+
+
+def _references() -> list[str]:
+    from workbench.study.reference_tables import KINDS
+
+    return [
+        f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}" for kind, table in KINDS.items()
+    ]
+
+
+def _effects() -> list[str]:
+    from plants.effects import EFFECTS
+    from workbench.diagnose.report.names import PLAIN
+
+    return [
+        f"{effect.name:28} {effect.balance:7} {PLAIN[effect.name]}; {', '.join(effect.numbers)}"
+        for effect in EFFECTS.values()
+    ]
+
+
+def _integrators() -> list[str]:
+    from workbench.simulation.setup import METHODS
+
+    return list(METHODS)
+
+
+def _columns() -> list[str]:
+    from workbench.metrics import COLUMNS
+
+    return list(COLUMNS)
+
+
+CATALOGUE: Mapping[str, Callable[[], list[str]]] = {
+    "plants": _plants,
+    "controllers": _controllers,
+    "parameters": _parameters,
+    "machines": lambda: _layers("machine"),
+    "scenarios": lambda: _layers("scenario"),
+    "references": _references,
+    "effects": _effects,
+    "integrators": _integrators,
+    "columns": _columns,
+}
+"""What gives the lines of each section, in the order in which they are shown; each imports what it alone needs."""
+
+
+def _broken(registry: Registry[Any]) -> list[str]:
     """Plug-ins that cannot be used, and why."""
     return [f"{name:22} {failure}" for name, failure in registry.broken().items()]
 
@@ -65,6 +103,8 @@ def _controller(name: str, controller: Controller) -> list[str]:
     for needs, settings in groups.items():
         lines += [f"  with {needs}"] * bool(needs)
         lines += [_setting(setting, "    " if needs else "  ") for setting in settings]
+    from workbench.simulation.setup import memory_names
+
     names = memory_names(controller)
     return [*lines, f"  signals: {', '.join(names)}"] if names else lines
 

@@ -59,8 +59,8 @@ def _check_gains(file: Path) -> None:
 
 def _check_layer(layer: "Layer", file: Path) -> None:
     """Say what a machine or scenario changes."""
+    from workbench.study.plan import plan
     from workbench.study.reading import layer_trial
-    from workbench.study.runner import plan
 
     trial = plan(layer_trial(layer, file)).study
     tables = ", ".join(f"[{name}]" for name in getattr(trial.file, layer.section)[file.stem]) or "nothing"
@@ -70,8 +70,8 @@ def _check_layer(layer: "Layer", file: Path) -> None:
 def _check_study(file: Path) -> None:
     """Say what a study would run, and what other commands would do with it."""
     from workbench.study.description import description
+    from workbench.study.plan import plan
     from workbench.study.reading import read_study
-    from workbench.study.runner import plan
     from workbench.study.sections import other_command, sections_of
 
     study = read_study(file)

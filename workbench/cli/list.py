@@ -16,12 +16,10 @@ def command(
     ] = None,
 ) -> None:
     """List what a study may name, and effects that a diagnosis knows."""
-    from workbench.catalogue import catalogue
+    from workbench.catalogue import CATALOGUE
 
-    sections = catalogue()
-    if kind is not None and kind not in sections:
-        raise UserError(f'nothing called "{kind}" to list; {nearest(kind, sections)}')
-    for name, lines in sections.items():
-        if kind in (None, name):
-            print(name)
-            print("\n".join(f"  {line}" for line in lines))
+    if kind is not None and kind not in CATALOGUE:
+        raise UserError(f'nothing called "{kind}" to list; {nearest(kind, CATALOGUE)}')
+    for name in CATALOGUE if kind is None else (kind,):
+        print(name)
+        print("\n".join(f"  {line}" for line in CATALOGUE[name]()))

@@ -10,7 +10,7 @@ from workbench.cli.options import Out, Overwrite, StudyFile, print_tables, print
 from workbench.errors import UserError
 
 if TYPE_CHECKING:
-    from workbench.study.runner import Plan
+    from workbench.study.plan import Plan
 
 MADE = ("results.csv", "tables", "figures", "comparison.html")
 """What a folder of results is told to hold, where it does."""
@@ -74,9 +74,9 @@ def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) 
         UserError: it is no study for `run`, or what it says is wrong, or it draws nothing.
     """
     from workbench.records.experiment import is_experiment
+    from workbench.study.plan import plan
     from workbench.study.reading import read_study
     from workbench.study.rounds import with_draws
-    from workbench.study.runner import plan
     from workbench.study.sections import other_command
     from workbench.toml.reading import read_toml
 

@@ -19,7 +19,7 @@ from workbench.compare.schema import ComparisonTable
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.metrics.statistics import share_interval
 from workbench.publish.words import plain_name
-from workbench.simulation.simulate import COMPLETED
+from workbench.simulation.run import COMPLETED
 
 MM = 1e3
 

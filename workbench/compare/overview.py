@@ -15,7 +15,7 @@ from workbench.compare.words import ALIKE, families
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name, watts
-from workbench.simulation.simulate import COMPLETED
+from workbench.simulation.run import COMPLETED
 
 POWER = "rotation_power_W"
 TERMINALS = "motor_electric_power_W"

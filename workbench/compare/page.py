@@ -25,7 +25,7 @@ from workbench.compare.verdicts import COMPARISONS, Verdict, verdicts
 from workbench.compare.words import sentences
 from workbench.publish.html import html_environment
 from workbench.publish.words import plain_name
-from workbench.simulation.simulate import COMPLETED
+from workbench.simulation.run import COMPLETED
 from workbench.study.layers import MACHINE, SCENARIO
 from workbench.study.resolve import resolve
 from workbench.study.study import Study

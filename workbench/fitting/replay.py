@@ -17,7 +17,8 @@ from workbench.records.friction import averaged
 from workbench.records.reading import Record
 from workbench.simulation.references import Signal
 from workbench.simulation.sensors import Channel, Sensors
-from workbench.simulation.simulate import Feed, Integrator, Setup, simulate
+from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.simulation.simulate import simulate
 
 FIT_RATE = 100.0
 """Hz. Records are compared as means over 1 / FIT_RATE; their noise is in the means' scatter."""

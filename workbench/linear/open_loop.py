@@ -21,7 +21,7 @@ from workbench.linear.linearise import jacobians, measurement_jacobian
 from workbench.linear.margins import Margins, margins_of
 from workbench.linear.operating_point import OperatingPoint, slide, without_end_stops
 from workbench.simulation.compilation import controller_addresses
-from workbench.simulation.simulate import DELAY_SLACK, Loop, Setup
+from workbench.simulation.setup import DELAY_SLACK, Loop, Setup
 
 RELATIVE_STEP = 1e-7
 """Of a central difference, in shares of the quantity's reach. Its square is the truncation where the equation bends on

@@ -12,8 +12,10 @@ import numpy as np
 from plants.equation import fields, from_array, to_array
 from workbench.errors import UserError
 from workbench.simulation.references import Ramp
+from workbench.simulation.run import Run
 from workbench.simulation.sensors import Sensors
-from workbench.simulation.simulate import Run, Setup, simulate
+from workbench.simulation.setup import Setup
+from workbench.simulation.simulate import simulate
 
 DURATIONS = (1.0, 4.0, 16.0)
 """s. How long the rod slides: the next where it is not yet steady."""

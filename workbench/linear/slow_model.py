@@ -17,7 +17,7 @@ from plants.interface import Plant
 from workbench.errors import UserError
 from workbench.linear.linearise import jacobians
 from workbench.linear.operating_point import slide, without_end_stops
-from workbench.simulation.simulate import Loop, Setup
+from workbench.simulation.setup import Loop, Setup
 
 RADIUS = 0.1
 """rad/s. Of the circle on which 1/G is sampled: far below all that moves a rod, far above rounding."""

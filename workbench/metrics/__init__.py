@@ -49,16 +49,14 @@ A figure that does not apply is None, never 0.
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
+from workbench.metrics.window import find_window
 
-from plants.friction import Friction
-from plants.motor import Motor
-from workbench.metrics import friction, power, rotation, tracking
-from workbench.metrics.rest import AT_REST, Rest, rest_figures, rests_of
-from workbench.metrics.window import Window, find_dwells, find_window
-from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.simulate import Run
+if TYPE_CHECKING:
+    from workbench.metrics.rest import Rest
+    from workbench.simulation.references import ReferenceSignal
+    from workbench.simulation.run import Run
 
 COLUMNS: tuple[str, ...] = (
     "outcome",
@@ -99,6 +97,15 @@ COLUMNS: tuple[str, ...] = (
 SOLVER = ("solver_error_m", "solver_rms_error_m")
 """Those that take a second run, which the study runner makes."""
 
+AT_REST = (
+    "steady_state_error_m",
+    "steady_state_max_error_m",
+    "limit_cycle",
+    "limit_cycle_amplitude_m",
+    "limit_cycle_period_s",
+)
+"""The columns that a longer dwell tells better."""
+
 TRACKING = frozenset({"phase_lag_deg", "gain_ratio", "rms_error_m", "max_error_m"})
 DWELLS = frozenset({*AT_REST, "settling_time_s"})
 FRICTION = frozenset({"friction_slope_N_s_per_m", "friction_r_squared", "friction_hysteresis_J"})
@@ -109,12 +116,12 @@ Figures = Mapping[str, float | str | None]
 
 
 def evaluate(
-    run: Run,
-    reference: ReferenceSignal | None,
+    run: "Run",
+    reference: "ReferenceSignal | None",
     transient: float,
     resolution: float = 0.0,
     only: Collection[str] = COLUMNS,
-    rests: Sequence[Rest] | None = None,
+    rests: "Sequence[Rest] | None" = None,
 ) -> dict[str, float | str | None]:
     """All of `COLUMNS` but those of `SOLVER`, in their order; None where a figure does not apply.
 
@@ -128,74 +135,22 @@ def evaluate(
         only: the columns that are wanted; what takes long and is not stays None.
         rests: what the run does where its reference rests (`rests_of`), where that has been found before.
     """
+    from workbench.metrics import groups  # who only names the columns does without statistics and compiled code
+    from workbench.metrics.rest import rests_of
+
     figures: dict[str, float | str | None] = dict.fromkeys(COLUMNS[: -len(SOLVER)])
     figures["outcome"] = run.outcome
     window = None if run.diverged else find_window(run.time, reference, transient)
     if window is None:
         return figures
     if not COST.isdisjoint(only):
-        figures.update(_cost(run, window))
+        figures.update(groups.cost_figures(run, window))
     if not FRICTION.isdisjoint(only):
-        figures.update(_friction(run, window))
+        figures.update(groups.friction_figures(run, window))
     if reference is not None and run.reference is not None:
         if not TRACKING.isdisjoint(only):
-            figures.update(_tracking(run, reference, window))
+            figures.update(groups.tracking_figures(run, reference, window))
         if not DWELLS.isdisjoint(only):
             known = rests_of(run, reference, transient, resolution) if rests is None else rests
-            figures.update(_dwells(run, reference, transient, known))
+            figures.update(groups.dwells_figures(run, reference, transient, known))
     return figures
-
-
-def _tracking(run: Run, reference: ReferenceSignal, window: Window) -> Figures:
-    assert run.reference is not None
-    asked, position = (values[window.samples] for values in (run.reference[0], run.state("position")))
-    error, samples = asked - position, window.samples
-    lag = gain = None
-    if reference.fundamental is not None and window.periods > 0:
-        lag, gain = tracking.phase_lag_and_gain(run.time[samples], asked, position, reference.fundamental)
-    return {
-        "phase_lag_deg": lag,
-        "gain_ratio": gain,
-        "rms_error_m": tracking.root_mean_square(error),
-        "max_error_m": float(np.max(np.abs(error))),
-    }
-
-
-def _dwells(run: Run, reference: ReferenceSignal, transient: float, rests: Sequence[Rest]) -> Figures:
-    signals, dwells = run.signals, find_dwells(run.time, reference, transient)
-    if not dwells:
-        return {}
-    settling = tracking.settling_time(run.time, signals["reference_position"], signals["error"], dwells)
-    return rest_figures(rests) | {"settling_time_s": settling}
-
-
-def _cost(run: Run, window: Window) -> Figures:
-    signals, samples = run.signals, window.samples
-    figures: dict[str, float | None] = {
-        "stuck_fraction": power.stuck_fraction(signals["velocity"][samples]),
-        "control_effort_V": power.control_effort(run.command[samples], run.plant.command_unit),
-        **power.mean_powers(signals, samples),
-    }
-    if "rotation_speed" in signals:
-        figures.update(rotation.real_speed(signals["rotation_speed"][samples]))
-    if isinstance(motor := getattr(run.parameters, "motor", None), Motor):
-        figures.update(rotation.motor_figures(signals, samples, motor))
-    if isinstance(law := getattr(run.parameters, "friction", None), Friction):
-        figures["below_stribeck_fraction"] = rotation.below_stribeck_fraction(signals, samples, law)
-    if "acceleration" in signals:
-        figures["jerk_rms_m_per_s3"] = power.jerk_rms(run.time[samples], signals["acceleration"][samples])
-    return figures
-
-
-def _friction(run: Run, window: Window) -> Figures:
-    signals, samples = run.signals, window.samples
-    if "axial_friction" not in signals:
-        return {}
-    velocity, force = signals["velocity"][samples], signals["axial_friction"][samples]
-    slope, r_squared = friction.line(velocity, force)
-    energy = friction.hysteresis(run.time[samples], velocity, force)
-    return {
-        "friction_slope_N_s_per_m": slope,
-        "friction_r_squared": r_squared,
-        "friction_hysteresis_J": energy if energy is None else energy / max(1, window.periods),
-    }

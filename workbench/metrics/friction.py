@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.simulation.simulate import STUCK_SPEED
+from workbench.simulation.run import STUCK_SPEED
 
 BINS = 60
 """Number of bins between the largest speeds in both directions; even, so that none holds both signs of velocity."""

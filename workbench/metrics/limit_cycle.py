@@ -30,7 +30,7 @@ from scipy.ndimage import uniform_filter1d
 from workbench.metrics.envelope import dies
 from workbench.metrics.half_waves import FEW_CYCLES, HalfWaves, find_half_waves
 from workbench.metrics.swings import last_swings
-from workbench.simulation.simulate import STUCK_SPEED
+from workbench.simulation.run import STUCK_SPEED
 
 Verdict = Literal["none", "decaying", "too_short", "sustained"]
 

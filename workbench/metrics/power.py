@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from workbench.metrics.tracking import root_mean_square
-from workbench.simulation.simulate import STUCK_SPEED
+from workbench.simulation.run import STUCK_SPEED
 
 POWERS = ("hydraulic_power", "supply_power", "rotation_power", "motor_electric_power")
 """Signals of a plant in W whose means are columns, with `_W` behind their name."""

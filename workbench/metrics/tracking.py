@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from workbench.metrics.window import first_sample
-from workbench.simulation.simulate import HARDLY_MOVES
+from workbench.simulation.run import HARDLY_MOVES
 
 LAST_PART = 0.20
 """Share of a dwell, at its end, over which the steady-state errors are taken."""

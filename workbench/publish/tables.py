@@ -2,8 +2,10 @@
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pandas as pd
+if TYPE_CHECKING:
+    import pandas as pd
 
 REMARK = "remark"
 
@@ -37,7 +39,7 @@ def with_unit(label: str, unit: str) -> str:
     return label if unit == "1" or label.endswith(shown) else label + shown
 
 
-def write_frame(name: str, title: str, table: pd.DataFrame, notes: list[str], folder: Path) -> list[Path]:
+def write_frame(name: str, title: str, table: "pd.DataFrame", notes: list[str], folder: Path) -> list[Path]:
     """Write a table of text, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{name}.{ending}" for ending in ("csv", "md", "tex")]
@@ -47,7 +49,7 @@ def write_frame(name: str, title: str, table: pd.DataFrame, notes: list[str], fo
     return paths
 
 
-def _markdown(title: str, table: pd.DataFrame, notes: list[str]) -> str:
+def _markdown(title: str, table: "pd.DataFrame", notes: list[str]) -> str:
     numeric = [name not in WORDS for name in table.columns]
     align = ["right" if right else "left" for right in numeric]
     shown = table.rename(columns=_piped).map(_piped)
@@ -59,7 +61,7 @@ def _piped(text: str) -> str:
     return str(text).replace("|", r"\|")
 
 
-def _latex(name: str, title: str, table: pd.DataFrame, notes: list[str]) -> str:
+def _latex(name: str, title: str, table: "pd.DataFrame", notes: list[str]) -> str:
     columns = "".join({REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.columns)
     caption = " ".join([f"{title}.", *notes])
     headed = table.rename(columns=_escaped).map(_escaped)

@@ -15,7 +15,8 @@ from plants.compiled import address, njit, shift
 from plants.interface import Measurement
 from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
-from workbench.simulation.steppers import DORMAND_PRINCE, OK, STEP_LIMIT, dormand_prince, fixed_step
+from workbench.simulation.setup import DORMAND_PRINCE
+from workbench.simulation.steppers import OK, STEP_LIMIT, dormand_prince, fixed_step
 
 COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
 """How a loop ended."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 Signal = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Value, first and second derivative over time."""
@@ -233,6 +232,8 @@ class Recorded:
         return []
 
     def __call__(self, time: np.ndarray) -> Signal:
+        from scipy.interpolate import CubicSpline  # slow to import, and no other reference needs it
+
         spline = CubicSpline(self.times, self.values)
         clipped = np.clip(time, self.times[0], self.times[-1])
         inside = clipped == time

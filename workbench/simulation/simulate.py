@@ -3,193 +3,43 @@
 run = simulate(setup)            # Run: time, states, inputs, measurements, outcome
 run.signals["axial_friction"]    # any signal of the plant, over time
 solver_error(setup, run)         # how far the positions are off (m)
+
+Importing this module loads the compiled engine; what only sets up imports `setup`, what only reads `run`.
 """
 
-import functools
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import replace
 
 import numpy as np
 
-from controllers.interface import Controller
-from controllers.open_loop import OPEN_LOOP
-from controllers.open_loop import Gains as OpenLoopGains
-from plants.equation import fields, from_array, to_array
-from plants.interface import SENSORS, Measurement, Plant
+from plants.equation import fields, to_array
+from plants.interface import Measurement
 from plants.motor import Motor
-from workbench.simulation import engine, steppers
+from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.motor_limits import at_a_limit
 from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.sensors import Sensors, systematic_error
+from workbench.simulation.run import COMPLETED, HARDLY_MOVES, STUCK_SPEED, TORQUE_LIMITED, Run
+from workbench.simulation.sensors import systematic_error
+from workbench.simulation.setup import DELAY_SLACK, METHODS, NO_LOOP, Feed, Integrator, Loop, Setup
 
-Method = Literal["euler", "heun", "rk4", "dormand_prince"]
-"""What an integration may be called."""
-
-FIXED_STEP: Mapping[str, int] = {"euler": steppers.EULER, "heun": steppers.HEUN, "rk4": steppers.RK4}
-"""Fixed-step methods, of order 1, 2 and 4."""
-
-METHODS: Mapping[str, int] = {**FIXED_STEP, "dormand_prince": steppers.DORMAND_PRINCE}
-
-DEFAULT_TOLERANCE = 1e-6
-TIGHTER = 100.0
-"""The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
-
-COMPLETED = "completed"
-"""The outcome of a run with which nothing is wrong."""
-
-TORQUE_LIMITED = "torque-limited"
-"""The outcome of a run whose motor cannot give what holding the speed of rotation takes."""
+__all__ = [
+    "COMPLETED",
+    "NO_LOOP",
+    "TORQUE_LIMITED",
+    "Feed",
+    "Integrator",
+    "Loop",
+    "Run",
+    "Setup",
+    "finer",
+    "largest_distance",
+    "simulate",
+    "solver_error",
+]
 
 LIMITED_SHARE = 0.05
 """Of the run. A rod that comes to speed from standstill takes some tens of milliseconds at the limit, and so does a
 step's reversal; beyond a twentieth of the run it is the motor that says how the rod turns, not the command."""
-
-STUCK_SPEED = 1e-4
-"""m/s. Slower than this counts as not moving."""
-
-FRICTION_ERROR = "friction_estimate_error"
-"""The signal of a friction estimate less the friction along the rod, where a run has both."""
-
-ESTIMATE, TRUE = "controller_friction", "axial_friction"
-"""The signals of both."""
-
-HARDLY_MOVES = 0.05
-"""A rod that moves by less than this share of what it is asked for hardly moves; no phase lag is meant then."""
-
-MEASURED = "measured_"
-"""What stands before the name of a sensor's channel in the signals of a run."""
-
-DELAY_SLACK = 1e-9
-"""A delay this close (in samples) to a whole number of samples is one."""
-
-
-@dataclass(frozen=True)
-class Integrator:
-    """How to integrate: an error-controlled method with its `tolerance`, or a fixed-step one with its `step` (s).
-
-    A fixed step is shortened so that a whole number of steps makes one sample.
-    """
-
-    method: str = "dormand_prince"
-    step: float = 1e-4
-    tolerance: float = DEFAULT_TOLERANCE
-
-    def finer(self) -> "Integrator":
-        """The integrator against which this one's error is taken."""
-        return replace(self, step=self.step / 2.0, tolerance=self.tolerance / TIGHTER)
-
-
-@dataclass(frozen=True)
-class Loop:
-    """A sampled controller with its gains."""
-
-    controller: Controller
-    gains: Any
-
-
-@dataclass(frozen=True)
-class Feed:
-    """An input of the plant that follows a signal: open-loop commands, disturbances, moving spring ends.
-
-    `linear`: a ramp from sample to sample; otherwise each sample's value is held.
-    """
-
-    input: str
-    signal: ReferenceSignal
-    linear: bool = True
-
-
-NO_LOOP = Loop(OPEN_LOOP, OpenLoopGains(0.0))
-"""No feedback: the command is what a feed gives."""
-
-
-@dataclass(frozen=True)
-class Setup:
-    """Everything that a run depends on.
-
-    `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
-    `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed.
-    """
-
-    plant: Plant
-    parameters: Any
-    state: Any
-    inputs: Any
-    duration: float
-    loop: Loop = NO_LOOP
-    reference: ReferenceSignal | None = None
-    rotary: Loop | None = None
-    rotation_speed: float = 0.0
-    feeds: tuple[Feed, ...] = ()
-    sensors: Sensors = field(default_factory=Sensors)
-    integrator: Integrator = field(default_factory=Integrator)
-    sample_time: float = 1e-3
-    seed: int = 0
-
-
-def memory_names(controller: Controller) -> list[str]:
-    """Names of the signals that a controller's state gives: `controller_theta`, `controller_friction`, ..."""
-    return [f"controller_{item.name}" for item in fields(controller.State)]
-
-
-@dataclass(frozen=True)
-class Run:
-    """What happened. Arrays over the sample instants; `outcome` in words.
-
-    `memory` holds the controller's state after each sample: its estimates, its integral.
-    """
-
-    plant: Plant
-    loop: Loop
-    parameters: Any
-    time: np.ndarray
-    states: np.ndarray
-    inputs: np.ndarray
-    measurements: np.ndarray
-    memory: np.ndarray
-    reference: tuple[np.ndarray, np.ndarray, np.ndarray] | None
-    outcome: str
-    steps: int
-
-    @functools.cached_property
-    def signals(self) -> Mapping[str, np.ndarray]:
-        """All signals, by name, over time: the plant's, its inputs, the controller's state, reference and error."""
-        with np.errstate(all="ignore"):  # a diverged run holds numbers beyond all bounds
-            state = from_array(self.plant.State, self.states.T)
-            inputs = from_array(self.plant.Inputs, self.inputs.T)
-            values = self.plant.signals(self.time, state, inputs, self.parameters)
-        names = [item.name for item in fields(self.plant.Signals)]
-        named = dict(zip(names, values, strict=True))
-        for i, item in enumerate(fields(self.plant.Inputs)):
-            named.setdefault(item.name, self.inputs[:, i])
-        for i, name in enumerate(SENSORS):
-            named[f"{MEASURED}{name}"] = self.measurements[:, i]
-        for i, name in enumerate(memory_names(self.loop.controller)):
-            named[name] = self.memory[:, i]
-        if ESTIMATE in named and TRUE in named:
-            named[FRICTION_ERROR] = named[ESTIMATE] - named[TRUE]
-        if self.reference is not None:
-            named["reference_position"] = self.reference[0]
-            named["reference_velocity"] = self.reference[1]
-            named["error"] = self.reference[0] - named["position"]
-        return {name: np.broadcast_to(value, self.time.shape) for name, value in named.items()}
-
-    def state(self, name: str) -> np.ndarray:
-        """One state of the plant over time."""
-        names = [item.name for item in fields(self.plant.State)]
-        return self.states[:, names.index(name)]
-
-    @property
-    def command(self) -> np.ndarray:
-        """The realised command of the position loop."""
-        return self.inputs[:, self.plant.input_index(self.plant.command)]
-
-    @property
-    def diverged(self) -> bool:
-        """Whether it ended before its time."""
-        return self.outcome in ("diverged", "step too small")
 
 
 def simulate(setup: Setup) -> Run:

@@ -29,8 +29,7 @@ _E1, _E3, _E4 = 71 / 57600, -71 / 16695, 71 / 1920
 _E5, _E6, _E7 = -17253 / 339200, 22 / 525, -1 / 40
 _C2, _C3, _C4, _C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
 
-# Fixed-step methods by number: stages, nodes c, matrix A (row i gives stage i + 1), weights b.
-EULER, HEUN, RK4, DORMAND_PRINCE = 0, 1, 2, 3
+# Fixed-step methods by their number in `workbench.simulation.setup`: stages, nodes c, weights b.
 _STAGES = (1, 2, 4)
 _NODES = np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 1.0]])
 _WEIGHTS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0], [1 / 6, 1 / 3, 1 / 3, 1 / 6]])

@@ -1,6 +1,6 @@
 """What a study would run, in words."""
 
-from workbench.study.runner import Plan
+from workbench.study.plan import Plan
 
 
 def description(planned: Plan) -> list[str]:

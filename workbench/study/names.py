@@ -9,7 +9,8 @@ from controllers.registry import controllers
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
-from workbench.simulation.simulate import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE, memory_names
+from workbench.simulation.run import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE
+from workbench.simulation.setup import memory_names
 from workbench.toml.units import COMMAND, factor
 
 TRACKING = ("reference_position", "reference_velocity", "error")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.simulation.simulate import Run
+from workbench.simulation.run import Run
 from workbench.study.report.schema import Probe
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import pandas as pd
 from pydantic import Field, model_validator
 
 from workbench.errors import UserError, nearest
@@ -124,6 +123,8 @@ class RecordedTable(ReferenceTable):
     unit: str | None = None
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
+        import pandas as pd  # slow to import, and no other reference needs it
+
         path = folder / self.file
         try:
             table = pd.read_csv(path, sep=None, engine="python")

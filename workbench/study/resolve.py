@@ -12,7 +12,7 @@ from plants.motor import current_limit
 from plants.registry import PLANTS
 from workbench.errors import UserError
 from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.simulate import Feed, Integrator, Loop, Setup
+from workbench.simulation.setup import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
 from workbench.study.controller_tables import ControllerCase, parse_controller
 from workbench.study.overrides import Overrides, overridden

@@ -15,7 +15,8 @@ from workbench.metrics import COLUMNS, DWELLS, evaluate
 from workbench.metrics.limit_cycle import NONE
 from workbench.metrics.rest import Rest, rest_figures, rests_of
 from workbench.simulation.references import Held
-from workbench.simulation.simulate import Run, simulate
+from workbench.simulation.run import Run
+from workbench.simulation.simulate import simulate
 from workbench.study.resolve import Resolved
 
 LONGER = 2.0

@@ -1,6 +1,5 @@
 """Running a study: its cases in parallel, each result kept the moment it is there."""
 
-import hashlib
 import json
 import os
 import platform
@@ -8,24 +7,17 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from controllers.registry import CONTROLLERS
-from plants.equation import EQUATION_FOLDERS, source_hash, to_array
-from plants.registry import PLANTS
 from workbench.errors import UserError
-from workbench.metrics import COLUMNS, SOLVER, evaluate
-from workbench.simulation.simulate import Run, finer, largest_distance, simulate
-from workbench.study.checks.checks import Checks
-from workbench.study.names import matches
+from workbench.metrics import SOLVER, evaluate
+from workbench.simulation.run import Run
+from workbench.simulation.simulate import finer, largest_distance, simulate
+from workbench.study.plan import Plan, needed_trajectories
 from workbench.study.probes import probe_values
-from workbench.study.resolve import ParsedCase, Resolved, parse_case, resolve
+from workbench.study.resolve import Resolved, resolve
 from workbench.study.run_on import evaluated
 from workbench.study.store import (
     Store,
@@ -38,124 +30,12 @@ from workbench.study.store import (
     write_trajectory,
 )
 from workbench.study.study import Case, Study
-from workbench.study.uncertainty import DRAW, on_plant_samples
-from workbench.study.unfold import unfold
-
-PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
-"""Folders of the source files on which a row of results depends."""
 
 PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
 """Packages whose version run.json records."""
 
 Progress = Callable[[int, int, Case], None]
 """Called with the number of finished cases, of all cases, and the case that has just finished."""
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A study that has been checked to the last key: its cases, each as `parsed`, and what it is on the machine as
-    `declared`, not drawn.
-    """
-
-    study: Study
-    cases: list[Case]
-    parsed: list[ParsedCase]
-    declared: list[Resolved]
-    warnings: Sequence[str] = ()
-
-    @cached_property
-    def resolved(self) -> list[Resolved]:
-        """What each case runs."""
-        return [
-            parsed.resolve(case.overrides) if DRAW in case.axes else declared
-            for case, parsed, declared in zip(self.cases, self.parsed, self.declared, strict=True)
-        ]
-
-    @property
-    def axes(self) -> list[str]:
-        """Columns that tell the cases apart."""
-        return list(dict.fromkeys(name for case in self.cases for name in case.columns))
-
-    @property
-    def columns(self) -> list[str]:
-        """Columns of results.csv: the axes, the standard figures, the probes."""
-        return [*self.axes, *COLUMNS, *self.study.file.probes]
-
-    @property
-    def identity(self) -> dict[str, str]:
-        """What results must agree in to be of the same study: the file, the numbers it leads to, all code."""
-        numbers = hashlib.sha256()
-        for item in self.resolved:
-            setup = item.setup
-            signals = [setup.reference, *(feed.signal for feed in setup.feeds)]
-            turned = (setup.rotary.gains,) if setup.rotary else ()
-            for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
-                numbers.update(to_array(values).tobytes())
-            for signal in signals:
-                if signal is not None:
-                    numbers.update(signal(np.linspace(0.0, setup.duration, 1001))[0].tobytes())
-        return {
-            "study": self.study.fingerprint,
-            "parameters": numbers.hexdigest(),
-            "version of the program": source_hash(PROGRAM_FOLDERS),
-            "version of the plug-ins": self._plugins,
-        }
-
-    @property
-    def _plugins(self) -> str:
-        """The plug-ins that the cases name, each with a hash of its source; "" where there are none."""
-        used = {item.setup.plant for item in self.resolved}
-        types = {str(table.get("type")) for case in self.cases for table in case.tables["controllers"].values()}
-        sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
-        sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
-        return ", ".join(f"{name} {source}" for name, source in sources if source)
-
-    @property
-    def simulated_seconds(self) -> float:
-        """Duration of all cases together (s)."""
-        return sum(item.setup.duration for item in self.declared)
-
-
-def plan(study: Study) -> Plan:
-    """Unfold and check a study.
-
-    Raises:
-        UserError: the first mistake in any case, table or figure.
-    """
-    planned = _drawn(study, unfold(study))
-    checks = Checks(study, planned.cases, planned.declared, planned.axes, COLUMNS)
-    checks.all()
-    return replace(planned, warnings=checks.warnings())
-
-
-def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> Plan:
-    """Those cases of a plan that have one of the `wanted` sets of columns, on so many machines not yet drawn."""
-    study, table = planned.study, planned.study.file.uncertainty
-    chosen = [case for case in unfold(study) if any(matches(case.columns, where) for where in wanted)]
-    first = 1 + (table.draws if table is not None else 0)
-    return _drawn(study, chosen, range(first, first + draws))
-
-
-def _drawn(study: Study, cases: list[Case], numbers: range | None = None) -> Plan:
-    """The plan of these cases on each plant sample, where the study draws any."""
-    parsed = [parse_case(study, case) for case in cases]
-    declared = [each.resolve() for each in parsed]
-    drawn = on_plant_samples(study, cases, numbers)
-    times = range(len(drawn) // len(cases) if cases else 1)
-    return Plan(study, drawn, [each for each in parsed for _ in times], [each for each in declared for _ in times])
-
-
-def needed_trajectories(planned: Plan) -> set[int]:
-    """Indices of the cases whose trajectories some figure of the study draws."""
-    columns = planned.columns
-    wanted = [
-        curve.where
-        for figure in planned.study.file.figures
-        for panel in figure.panels
-        if panel.x not in columns
-        for curve in panel.curves
-    ]
-    return {case.index for case in planned.cases if any(matches(case.columns, where) for where in wanted)}
 
 
 def run_case(

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from workbench.simulation.simulate import DEFAULT_TOLERANCE, Method
+from workbench.simulation.setup import DEFAULT_TOLERANCE, Method
 from workbench.study.report.schema import BreakEvenTable, FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.toml.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second

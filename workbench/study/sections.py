@@ -9,10 +9,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
-import pandas as pd
 from pydantic import create_model
 
 from workbench.errors import UserError
@@ -20,6 +19,9 @@ from workbench.study.resolve import Resolved
 from workbench.study.schema import StudyFile
 from workbench.study.study import Case, Study
 from workbench.toml.reading import Strict
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 T = TypeVar("T", bound=Strict)
 
@@ -86,9 +88,9 @@ class Section(Generic[T]):
     warnings: Callable[[T, Checked], Iterable[str]] = lambda table, checked: ()
     describe: Callable[[T, Study], Sequence[str]] = lambda table, study: ()
     overlays: Callable[[T, Study], Sequence[Overlay]] = lambda table, study: ()
-    again: Callable[[T, pd.DataFrame, pd.DataFrame | None], Again | None] = lambda table, searched, fresh: None
-    tables: Callable[[T, Study, pd.DataFrame, Path], list[Path]] = lambda table, study, frame, folder: []
-    pages: Callable[[T, Study, pd.DataFrame, Path], list[Path]] = lambda table, study, frame, folder: []
+    again: Callable[[T, "pd.DataFrame", "pd.DataFrame | None"], Again | None] = lambda table, searched, fresh: None
+    tables: Callable[[T, Study, "pd.DataFrame", Path], list[Path]] = lambda table, study, frame, folder: []
+    pages: Callable[[T, Study, "pd.DataFrame", Path], list[Path]] = lambda table, study, frame, folder: []
 
 
 def places() -> dict[str, str]:

@@ -21,13 +21,11 @@ import pandas as pd
 
 from workbench.errors import UserError
 from workbench.publish.folders import held, remove, write_whole
-from workbench.simulation.simulate import Run
+from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
-from workbench.study.study import Case, Study
+from workbench.study.study import INDEX, Case, Study
 
 DATABASE = "results.sqlite"
-INDEX = "case_index"
-"""The column of the database that orders the cases; not exported."""
 
 STUDY_COPY = "study.toml"
 FRESH = "fresh"

@@ -25,6 +25,9 @@ NAMED_AXES = ("rpm", "controller", "reference", *LAYERS)
 CASE = "case"
 """The column that names which of [cases] a row belongs to."""
 
+INDEX = "case_index"
+"""The column of the database that orders the cases; not exported."""
+
 
 REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "uncertainty"}
 """What of a study's own tables `fingerprint` leaves out: its report, and machines, which the numbers of a plan tell."""

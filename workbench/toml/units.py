@@ -6,7 +6,7 @@ import re
 from difflib import get_close_matches
 from typing import Any
 
-import pint
+from workbench.toml.kept import kept_with
 
 COMMAND = "command"
 """Stands for the unit of a plant's command in the units of controller gains."""
@@ -16,8 +16,15 @@ class QuantityError(ValueError):
     """A quantity that cannot be read, or has the wrong unit."""
 
 
+class _OtherDimensionError(Exception):
+    """A unit of something else than what is expected."""
+
+
 @functools.cache
 def _registry() -> Any:
+    """Pint and its units, which take half a second; what it has said once is kept."""
+    import pint
+
     registry: Any = pint.UnitRegistry(cache_folder=None)
     registry.formatter.default_format = "~C"
     return registry
@@ -31,24 +38,42 @@ _QUANTITY = re.compile(
 
 @functools.cache
 def _si(text: str, unit: str) -> float:
-    registry = _registry()
     parts = _QUANTITY.fullmatch(text)
     if parts is None:
         raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}')
-    named = parts["unit"] or parts["inverse"] or ""
+    named, number = parts["unit"] or parts["inverse"] or "", float(parts["number"])
     try:
-        base = registry.Quantity(float(parts["number"]), registry.Unit(named)).to_base_units()
+        scale = _si_factor(named, unit)
+        return number * scale if scale is not None else float(_base(number, named).magnitude)
+    except _OtherDimensionError:
+        got = f'got "{text}"'
+        if not named:
+            got += " without a unit (write a bare number, without quotes, for SI)"
+        raise QuantityError(f"{got}, expected {example(unit)}") from None
     except Exception as error:
         meant = nearest_unit(named, unit)
         hint = f'; did you mean "{parts["number"]} {meant}"?' if meant else f"; expected {example(unit)}"
         raise QuantityError(f'got "{text}", which is not a number with a unit{hint}') from error
-    # Base units keep the radian: a frequency in Hz is no speed in rad/s.
-    if base.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
-        got = f'got "{text}"'
-        if not named:
-            got += " without a unit (write a bare number, without quotes, for SI)"
-        raise QuantityError(f"{got}, expected {example(unit)}")
-    return float(base.magnitude)
+
+
+def _base(number: float, named: str) -> Any:
+    """A number of unit `named` in base units, which keep the radian: a frequency in Hz is no speed in rad/s."""
+    registry = _registry()
+    return registry.Quantity(number, registry.Unit(named)).to_base_units()
+
+
+@kept_with("pint")
+def _si_factor(named: str, unit: str) -> float | None:
+    """What to multiply a number of unit `named` with to have it in SI `unit`; None where the two zeros differ.
+
+    Raises:
+        _OtherDimensionError: the two do not measure the same.
+        Exception: pint's, for what is no unit.
+    """
+    registry, one = _registry(), _base(1.0, named)
+    if one.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
+        raise _OtherDimensionError
+    return float(one.magnitude) if _base(0.0, named).magnitude == 0.0 else None
 
 
 def unit_written(value: Any) -> str | None:
@@ -111,7 +136,7 @@ def si(value: Any, unit: str, command: str = "V", *, infinite: bool = False) -> 
     return number
 
 
-@functools.cache
+@kept_with("pint")
 def factor(unit: str, shown: str) -> float:
     """What to multiply a value in SI `unit` with to show it in unit `shown`.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from plants.equation import source_hash
 from workbench.errors import UserError
-from workbench.study.runner import PROGRAM_FOLDERS
+from workbench.study.plan import PROGRAM_FOLDERS
 from workbench.study.study import Study
 from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Point

@@ -16,7 +16,8 @@ from workbench.decide.result import Decision
 from workbench.publish.folders import ResultFolder
 from workbench.publish.tables import write_frame
 from workbench.study.layers import LAYERS
-from workbench.study.runner import PACKAGES, PROGRAM_FOLDERS, ran_on
+from workbench.study.plan import PROGRAM_FOLDERS
+from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import STUDY_COPY, export, write_json, write_study
 
 PAGE = "decision.html"

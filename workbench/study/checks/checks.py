@@ -16,7 +16,7 @@ from workbench.errors import nearest
 from workbench.metrics.window import whole_periods
 from workbench.parameters.sets import FLOW_SHARE
 from workbench.simulation.references import Steps
-from workbench.simulation.simulate import memory_names
+from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
 from workbench.study.checks.rotation import rotation_warning
 from workbench.study.layers import MACHINE
@@ -25,8 +25,7 @@ from workbench.study.report.schema import BreakEvenTable, Column, Curve, FigureS
 from workbench.study.report.table_layout import LayoutError, lay_out
 from workbench.study.resolve import Resolved
 from workbench.study.sections import Checked, Overlay, overlays_of, sections_of
-from workbench.study.store import INDEX
-from workbench.study.study import Case, Study, check_name, located, named
+from workbench.study.study import INDEX, Case, Study, check_name, located, named
 from workbench.toml.reading import Key
 from workbench.toml.units import QuantityError
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from workbench.study.plan import Plan
 from workbench.study.report.break_even import write_break_even
 from workbench.study.report.figures import write_figure
 from workbench.study.report.limit_cycles import write_limit_cycles
 from workbench.study.report.tables import write_table
-from workbench.study.runner import Plan
 from workbench.study.sections import overlays_of, sections_of
 from workbench.study.study import Study
 

@@ -10,8 +10,8 @@ from plants.equation import fields
 from plants.friction import Friction
 from workbench.linear.describing_function import Prediction, predict
 from workbench.publish.tables import shown_number
-from workbench.simulation.simulate import Setup
-from workbench.study.runner import Plan
+from workbench.simulation.setup import Setup
+from workbench.study.plan import Plan
 
 NAME = "limit_cycles"
 TITLE = "Limit cycles: simulated against describing function"

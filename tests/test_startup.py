@@ -1,0 +1,87 @@
+"""What commands do without: libraries that take longer to import than the command has to do."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command import ROOT
+
+SLOW = (
+    "numba",
+    "llvmlite",
+    "scipy",
+    "pandas",
+    "pyarrow",
+    "matplotlib",
+    "pint",
+    "casadi",
+    "control",
+    "optuna",
+    "cobyqa",
+    "filterpy",
+    "jinja2",
+    "distributed",
+)
+"""Each takes a tenth of a second at least, numba half a second, scipy's statistics one."""
+
+SCRIPT = """\
+import sys
+from workbench.cli import main
+sys.argv = ["workbench", *sys.argv[1:]]
+try:
+    main()
+finally:
+    print(*sys.modules, file=sys.stderr)
+"""
+
+
+def imported(*arguments: str, cache: Path) -> tuple[str, set[str]]:
+    """What the command prints, in a process of its own, and the modules that it has imported by its end."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+        env=environment,
+    )
+    return done.stdout, set(done.stderr.split())
+
+
+def test_help_imports_neither_a_slow_library_nor_the_program(tmp_path: Path) -> None:
+    shown, modules = imported("--help", cache=tmp_path)
+    assert modules.isdisjoint({*SLOW, "numpy", "pydantic", "plants", "controllers", "workbench.study"})
+    assert "typer" in modules
+    for command in ("run", "check", "list", "table", "plot"):
+        assert f"  {command} " in shown
+    assert "..." not in shown.partition("Commands:")[2], "what each command does fits on its line"
+
+
+@pytest.mark.parametrize("arguments", [("list",), ("list", "plants")])
+def test_a_list_imports_no_slow_library(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    shown, modules = imported(*arguments, cache=tmp_path)
+    assert shown.startswith("plants\n")
+    assert modules.isdisjoint(SLOW)
+
+
+@pytest.mark.parametrize("file", ["studies/thesis_chapter3.toml", "plants/parameters/owen2001_simulation.toml"])
+def test_a_check_imports_no_slow_library_once_its_units_are_known(file: str, tmp_path: Path) -> None:
+    first, modules = imported("check", file, cache=tmp_path)
+    assert modules.isdisjoint(set(SLOW) - {"pint", "scipy"}), "pint looks for what else it could convert"
+    again, modules = imported("check", file, cache=tmp_path)
+    assert modules.isdisjoint(SLOW)
+    assert again == first
+
+
+def test_a_spoilt_file_of_kept_factors_is_made_anew(tmp_path: Path) -> None:
+    file = "plants/parameters/owen2001_simulation.toml"
+    first, _ = imported("check", file, cache=tmp_path)
+    (kept,) = (tmp_path / "friction-workbench").glob("pint_*_si_factor.json")
+    whole = kept.read_text(encoding="utf-8")
+    for spoilt in (whole[: len(whole) // 2], "[]"):
+        kept.write_text(spoilt, encoding="utf-8")
+        assert imported("check", file, cache=tmp_path)[0] == first
+        assert kept.read_text(encoding="utf-8") == whole

@@ -1,0 +1,103 @@
+"""Everything that a run depends on: plant, loops, reference, feeds, sensors, integrator. Made without a compiler."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+from controllers.interface import Controller
+from controllers.open_loop import OPEN_LOOP
+from controllers.open_loop import Gains as OpenLoopGains
+from plants.equation import fields
+from plants.interface import Plant
+from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.sensors import Sensors
+
+Method = Literal["euler", "heun", "rk4", "dormand_prince"]
+"""What an integration may be called."""
+
+
+EULER, HEUN, RK4, DORMAND_PRINCE = 0, 1, 2, 3
+"""The methods as compiled code knows them."""
+
+FIXED_STEP: Mapping[str, int] = {"euler": EULER, "heun": HEUN, "rk4": RK4}
+"""Fixed-step methods, of order 1, 2 and 4."""
+
+METHODS: Mapping[str, int] = {**FIXED_STEP, "dormand_prince": DORMAND_PRINCE}
+
+DEFAULT_TOLERANCE = 1e-6
+"""Of the typical magnitude of a state and its own: an estimated error of a step, well below what a rig resolves."""
+
+TIGHTER = 100.0
+"""The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
+
+DELAY_SLACK = 1e-9
+"""A delay this close (in samples) to a whole number of samples is one."""
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """How to integrate: an error-controlled method with its `tolerance`, or a fixed-step one with its `step` (s).
+
+    A fixed step is shortened so that a whole number of steps makes one sample.
+    """
+
+    method: str = "dormand_prince"
+    step: float = 1e-4
+    tolerance: float = DEFAULT_TOLERANCE
+
+    def finer(self) -> "Integrator":
+        """The integrator against which this one's error is taken."""
+        return replace(self, step=self.step / 2.0, tolerance=self.tolerance / TIGHTER)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A sampled controller with its gains."""
+
+    controller: Controller
+    gains: Any
+
+
+@dataclass(frozen=True)
+class Feed:
+    """An input of the plant that follows a signal: open-loop commands, disturbances, moving spring ends.
+
+    `linear`: a ramp from sample to sample; otherwise each sample's value is held.
+    """
+
+    input: str
+    signal: ReferenceSignal
+    linear: bool = True
+
+
+NO_LOOP = Loop(OPEN_LOOP, OpenLoopGains(0.0))
+"""No feedback: the command is what a feed gives."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything that a run depends on.
+
+    `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
+    `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed.
+    """
+
+    plant: Plant
+    parameters: Any
+    state: Any
+    inputs: Any
+    duration: float
+    loop: Loop = NO_LOOP
+    reference: ReferenceSignal | None = None
+    rotary: Loop | None = None
+    rotation_speed: float = 0.0
+    feeds: tuple[Feed, ...] = ()
+    sensors: Sensors = field(default_factory=Sensors)
+    integrator: Integrator = field(default_factory=Integrator)
+    sample_time: float = 1e-3
+    seed: int = 0
+
+
+def memory_names(controller: Controller) -> list[str]:
+    """Names of the signals that a controller's state gives: `controller_theta`, `controller_friction`, ..."""
+    return [f"controller_{item.name}" for item in fields(controller.State)]
