@@ -162,30 +162,30 @@ def test_a_choice_that_a_cheaper_one_beats_is_doubtful() -> None:
 
 def test_the_measured_account_says_where_the_law_comes_to_another_answer() -> None:
     """At 10 rpm the law's hydraulic power is an eighth too high, and rotation does not pay by it."""
-    *_, own = power_table(compared())[3]
+    *_, own = power_table(compared()).notes
     assert "film and guide, it pays at none of these speeds" in own
     assert "differ at 10 rpm: there predicted hydraulic power is 12 % above measured" in own
     assert "rotating_pays_constant_speed_corrected" in own
 
 
 def test_a_fit_that_the_study_does_not_simulate_is_told() -> None:
-    assert not any("The study simulates" in note for note in effect_table(compared())[3])
-    notes = effect_table(compared(fit_rpm=[75.0, 125.0]))[3]
+    assert not any("The study simulates" in note for note in effect_table(compared()).notes)
+    notes = effect_table(compared(fit_rpm=[75.0, 125.0])).notes
     (share,) = (note for note in notes if "film_share" in note and "The study simulates" in note)
     assert share.startswith("The study simulates film_share 0.502 in corrected, constant_speed_corrected")
     assert "the fit gives 0." in share
 
 
 def test_cells_and_headings_are_explained() -> None:
-    name, title, cells, notes = slope_table(compared())
-    assert (name, title) == ("added_slope", "Slope that rotation adds to axial friction (N s/m)")
-    assert (cells == "a level").any(axis=None)
-    assert any(note.startswith("A level: ") for note in notes)
-    assert any(note.startswith("Reference: ") for note in notes)
-    effects = effect_table(compared())[2].set_index(["law", "parameter"])
+    slopes = slope_table(compared())
+    assert (TABLES["added_slope"], slopes.title) == (slope_table, "Slope that rotation adds to axial friction (N s/m)")
+    assert (slopes.cells == "a level").any(axis=None)
+    assert any(note.startswith("A level: ") for note in slopes.notes)
+    assert any(note.startswith("Reference: ") for note in slopes.notes)
+    effects = effect_table(compared()).cells.set_index(["law", "parameter"])
     width = effects.loc[("anisotropic, film and resonance", "width")]
     assert (width["value"], width["std"], width["remark"]) == ("", "", "not identified, at its bound")
-    assert any("Check / best bare law: error" in note for note in error_table(compared())[3])
+    assert any("Check / best bare law: error" in note for note in error_table(compared()).notes)
 
 
 def test_reductions_are_drawn_from_nought() -> None:

@@ -13,9 +13,9 @@ from workbench.api.plain import Quantity, plain_table
 from workbench.api.references import ReferenceChoice
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Setup
+from workbench.study.plan import plan
 from workbench.study.reading import study_of
 from workbench.study.resolve import Resolved
-from workbench.study.runner import plan
 
 DURATION = "5 s"
 """Of a run where nothing is said: that of the thesis's simulations, four periods of their sine and a half."""

@@ -13,10 +13,11 @@ from workbench.api.results import StudyResults
 from workbench.errors import UserError, nearest
 from workbench.study import study as studies
 from workbench.study.names import in_words, matches
+from workbench.study.plan import Plan, plan
 from workbench.study.reading import read_study, study_of
 from workbench.study.resolve import resolve
 from workbench.study.rounds import run_rounds, with_draws
-from workbench.study.runner import Plan, plan, run_study
+from workbench.study.runner import run_study
 from workbench.study.sections import other_command
 from workbench.study.store import read_results
 

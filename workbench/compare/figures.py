@@ -65,12 +65,12 @@ HIGHEST = 100.0
 
 def write_figures(
     spec: ComparisonTable, frame: pd.DataFrame, whole: pd.DataFrame, found: Mapping[Cell, Verdict], folder: Path
-) -> list[Picture]:
+) -> dict[str, Picture]:
     """Write all figures of the comparison: errors on the draws of `frame`, that all have met; who hunts on any draw.
 
     `whole` has the fresh draws too.
     """
-    drawn: list[tuple[str, Figure, str]] = []
+    drawn: dict[str, Picture] = {}
     cells = _with_flaws(cells_of(spec, frame), found)
     bars = (
         f"Means over the draws that all have met; bars: their {100 * spec.probability:g} % interval. Shaded: below "
@@ -90,7 +90,7 @@ def write_figures(
                 f"least error that holds; grey: all others; crosses: hunts or does not complete on any draw. {bars} "
                 f"Errors above {HIGHEST:g} times the least are cut off."
             )
-            drawn.append((f"error_against_rpm_{scenario}", figure, caption))
+            drawn[f"error_against_rpm_{scenario}"] = Picture(figure, caption)
             best = {cell: {one.key: kind for kind, one in found[cell].best.items()} for cell in part}
 
             def over_power(axes: Axes, cell: Cell, candidates: list[Candidate], chosen: Any = best) -> None:
@@ -101,13 +101,15 @@ def write_figures(
                 f"{name}: error against what pump and motor terminals pay together. In colour: who stands for each "
                 f"class; grey: all others that hold. {bars}"
             )
-            drawn.append((f"error_against_power_{scenario}", figure, caption))
-        drawn += _hunting(with_all_axes(whole))
-        for _, figure, _ in drawn:
-            figure.set_dpi(mpl.rcParams["savefig.dpi"])
-            figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # laid out once, not once a format
-    return [Picture(save(figure, name, folder, ("pdf", "png"))[-1], caption) for name, figure, caption in drawn]
+            drawn[f"error_against_power_{scenario}"] = Picture(figure, caption)
+        drawn |= {name: Picture(figure, caption) for name, figure, caption in _hunting(with_all_axes(whole))}
+        for picture in drawn.values():
+            picture.figure.set_dpi(mpl.rcParams["savefig.dpi"])
+            picture.figure.draw_without_rendering()
+            picture.figure.set_layout_engine("none")  # laid out once, not once a format
+    for name, picture in drawn.items():
+        save(picture.figure, name, folder, ("pdf", "png"))
+    return drawn
 
 
 def _with_flaws(cells: Mapping[Cell, list[Candidate]], found: Mapping[Cell, Verdict]) -> dict[Cell, list[Candidate]]:

@@ -66,8 +66,8 @@ MARKDOWN = """\
 {%- endfor %}
 {% endfor %}
 ## Figures
-{% for picture in pictures %}
-![{{ picture.path.stem | plain }}](figures/{{ picture.path.name }})
+{% for name, picture in pictures.items() %}
+![{{ name | plain }}](figures/{{ name }}.png)
 
 *{{ picture.caption }}*
 {% endfor %}
@@ -153,8 +153,8 @@ p, li { max-width: 60em; }
 {% endfor %}</ul>
 {% endfor %}
 <h2>Figures</h2>
-{% for picture in pictures %}
-<figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
+{% for name, picture in pictures.items() %}
+<figure><img src="figures/{{ name }}.png" alt="{{ name | plain }}">
 <figcaption>{{ picture.caption }}</figcaption></figure>
 {% endfor %}
 <h2 id="tables">Tables of the draws of the choice</h2>

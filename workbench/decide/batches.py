@@ -1,8 +1,7 @@
 """Candidates on plant samples: the runs of a decision, a row each."""
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, replace
 
 import pandas as pd
@@ -11,6 +10,7 @@ from workbench.decide.plan import Candidate, Plan, Stage
 from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.metrics import evaluate
 from workbench.metrics.limit_cycle import HUNTING
+from workbench.parallel import workers
 from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.hold import HOLD_SHARE, held
 from workbench.study.resolve import Resolved
@@ -62,16 +62,12 @@ def run_batches(
     """
     rows: list[dict[str, object]] = []
     runs = sum(batch.runs for batch in wanted)
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+    with workers(jobs) as executor:
         futures: list[Future[list[dict[str, object]]]] = [executor.submit(_run, plan, batch) for batch in wanted]
-        try:
-            for future in as_completed(futures):
-                rows += future.result()
-                if progress is not None:
-                    progress(len(rows), runs)
-        except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
-            raise
+        for future in as_completed(futures):
+            rows += future.result()
+            if progress is not None:
+                progress(len(rows), runs)
     return in_order(plan, pd.DataFrame(rows))
 
 

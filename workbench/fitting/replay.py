@@ -15,7 +15,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
-from workbench.simulation.references import Signal
+from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Setup
 from workbench.simulation.simulate import simulate
@@ -29,18 +29,11 @@ method jumps, and a difference quotient takes the jumps for information. The sec
 
 
 @dataclass(frozen=True, eq=False)
-class Sampled:
+class Sampled(Moving):
     """A measured input, a straight line from sample to sample (also over a small gap of the record)."""
 
     times: np.ndarray
     values: np.ndarray
-
-    period = None
-    fundamental = None
-
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        """None that are known."""
-        return []
 
     def __call__(self, time: np.ndarray) -> Signal:
         zeros = np.zeros(np.shape(time))

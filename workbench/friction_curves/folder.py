@@ -1,12 +1,13 @@
 """Measured friction-velocity curves against what the bristle laws predict: the tables and figures of a study."""
 
 import shutil
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from workbench.friction_curves.checks import curves_of
-from workbench.friction_curves.comparison import compare
+from workbench.friction_curves.comparison import Comparison, compare
 from workbench.friction_curves.figures import curves_figure, power_figure, static_figure
 from workbench.friction_curves.power import power_table
 from workbench.friction_curves.schema import FrictionCurvesTable
@@ -19,10 +20,18 @@ from workbench.friction_curves.tables import (
 )
 from workbench.friction_curves.validation import NAME, NOTE, TITLE, validation_table
 from workbench.publish.pictures import save
-from workbench.publish.tables import write_frame
+from workbench.publish.tables import Table, write_frame
 from workbench.study.study import Study
 
-TABLES = (error_table, effect_table, slope_table, static_table, slowest_table, power_table)
+TABLES: Mapping[str, Callable[[Comparison], Table]] = {
+    "friction_curve_error": error_table,
+    "friction_curve_effects": effect_table,
+    "added_slope": slope_table,
+    "static_friction": static_table,
+    "slowest_friction": slowest_table,
+    "power_at_speed": power_table,
+}
+"""By name, in the order in which they are told."""
 
 
 def write_friction_curves(spec: FrictionCurvesTable, study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
@@ -42,8 +51,8 @@ def write_friction_curves(spec: FrictionCurvesTable, study: Study, frame: pd.Dat
         "figure_5_21": power_figure(found),
     }.items():
         save(figure, name, folder / "figures")
-    made = [table(found) for table in TABLES]
+    tables = {name: make(found) for name, make in TABLES.items()}
     validation = validation_table(study, frame, folder, curves_of(study, spec))
     if not validation.empty:
-        made.append((NAME, TITLE, validation, [NOTE]))
-    return [write_frame(*table, folder / "tables")[1] for table in made]
+        tables[NAME] = Table(TITLE, validation, [NOTE])
+    return [write_frame(name, table, folder / "tables")[1] for name, table in tables.items()]

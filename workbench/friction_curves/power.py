@@ -6,15 +6,12 @@ import numpy as np
 import pandas as pd
 
 from workbench.friction_curves.comparison import Comparison, hydraulic_power, predicted_power
-from workbench.publish.tables import shown_number
+from workbench.publish.tables import Table, shown_number
 
 MM = 1e3
 
-Table = tuple[str, str, pd.DataFrame, list[str]]
-"""Name, title, cells and notes."""
 
-
-def listed(values: Sequence[float]) -> str:
+def in_text(values: Sequence[float]) -> str:
     """Speeds of rotation in text."""
     return ", ".join(f"{value:g}" for value in values)
 
@@ -56,7 +53,7 @@ def power_table(found: Comparison) -> Table:
         f"By this account, measured hydraulic and rotary, rotating pays {words}.",
         *_by_the_law(found, {float(rpm) for rpm in paying}),
     ]
-    return "power_at_speed", "Power against speed of rotation at a constant velocity", framed(lines), notes
+    return Table("Power against speed of rotation at a constant velocity", framed(lines), notes)
 
 
 def _by_the_law(found: Comparison, paying: set[float]) -> list[str]:
@@ -65,7 +62,7 @@ def _by_the_law(found: Comparison, paying: set[float]) -> list[str]:
     before = sum(predicted_power(law, 0.0, speed))
     own = {rpm for rpm in found.rpm if sum(predicted_power(law, rpm, speed)) < before}
     said = f"By predicted power alone, of {law.name}, it pays "
-    said += f"at {listed(sorted(own))} rpm" if own else "at none of these speeds"
+    said += f"at {in_text(sorted(own))} rpm" if own else "at none of these speeds"
     said += f" ({shown_number(before, 3)} W without rotation)."
     for rpm in sorted(paying ^ own):
         measured = hydraulic_power([curve.at(speed) for curve in found.curves([rpm])], speed)

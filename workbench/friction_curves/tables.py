@@ -7,10 +7,10 @@ import pandas as pd
 
 from workbench.friction_curves.comparison import Comparison
 from workbench.friction_curves.measured import DIRECTIONS, FASTEST, Curve
-from workbench.friction_curves.power import MM, Table, fall, framed, listed
+from workbench.friction_curves.power import MM, fall, framed, in_text
 from workbench.friction_curves.predicted import Fitted, affordable, rms, share, unchanged
 from workbench.parameters.sets import known_units
-from workbench.publish.tables import shown_number
+from workbench.publish.tables import Table, shown_number
 from workbench.records.friction import SLIDING
 from workbench.toml.units import factor
 
@@ -37,7 +37,7 @@ def error_table(found: Comparison) -> Table:
         line = {"law": one.prediction.name, "fitted numbers": str(len(one.numbers))}
         for label, rpm in (("fit", found.spec.fit_rpm), ("check", found.spec.check_rpm), ("other", others)):
             if rpm:
-                curves, heading = found.curves(rpm), f"{label}: {listed(rpm)} rpm"
+                curves, heading = found.curves(rpm), f"{label}: {in_text(rpm)} rpm"
                 line[f"{heading} (N)"] = shown_number(rms(one.prediction, curves), 3)
                 line[f"{label} (%)"] = shown_number(100.0 * share(one.prediction, curves), 3)
         line["check / best bare law"] = f"{rms(one.prediction, check) / best:.2f}"
@@ -51,7 +51,7 @@ def error_table(found: Comparison) -> Table:
         "Price: n ln(rms^2) + k ln(n) on the fit speeds with four independent numbers a curve and k fitted ones.",
         verdict(found),
     ]
-    return "friction_curve_error", "Measured against predicted axial friction of the rotating rod", framed(lines), notes
+    return Table("Measured against predicted axial friction of the rotating rod", framed(lines), notes)
 
 
 def verdict(found: Comparison) -> str:
@@ -110,14 +110,14 @@ def effect_table(found: Comparison) -> Table:
                 }
             )
     notes = [
-        f"Fitted at {listed(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
+        f"Fitted at {in_text(found.spec.fit_rpm)} rpm. The film's speed stays at the Stribeck velocity of pure "
         "rotation: at these speeds of rotation the film is there whole, and the curves cannot tell how it came.",
         "film: the axial level falls to film_share of itself with the helical speed. guide: a contact that slides "
         "and does not turn takes guide_coulomb of the axial level. resonance: takes the share dip off axial "
         "friction around 100 rpm. Without a value or deviation: the curves do not depend on it, or on others as well.",
         *_simulated(found),
     ]
-    return "friction_curve_effects", "What the anisotropic law may lack, fitted", framed(lines), notes
+    return Table("What the anisotropic law may lack, fitted", framed(lines), notes)
 
 
 def _fitted_value(value: float, std: float) -> str:
@@ -181,7 +181,7 @@ def slope_table(found: Comparison) -> Table:
             * bool(spec.reference_slope)
         ),
     ]
-    return "added_slope", "Slope that rotation adds to axial friction (N s/m)", framed(lines), notes
+    return Table("Slope that rotation adds to axial friction (N s/m)", framed(lines), notes)
 
 
 def _any(lines: Sequence[dict[str, str]], cell: str) -> bool:
@@ -196,14 +196,14 @@ def static_table(found: Comparison) -> Table:
         "is left as the velocity goes to 0.",
         static_words(found),
     ]
-    return "static_friction", "Fall of static friction with speed of rotation", cells, notes
+    return Table("Fall of static friction with speed of rotation", cells, notes)
 
 
 def slowest_table(found: Comparison) -> Table:
     """The same of friction at the slowest measured speed."""
     first, cells = _falls(found, lambda curve: curve.at(SLIDING))
     notes = [f"Mean of both directions; fall in percent from {shown_number(first, 3)} N without rotation."]
-    return "slowest_friction", f"Fall of friction at {MM * SLIDING:g} mm/s with speed of rotation", cells, notes
+    return Table(f"Fall of friction at {MM * SLIDING:g} mm/s with speed of rotation", cells, notes)
 
 
 def _falls(found: Comparison, of: Callable[[Curve], float]) -> tuple[float, pd.DataFrame]:

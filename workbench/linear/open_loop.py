@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import control
 import numpy as np
-from scipy.linalg import expm
+from scipy.signal import cont2discrete
 
 from plants.equation import fields, to_array
 from workbench.errors import UserError
@@ -195,10 +195,9 @@ def _with_registers(
 
 
 def _held(a: np.ndarray, b: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-    """Phi = exp(A t) and Gamma = integral of exp(A s) B over 0 to t, also where A is singular (Van Loan 1978)."""
-    states = len(a)
-    whole = expm(np.block([[a, b], [np.zeros((1, states + 1))]]) * time)
-    return whole[:states, :states], whole[:states, states:]
+    """Phi = exp(A t) and Gamma = integral of exp(A s) B over 0 to t, also where A is singular."""
+    phi, gamma, *_ = cont2discrete((a, b, np.eye(len(a)), np.zeros_like(b)), time)
+    return phi, gamma
 
 
 def _used_by_output(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> Matrices:

@@ -33,6 +33,57 @@ def held(folder: Path, names: Sequence[str]) -> str:
     return ", ".join(name for name in names if (folder / name).exists())
 
 
+def unwritable(folder: Path, error: Exception) -> UserError:
+    """The error for a folder in which nothing can be made."""
+    return UserError(f"{folder}: cannot be written ({error}); choose another folder with --out")
+
+
+@dataclass(frozen=True)
+class GrowingFolder:
+    """What one command, whose work messages call a `noun`, writes while it works, and can go on with: its `content`.
+
+    The last of `names` is the mark that the folder is the command's own. What is `kept` may be the command's too, but
+    is never removed.
+    """
+
+    noun: str
+    content: str
+    names: tuple[str, ...]
+    kept: tuple[str, ...] = ()
+
+    def begun(self, folder: Path, overwrite: bool) -> Path:
+        """Make the folder, without earlier results; returns the path of the mark.
+
+        Raises:
+            UserError: it holds results already, or files of the same names that the command did not write, or cannot be
+                written.
+        """
+        mark = folder / self.names[-1]
+        if mark.exists() and not overwrite:
+            raise UserError(f"{folder}: holds {self.content} already; go on with --resume, start anew with --overwrite")
+        foreign = held(folder, (*self.kept, *self.names))
+        if foreign and not mark.exists():
+            raise UserError(f"{folder}: holds {foreign} that no {self.noun} wrote; choose another folder with --out")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in self.names:
+                remove(folder / name)
+        except OSError as error:
+            raise unwritable(folder, error) from None
+        return mark
+
+    def resumed(self, folder: Path) -> Path:
+        """The path of the mark of earlier results.
+
+        Raises:
+            UserError: there are none.
+        """
+        mark = folder / self.names[-1]
+        if not mark.exists():
+            raise UserError(f"{folder}: holds no {self.content} to resume; leave --resume out")
+        return mark
+
+
 @dataclass(frozen=True)
 class ResultFolder:
     """What one command, whose work messages call a `noun`, writes into the folder of its results.

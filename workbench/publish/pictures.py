@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from workbench.publish.style import figure_style
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure that was written: its PNG, and what it shows in words."""
+    """A figure, and what it shows in words; `section` is the part of a page that it belongs to, where it has one."""
 
-    path: Path
+    figure: Figure
     caption: str
+    section: str = ""
 
 
 FORMATS = ("pdf", "svg", "png")

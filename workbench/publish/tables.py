@@ -1,6 +1,8 @@
 """Tables of text, as CSV, Markdown and LaTeX (booktabs), and numbers as a reader sees them."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +27,15 @@ WORDS = (
 """Columns of text, which are aligned to the left."""
 
 
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table of text with its title, and what a reader must know of it."""
+
+    title: str
+    cells: "pd.DataFrame"
+    notes: Sequence[str] = ()
+
+
 def shown_number(number: float, digits: int) -> str:
     """`number` with `digits` significant digits, in plain notation where that is readable."""
     if number == 0.0 or not 1e-4 <= abs(number) < 1e6:
@@ -39,32 +50,34 @@ def with_unit(label: str, unit: str) -> str:
     return label if unit == "1" or label.endswith(shown) else label + shown
 
 
-def write_frame(name: str, title: str, table: "pd.DataFrame", notes: list[str], folder: Path) -> list[Path]:
-    """Write a table of text, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
+def write_frame(name: str, table: Table, folder: Path) -> list[Path]:
+    """Write a table, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{name}.{ending}" for ending in ("csv", "md", "tex")]
-    table.to_csv(paths[0], index=False, lineterminator="\n")
-    paths[1].write_text(_markdown(title, table, notes), encoding="utf-8")
-    paths[2].write_text(_latex(name, title, table, notes), encoding="utf-8")
+    table.cells.to_csv(paths[0], index=False, lineterminator="\n")
+    paths[1].write_text(_markdown(table), encoding="utf-8")
+    paths[2].write_text(_latex(name, table), encoding="utf-8")
     return paths
 
 
-def _markdown(title: str, table: "pd.DataFrame", notes: list[str]) -> str:
-    numeric = [name not in WORDS for name in table.columns]
+def _markdown(table: Table) -> str:
+    numeric = [name not in WORDS for name in table.cells.columns]
     align = ["right" if right else "left" for right in numeric]
-    shown = table.rename(columns=_piped).map(_piped)
+    shown = table.cells.rename(columns=_piped).map(_piped)
     body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
-    return "\n\n".join([f"**{title}**", body, *notes]) + "\n"
+    return "\n\n".join([f"**{table.title}**", body, *table.notes]) + "\n"
 
 
 def _piped(text: str) -> str:
     return str(text).replace("|", r"\|")
 
 
-def _latex(name: str, title: str, table: "pd.DataFrame", notes: list[str]) -> str:
-    columns = "".join({REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.columns)
-    caption = " ".join([f"{title}.", *notes])
-    headed = table.rename(columns=_escaped).map(_escaped)
+def _latex(name: str, table: Table) -> str:
+    columns = "".join(
+        {REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.cells.columns
+    )
+    caption = " ".join([f"{table.title}.", *table.notes])
+    headed = table.cells.rename(columns=_escaped).map(_escaped)
     return str(
         headed.style.hide(axis="index").to_latex(
             hrules=True,
@@ -87,4 +100,5 @@ _SPECIAL = str.maketrans(
 
 
 def _escaped(text: str) -> str:
+    """Text as LaTeX shows it. pandas escapes cells alone, not captions, and writes a space behind ^ and ~."""
     return str(text).translate(_SPECIAL)

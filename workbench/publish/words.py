@@ -1,11 +1,18 @@
 """Names and powers as a reader sees them."""
 
+from collections.abc import Sequence
+
 from workbench.publish.tables import shown_number
 
 
 def plain_name(name: str) -> str:
     """The name of a controller, scenario or reference as a reader sees it."""
     return name.replace("_", " ")
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Words in a row: a, b and c."""
+    return f" {last} ".join(part for part in (", ".join(names[:-1]), names[-1]) if part) if names else ""
 
 
 def watts(power: float) -> str:

@@ -31,25 +31,43 @@ class ReferenceSignal(Protocol):
         """Value, first and second derivative at `time` (s)."""
 
 
+class Moving:
+    """A reference that rests nowhere that is known, and does not repeat: for others to say what else they are."""
+
+    @property
+    def period(self) -> float | None:
+        return None
+
+    @property
+    def fundamental(self) -> float | None:
+        return None
+
+    def dwells(self, duration: float) -> list[tuple[float, float]]:
+        return []
+
+
 @dataclass(frozen=True)
-class Sine:
-    """offset + amplitude sin(2 pi f t + phase)."""
+class Wave(Moving):
+    """A reference of this `amplitude` that repeats with this `frequency` (Hz)."""
 
     amplitude: float
     frequency: float
-    offset: float = 0.0
-    phase: float = 0.0
 
     @property
     def period(self) -> float:
         return 1.0 / self.frequency
 
     @property
-    def fundamental(self) -> float:
+    def fundamental(self) -> float | None:
         return self.frequency
 
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        return []
+
+@dataclass(frozen=True)
+class Sine(Wave):
+    """offset + amplitude sin(2 pi f t + phase)."""
+
+    offset: float = 0.0
+    phase: float = 0.0
 
     def __call__(self, time: np.ndarray) -> Signal:
         w = 2.0 * np.pi * self.frequency
@@ -62,15 +80,12 @@ class Sine:
 
 
 @dataclass(frozen=True)
-class Steps:
+class Steps(Moving):
     """The levels one after another, each held for `dwell` seconds, the last to the end; from `start`, before it 0."""
 
     levels: tuple[float, ...]
     dwell: float
     start: float = 0.0
-
-    period = None
-    fundamental = None
 
     def dwells(self, duration: float) -> list[tuple[float, float]]:
         begins = [self.start + i * self.dwell for i in range(len(self.levels))]
@@ -85,16 +100,13 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Ramp:
+class Ramp(Moving):
     """`offset` until `start`, then at `rate` until `stop`, then constant."""
 
     rate: float
     start: float = 0.0
     stop: float = np.inf
     offset: float = 0.0
-
-    period = None
-    fundamental = None
 
     def dwells(self, duration: float) -> list[tuple[float, float]]:
         spans = [(0.0, min(self.start, duration)), (self.stop, duration)]
@@ -107,14 +119,11 @@ class Ramp:
 
 
 @dataclass(frozen=True)
-class Held:
+class Held(Moving):
     """Another reference up to an `instant` (s) within one of its dwells, and what it is then from there on."""
 
     signal: ReferenceSignal
     instant: float
-
-    period = None
-    fundamental = None
 
     def dwells(self, duration: float) -> list[tuple[float, float]]:
         spans = self.signal.dwells(min(self.instant, duration))
@@ -125,23 +134,10 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Triangle:
+class Triangle(Wave):
     """offset + a triangle wave of `amplitude` that starts upward at 0: constant speed through each reversal."""
 
-    amplitude: float
-    frequency: float
     offset: float = 0.0
-
-    @property
-    def period(self) -> float:
-        return 1.0 / self.frequency
-
-    @property
-    def fundamental(self) -> float:
-        return self.frequency
-
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        return []
 
     def __call__(self, time: np.ndarray) -> Signal:
         cycle = np.mod(time * self.frequency + 0.25, 1.0)
@@ -152,24 +148,17 @@ class Triangle:
 
 
 @dataclass(frozen=True)
-class Multisine:
+class Multisine(Wave):
     """Sum of harmonics of `frequency` with equal amplitudes, scaled to the peak `amplitude`; it starts at 0.
 
     Phases after Schroeder (1970), which keep the peak low; the value at t = 0 is taken off.
     """
 
-    amplitude: float
-    frequency: float
     harmonics: tuple[int, ...]
 
-    fundamental = None
-
     @property
-    def period(self) -> float:
-        return 1.0 / self.frequency
-
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        return []
+    def fundamental(self) -> None:
+        return None
 
     def _sum(self, time: np.ndarray) -> Signal:
         value, first, second = (np.zeros_like(time, dtype=float) for _ in range(3))
@@ -191,19 +180,13 @@ class Multisine:
 
 
 @dataclass(frozen=True)
-class Chirp:
+class Chirp(Moving):
     """A sine whose frequency rises linearly from `start_frequency` to `end_frequency` over `sweep` seconds."""
 
     amplitude: float
     start_frequency: float
     end_frequency: float
     sweep: float
-
-    period = None
-    fundamental = None
-
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        return []
 
     def __call__(self, time: np.ndarray) -> Signal:
         slope = 2.0 * np.pi * (self.end_frequency - self.start_frequency) / self.sweep
@@ -219,17 +202,11 @@ class Chirp:
 
 
 @dataclass(frozen=True, eq=False)
-class Recorded:
+class Recorded(Moving):
     """A record (times in s, values), as a cubic spline; constant before its start and after its end."""
 
     times: np.ndarray
     values: np.ndarray
-
-    period = None
-    fundamental = None
-
-    def dwells(self, duration: float) -> list[tuple[float, float]]:
-        return []
 
     def __call__(self, time: np.ndarray) -> Signal:
         from scipy.interpolate import CubicSpline  # slow to import, and no other reference needs it

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.study.runner import Plan, again
+from workbench.study.plan import Plan, again
 from workbench.study.sections import sections_of
 from workbench.study.store import DATABASE, FRESH, export, read_results
 from workbench.study.study import Study

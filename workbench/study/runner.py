@@ -1,18 +1,15 @@
 """Running a study: its cases in parallel, each result kept the moment it is there."""
 
 import json
-import os
-import platform
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
-from importlib.metadata import version
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, as_completed
 from pathlib import Path
 from typing import Any
 
-from workbench.errors import UserError
 from workbench.metrics import SOLVER, evaluate
+from workbench.parallel import workers
+from workbench.publish.run_record import ran_on
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import finer, largest_distance, simulate
 from workbench.study.plan import Plan, needed_trajectories
@@ -30,9 +27,6 @@ from workbench.study.store import (
     write_trajectory,
 )
 from workbench.study.study import Case, Study
-
-PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
-"""Packages whose version run.json records."""
 
 Progress = Callable[[int, int, Case], None]
 """Called with the number of finished cases, of all cases, and the case that has just finished."""
@@ -116,7 +110,7 @@ def run_study(
         missing = {index for files in (paths, records) for index, path in files.items() if not path.exists()}
         done = store.done() - missing
         waiting = [case for case in planned.cases if case.index not in done]
-        with _executor(jobs, cluster) as executor:
+        with workers(jobs, cluster) as executor:
             futures: dict[Future[dict[str, Any]], Case] = {
                 executor.submit(
                     run_case,
@@ -128,15 +122,11 @@ def run_study(
                 ): case
                 for case in waiting
             }
-            try:
-                for count, future in enumerate(as_completed(futures), start=len(done) + 1):
-                    case = futures[future]
-                    store.add(case.index, _storable(future.result()))
-                    if progress is not None:
-                        progress(count, len(planned.cases), case)
-            except BaseException:
-                executor.shutdown(wait=False, cancel_futures=True)
-                raise
+            for count, future in enumerate(as_completed(futures), start=len(done) + 1):
+                case = futures[future]
+                store.add(case.index, _storable(future.result()))
+                if progress is not None:
+                    progress(count, len(planned.cases), case)
         export(store.frame(), folder)
         write_json(folder / "run.json", _record(planned, began, jobs, cluster))
     finally:
@@ -148,24 +138,6 @@ def _storable(values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: json.dumps(value) if isinstance(value, list | dict) else value for key, value in values.items()}
 
 
-@contextmanager
-def _executor(jobs: int | None, cluster: str | None) -> Iterator[Executor]:
-    if cluster is None:
-        with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
-            yield threads
-        return
-    try:
-        from distributed import Client
-    except ImportError:
-        raise UserError('--cluster needs the extra "cluster": pip install "friction-workbench[cluster]"') from None
-    try:
-        client = Client(cluster, timeout=10)
-    except (OSError, ValueError) as error:
-        raise UserError(f"{cluster}: no scheduler answers there ({error})") from None
-    with client, client.get_executor() as executor:
-        yield executor
-
-
 def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) -> dict[str, Any]:
     return {
         "title": planned.study.file.title,
@@ -173,16 +145,5 @@ def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) 
         "cases": len(planned.cases),
         "simulated_seconds": planned.simulated_seconds,
         "seeds": sorted({item.setup.seed for item in planned.resolved}),
-        **ran_on(began, cluster or jobs or os.cpu_count(), PACKAGES),
-    }
-
-
-def ran_on(began: float, jobs: int | str | None, packages: Sequence[str]) -> dict[str, Any]:
-    """What run.json says of the machine: how long it took since `began` (s since the epoch), jobs, versions, cores."""
-    return {
-        "wall_seconds": round(time.time() - began, 3),
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
-        "jobs": jobs,
-        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
-        "machine": {"system": platform.system(), "machine": platform.machine(), "cores": os.cpu_count()},
+        **ran_on(began, cluster or jobs),
     }

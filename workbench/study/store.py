@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.publish.folders import held, remove, write_whole
+from workbench.publish.folders import GrowingFolder, unwritable, write_whole
 from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
 from workbench.study.study import INDEX, Case, Study
@@ -43,7 +43,7 @@ REPLACED = (
 )
 """What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
 
-OURS = (*(layer.section for layer in LAYERS.values()), *REPLACED)
+FOLDER = GrowingFolder("run", "results", REPLACED, kept=tuple(layer.section for layer in LAYERS.values()))
 """With machines and scenarios, of which no file is removed: studies look for theirs in folders of these names."""
 
 
@@ -63,16 +63,8 @@ class Store:
             UserError: the folder holds results already, or files of the same names that no run wrote, or cannot be
                 written.
         """
-        database = folder / DATABASE
-        if database.exists() and not overwrite:
-            raise UserError(f"{folder}: holds results already; go on with --resume, start anew with --overwrite")
-        foreign = held(folder, OURS)
-        if foreign and not database.exists():
-            raise UserError(f"{folder}: holds {foreign} that no run wrote; choose another folder with --out")
+        database = FOLDER.begun(folder, overwrite)
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            for name in REPLACED:
-                remove(folder / name)
             connection = sqlite3.connect(database)
             with connection:
                 connection.execute("BEGIN")
@@ -80,8 +72,8 @@ class Store:
                 connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
                 names = ", ".join(_quoted(column) for column in columns)
                 connection.execute(f"CREATE TABLE results ({INDEX} INTEGER PRIMARY KEY, {names})")
-        except (OSError, sqlite3.Error) as error:
-            raise UserError(f"{folder}: cannot be written ({error}); choose another folder with --out") from None
+        except sqlite3.Error as error:
+            raise unwritable(folder, error) from None
         return cls(connection, folder, columns)
 
     @classmethod
@@ -91,9 +83,7 @@ class Store:
         Raises:
             UserError: there is none, or it is of another study or another version of the equations.
         """
-        database = folder / DATABASE
-        if not database.exists():
-            raise UserError(f"{folder}: holds no results to resume; leave --resume out")
+        database = FOLDER.resumed(folder)
         try:
             connection = sqlite3.connect(database)
             stored = dict(connection.execute("SELECT key, value FROM identity"))

@@ -1,14 +1,13 @@
 """Tuning all controllers of a study: searches side by side, and what they found measured again."""
 
 import math
-import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from workbench.parallel import workers
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
 from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, objective_at
@@ -47,7 +46,7 @@ def tune_all(
     places = {repr(task.at): task.at for task in tasks}
     objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
     evaluators = [Evaluator(task, objectives[repr(task.at)]) for task in tasks]
-    with trials_in(database) as store, ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+    with trials_in(database) as store, workers(jobs) as executor:
         work = _Work(store, table, len(tasks), tell)
         try:
             pids = {repr(task.at): task for task in reversed(tasks) if has_pid_gains(task)}
@@ -66,7 +65,6 @@ def tune_all(
             tuned = list(executor.map(conclude, evaluators, by_task))
         except BaseException:
             work.stopped.set()
-            executor.shutdown(wait=True, cancel_futures=True)
             raise
     return Tuning(study, tuned, classic_tunings(study, next(iter(objectives.values()))))
 

@@ -1,6 +1,5 @@
 """A decision as files: decision.html, results, draws, tables, figures, and how it was made."""
 
-import os
 from pathlib import Path
 
 from plants.equation import source_hash
@@ -14,10 +13,10 @@ from workbench.decide.report.tables import candidate_table, short_table
 from workbench.decide.report.words import price, question
 from workbench.decide.result import Decision
 from workbench.publish.folders import ResultFolder
-from workbench.publish.tables import write_frame
+from workbench.publish.run_record import ran_on
+from workbench.publish.tables import Table, write_frame
 from workbench.study.layers import LAYERS
 from workbench.study.plan import PROGRAM_FOLDERS
-from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import STUDY_COPY, export, write_json, write_study
 
 PAGE = "decision.html"
@@ -55,7 +54,7 @@ def _write(decision: Decision, folder: Path, began: float, jobs: int | None) -> 
         f"hold with {confidence()}, all together; that of the {percent(table)} quantile is by order statistics."
     ]
     for name, title, cells in (candidates, matrix):
-        write_frame(name, title, cells, notes, folder / "tables")
+        write_frame(name, Table(title, cells, notes), folder / "tables")
     pictures = write_figures(decision, folder / "figures")
     (folder / PAGE).write_text(page(decision, pictures, [candidates[1:]]), encoding="utf-8")
     write_json(folder / "run.json", _record(decision, began, jobs))
@@ -73,5 +72,5 @@ def _record(decision: Decision, began: float, jobs: int | None) -> dict[str, obj
     return {
         **decision.provenance,
         "version of the program": source_hash((*PROGRAM_FOLDERS, "workbench/decide")),
-        **ran_on(began, jobs or os.cpu_count(), PACKAGES),
+        **ran_on(began, jobs),
     }

@@ -1,6 +1,6 @@
 """The page of a decision: what was asked, the answer, the matrix, what rotating costs, figures, tables, assumptions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
@@ -40,9 +40,9 @@ th:first-child, td:first-child { text-align: left; }
 {% if price %}<h2>What rotating costs</h2>
 <p>{{ price }}</p>
 {% endif %}<h2>Figures</h2>
-{% for picture in pictures %}
-<figure><img src="figures/{{ picture.path.name }}" alt="{{ picture.path.stem | plain }}">
-<figcaption>{{ picture.caption }} (<a href="figures/{{ picture.path.stem }}.pdf">PDF</a>)</figcaption></figure>
+{% for name, picture in pictures.items() %}
+<figure><img src="figures/{{ name }}.png" alt="{{ name | plain }}">
+<figcaption>{{ picture.caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
 {% endfor %}
 <h2>Tables</h2>
 {% for title, cells in tables %}
@@ -61,7 +61,7 @@ th:first-child, td:first-child { text-align: left; }
 """
 
 
-def page(decision: Decision, pictures: Sequence[Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
+def page(decision: Decision, pictures: Mapping[str, Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
     """The page as HTML; it names the figures in `figures/` beside it."""
     environment = html_environment()
     environment.filters["plain"] = plain_name

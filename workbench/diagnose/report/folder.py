@@ -7,7 +7,7 @@ from pathlib import Path
 from workbench.diagnose.report import tables as diagnosis_tables
 from workbench.diagnose.report.figures.every import pictures_of
 from workbench.diagnose.report.names import listed_names
-from workbench.diagnose.report.page import Table, page
+from workbench.diagnose.report.page import page
 from workbench.diagnose.report.parameters import (
     not_held,
     parameter_rows,
@@ -22,7 +22,7 @@ from workbench.parameters.corrected import Entry, parameter_file
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
 from workbench.publish.style import figure_style
-from workbench.publish.tables import write_frame
+from workbench.publish.tables import Table, write_frame
 
 RESULT = "report.json"
 PAGE = "report.html"
@@ -49,7 +49,7 @@ def _write(diagnosis: Diagnosis, folder: Path) -> None:
     tables, pictures = tables_of(diagnosis), pictures_of(diagnosis)
     notes = [verdict_sentence(diagnosis)]
     for name, table in tables.items():
-        write_frame(name, table.title, table.cells, notes, folder / "tables")
+        write_frame(name, Table(table.title, table.cells, notes), folder / "tables")
     for name, picture in pictures.items():
         with figure_style():
             picture.figure.draw_without_rendering()

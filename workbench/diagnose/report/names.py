@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
-from workbench.publish.words import plain_name
+from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
 
 PLAIN = {
@@ -101,11 +101,6 @@ def interval(value: float, half: float) -> str:
     if decimals > MOST_DECIMALS or abs(value) + half >= READABLE:
         return f"{shown_number(value - half, 4)} to {shown_number(value + half, 4)}"
     return f"{value - half:.{decimals}f} to {value + half:.{decimals}f}"
-
-
-def listed(names: list[str], last: str = "and") -> str:
-    """Words in a row: a, b and c."""
-    return f" {last} ".join(part for part in (", ".join(names[:-1]), names[-1]) if part) if names else ""
 
 
 def listed_names(names: Iterable[str], last: str = "and") -> str:

@@ -1,17 +1,15 @@
 """The page of a diagnosis: what was found, how sure it is, and the figures and tables by which to check it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-import pandas as pd
-
-from workbench.diagnose.report.figures.frame import Picture
 from workbench.diagnose.report.series import title_of
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.html import html_environment
+from workbench.publish.pictures import Picture
+from workbench.publish.tables import Table
 from workbench.publish.words import plain_name
 
 _HTML = """\
@@ -75,21 +73,13 @@ BALANCES = {
 """Each balance for a reader who has not met it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A table of text with its title."""
-
-    title: str
-    cells: pd.DataFrame
-
-
 def page(diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
     """The page as HTML; it names the figures in `figures/` beside it."""
     balances = [
         {
             "title": title_of(result.balance),
             "words": BALANCES.get(result.balance.name, ""),
-            "names": [name for name, picture in pictures.items() if picture.balance == result.balance.name],
+            "names": [name for name, picture in pictures.items() if picture.section == result.balance.name],
         }
         for result in diagnosis.rounds
     ]

@@ -5,7 +5,7 @@ floor, what simulation says, and which parameters the records do not identify.
 from collections.abc import Mapping
 
 from plants.effects import EFFECTS
-from workbench.diagnose.report.names import ERRORS, PLAIN, listed, listed_names, percent
+from workbench.diagnose.report.names import ERRORS, PLAIN, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residual_stage import PLACED, PLACES
@@ -23,7 +23,7 @@ from workbench.diagnose.selection.selection import (
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, dependence
 from workbench.diagnose.simulation.promising import EXPLAINS
 from workbench.publish.tables import shown_number
-from workbench.publish.words import plain_name
+from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
 
 QUIET = 100.0

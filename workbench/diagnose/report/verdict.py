@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 
-from workbench.diagnose.report.names import listed, listed_names, percent, quantity
+from workbench.diagnose.report.names import listed_names, percent, quantity
 from workbench.diagnose.result import Diagnosis, Estimate
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.publish.tables import shown_number
-from workbench.publish.words import plain_name
+from workbench.publish.words import listed, plain_name
 
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""

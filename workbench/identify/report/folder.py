@@ -19,7 +19,7 @@ from workbench.identify.thesis.records import ThesisFit
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
-from workbench.publish.tables import shown_number, write_frame
+from workbench.publish.tables import Table, shown_number, write_frame
 from workbench.records.schema import NUISANCES
 from workbench.toml.units import factor
 
@@ -52,12 +52,12 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     figures = {**requested_figures(identification), **record_figures(identification)}
     if identification.simulation is not None and len(identification.simulation.estimates) > 1:
         figures["correlation"] = correlation_figure(identification.simulation)
-    paths = [write_frame("identified", experiment.title, frame, notes, folder / "tables")[1]]
+    paths = [write_frame("identified", Table(experiment.title, frame, notes), folder / "tables")[1]]
     for spec in experiment.published:
         if thesis is None:
             break
         beside, notes = published_table(spec, thesis, experiment.truth), published_notes(spec, thesis)
-        paths.append(write_frame(spec.table, spec.title, beside, notes, folder / "tables")[1])
+        paths.append(write_frame(spec.table, Table(spec.title, beside, notes), folder / "tables")[1])
     for name, figure in figures.items():
         save(figure, name, folder / "figures")
     if identification.corrected:

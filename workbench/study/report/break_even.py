@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.publish.tables import shown_number, with_unit, write_frame
+from workbench.publish.tables import Table, shown_number, with_unit, write_frame
 from workbench.study.names import in_words, unit_of_column
 from workbench.study.report.schema import BreakEvenTable
 from workbench.study.report.select import rows
@@ -19,7 +19,7 @@ WORTH = 1e-3
 def write_break_even(spec: BreakEvenTable, frame: pd.DataFrame, folder: Path) -> Path:
     """Write the table to `folder`; returns its Markdown."""
     notes = [*([spec.note] if spec.note else []), f"Less: by at least {100.0 * WORTH:g} %."]
-    return write_frame(spec.name, spec.title, break_even_table(spec, frame), notes, folder)[1]
+    return write_frame(spec.name, Table(spec.title, break_even_table(spec, frame), notes), folder)[1]
 
 
 def break_even_table(spec: BreakEvenTable, frame: pd.DataFrame) -> pd.DataFrame:

@@ -10,6 +10,7 @@ import pandas as pd
 from workbench.errors import UserError
 from workbench.publish.tables import (
     REMARK,
+    Table,
     shown_number,
     with_unit,
     write_frame,
@@ -162,7 +163,7 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
 
 def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
-    return write_frame(spec.name, spec.title, make_table(spec, frame), _notes(spec), folder)
+    return write_frame(spec.name, Table(spec.title, make_table(spec, frame), _notes(spec)), folder)
 
 
 def _notes(spec: TableSpec) -> list[str]:

@@ -7,9 +7,7 @@ results.sqlite             the trials, while they are found: a row a trial
 study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -18,11 +16,12 @@ from typing import Any
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.publish.folders import held, remove, write_whole
+from workbench.parallel import workers
+from workbench.publish.folders import GrowingFolder, remove, write_whole
 from workbench.publish.pictures import save
+from workbench.publish.run_record import PACKAGES, ran_on
 from workbench.publish.style import figure_style
 from workbench.publish.tables import write_frame
-from workbench.study.runner import PACKAGES, ran_on
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
 from workbench.toml.gain_file import gain_file_text
 from workbench.tune.report.bode import bode_picture
@@ -48,7 +47,7 @@ LAST = (PAGE, RECORD)
 """What is there only where all is."""
 
 SAID = (GAINS, RESULTS, TRIALS, "tables", "figures")
-REPLACED = (STUDY_COPY, *SAID, *LAST, DATABASE)
+FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SAID, *LAST, DATABASE))
 """What a tuning may write, and replace; the database, which marks the folder as its own, last."""
 
 
@@ -58,23 +57,9 @@ def open_folder(folder: Path, *, resume: bool, overwrite: bool) -> Path:
     Raises:
         UserError: it holds trials already, or files of the same names that are not of a tuning.
     """
-    database = folder / DATABASE
     if resume and overwrite:
         raise UserError("--resume and --overwrite: choose one")
-    if resume and not database.exists():
-        raise UserError(f"{folder}: holds no trials to resume; leave --resume out")
-    if database.exists() and not (resume or overwrite):
-        raise UserError(f"{folder}: holds trials already; go on with --resume, start anew with --overwrite")
-    foreign = held(folder, REPLACED)
-    if foreign and not database.exists():
-        raise UserError(f"{folder}: holds {foreign} that no tuning wrote; choose another folder with --out")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name in () if resume else REPLACED:
-            remove(folder / name)
-    except OSError as error:
-        raise UserError(f"{folder}: cannot be written ({error}); choose another folder with --out") from None
-    return database
+    return FOLDER.resumed(folder) if resume else FOLDER.begun(folder, overwrite)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +94,7 @@ def write_tuning(
         remove(folder / name)
     tables = tables_of(tuning)
     for name, table in tables.items():
-        write_frame(name, table.title, table.cells, list(table.notes), folder / "tables")
+        write_frame(name, table, folder / "tables")
     tell("figures", 0.95)
     pictures = _pictures(tuning, jobs)
     for name, picture in {**pictures.shared, **pictures.own}.items():
@@ -146,7 +131,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
         )
     if tune_table(tuning.study).per:
         return Pictures({"history": history_picture(tuning)}, {}, [])
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as executor:
+    with workers(jobs) as executor:
         traced = traces_of(tuning, executor)
     shared = {
         "history": history_picture(tuning),
@@ -164,7 +149,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
 
 def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
     """What ran: as run.json of a study says it."""
-    return {**tuning.provenance, **ran_on(began, jobs or os.cpu_count(), (*PACKAGES, "optuna"))}
+    return {**tuning.provenance, **ran_on(began, jobs, (*PACKAGES, "optuna"))}
 
 
 def say_tuning(written: Written) -> None:

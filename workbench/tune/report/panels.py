@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS
 
 BEFORE: dict[str, Any] = {
@@ -25,14 +26,6 @@ WIDE = 8.0
 
 HEIGHT = 1.9
 """Inches of one of many panels."""
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A figure and what it shows in words."""
-
-    figure: Figure
-    caption: str
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,7 @@
 """Tables of a tuning as text: what was reached, the gains, and classic tunings of a PID beside them."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from math import pi
 from typing import Any
 
@@ -10,7 +9,7 @@ import pandas as pd
 
 from controllers.pid import PID
 from controllers.settings import settings_of
-from workbench.publish.tables import REMARK, shown_number, with_unit
+from workbench.publish.tables import REMARK, Table, shown_number, with_unit
 from workbench.study.names import shown_factor, unit_of_column
 from workbench.tune.objective import Score
 from workbench.tune.report.rows import TUNED, Basis, When, broken, case_labels, end_of, objective_of
@@ -37,15 +36,6 @@ WIDEST = 13
 PID_GAINS = ("kp", "ki", "kd")
 
 Line = dict[str, str]
-
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A table of text with its title and what a reader must know of it."""
-
-    title: str
-    cells: pd.DataFrame
-    notes: Sequence[str] = ()
 
 
 def tables_of(tuning: Tuning) -> dict[str, Table]:

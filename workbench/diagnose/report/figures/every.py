@@ -1,7 +1,6 @@
 """All figures of a diagnosis by name."""
 
 from workbench.diagnose.report.figures.evidence import draw_evidence, evidence_data
-from workbench.diagnose.report.figures.frame import Picture
 from workbench.diagnose.report.figures.over_signals import draw_over_signals, over_signals_data
 from workbench.diagnose.report.figures.over_time import draw_over_time, over_time_data
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
@@ -9,6 +8,7 @@ from workbench.diagnose.report.figures.residuals import residuals_of
 from workbench.diagnose.report.figures.simulation import draw_simulation, simulation_data
 from workbench.diagnose.report.figures.whiteness import draw_whiteness, whiteness_data
 from workbench.diagnose.result import Diagnosis
+from workbench.publish.pictures import Picture
 
 
 def pictures_of(diagnosis: Diagnosis) -> dict[str, Picture]:

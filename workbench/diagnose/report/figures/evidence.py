@@ -7,13 +7,14 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.diagnose.report.figures.frame import WIDE, Picture
+from workbench.diagnose.report.figures.frame import WIDE
 from workbench.diagnose.report.names import percent
 from workbench.diagnose.report.series import scale_of, title_of, unit_of
 from workbench.diagnose.report.tables import outcome
 from workbench.diagnose.selection.selection import LEAST_GAIN, BalanceResult, Candidate, Step, gain, least_gain
 from workbench.diagnose.simulation.promising import EXPLAINS
 from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, figure_style
 from workbench.publish.words import plain_name
 

@@ -23,15 +23,6 @@ FLOOR: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0, "z
 """The noise floor: a grey band under the curves."""
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A figure with what a reader has to know to judge it; `balance` is empty for what concerns all."""
-
-    figure: Figure
-    caption: str
-    balance: str = ""
-
-
 @dataclass(frozen=True)
 class Side:
     """One of two models that are drawn: the fitted baseline, or what came of the diagnosis; and what it is called."""

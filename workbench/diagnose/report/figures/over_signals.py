@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from workbench.diagnose.report.figures.frame import FLOOR, Picture, Side, legend, panels_of
+from workbench.diagnose.report.figures.frame import FLOOR, Side, legend, panels_of
 from workbench.diagnose.report.figures.residuals import Residuals
 from workbench.diagnose.report.series import SIGNALS, binned
+from workbench.publish.pictures import Picture
 from workbench.publish.style import figure_style
 
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.diagnose.report.figures.frame import FLOOR, Picture, Side, legend, panels_of
+from workbench.diagnose.report.figures.frame import FLOOR, Side, legend, panels_of
 from workbench.diagnose.report.figures.residuals import Residuals
+from workbench.publish.pictures import Picture
 from workbench.publish.style import figure_style
 
 MOST_RECORDS = {"fit": 3, "held-out": 2}

@@ -10,10 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from workbench.diagnose.report.figures.frame import WIDE, Picture, Side, legend
+from workbench.diagnose.report.figures.frame import WIDE, Side, legend
 from workbench.diagnose.report.parameters import parameter_rows
 from workbench.diagnose.report.tables import INTERVAL
 from workbench.diagnose.result import Diagnosis, FittedParameter
+from workbench.publish.pictures import Picture
 from workbench.publish.style import figure_style
 
 WIDEST = 4.0

@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.diagnose.report.figures.frame import WIDE, Picture, Side, legend
+from workbench.diagnose.report.figures.frame import WIDE, Side, legend
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
 from workbench.toml.units import factor
 

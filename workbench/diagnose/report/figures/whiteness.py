@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.diagnose.report.figures.frame import FLOOR, Picture, Side, legend, panels_of
+from workbench.diagnose.report.figures.frame import FLOOR, Side, legend, panels_of
 from workbench.diagnose.report.figures.residuals import Residuals
 from workbench.diagnose.report.series import autocorrelation
 from workbench.diagnose.residuals.motion import WINDOW
+from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, figure_style
 
 

@@ -1,0 +1,26 @@
+"""What run.json says of how results came about: time, jobs, versions, machine."""
+
+import platform
+import time
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+from workbench.parallel import job_count
+
+PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
+"""Packages on whose version results may depend."""
+
+
+def ran_on(began: float, jobs: int | str | None, packages: Sequence[str] = PACKAGES) -> dict[str, Any]:
+    """How long it took since `began` (s since the epoch), on what, and with which versions of `packages`.
+
+    `jobs` is how many ran at a time (None: one a core), or the address of a cluster.
+    """
+    return {
+        "wall_seconds": round(time.time() - began, 3),
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
+        "jobs": jobs if isinstance(jobs, str) else job_count(jobs),
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
+        "machine": {"system": platform.system(), "machine": platform.machine(), "cores": job_count(None)},
+    }
