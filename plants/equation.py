@@ -12,7 +12,8 @@ States, inputs and parameters are NamedTuples of floats, possibly nested, whose 
     class State(NamedTuple):
         position: Annotated[float, "m", 0.01]      # unit, and for states a typical magnitude
 
-`plants.compiled` has what compiled code needs beside; nothing here imports the compiler.
+`plants.compiled` has what compiled code needs beside, and tells the compiler of the equations: whoever compiles code
+that calls one imports it first. Nothing here imports the compiler.
 """
 
 import functools

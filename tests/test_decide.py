@@ -69,6 +69,13 @@ def test_draws_that_would_tell() -> None:
     assert settling_draws(0.9, 0.9) is None
 
 
+@pytest.mark.parametrize(("share", "count", "rank"), [(0.07, 100, 7), (0.35, 20, 7), (0.9, 10, 9), (0.91, 10, 10)])
+def test_a_quantile_is_the_draw_of_its_rank_whatever_the_rounding(share: float, count: int, rank: int) -> None:
+    """In floating point 0.07 times 100 is above 7: the draw of the next rank is not the one that is meant."""
+    assert quantile([float(k) for k in range(count, 0, -1)], share) == rank
+    assert quantile([*range(1, count), math.inf], share) == (rank if rank < count else math.inf)
+
+
 def test_interval_of_a_quantile_is_between_the_textbook_ranks() -> None:
     """The median of ten: the second to the ninth (97.9 %; Conover, Practical Nonparametric Statistics, section 3.2)."""
     values = [float(value) for value in range(10, 0, -1)]

@@ -111,9 +111,8 @@ def test_the_study_simulates_the_numbers_that_it_fits() -> None:
 
 
 def test_tables_say_what_was_found() -> None:
-    found = compared()
-    made = (table(found) for table in TABLES)
-    tables = {name: cells for name, _, cells, _ in made}
+    comparison = compared()
+    tables = {name: make(comparison).cells for name, make in TABLES.items()}
     errors = tables["friction_curve_error"].set_index("law")["check / best bare law"]
     assert float(errors["anisotropic, film and guide"]) <= 0.5
     static = tables["static_friction"].set_index("rpm")

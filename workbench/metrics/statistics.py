@@ -26,8 +26,8 @@ def share_interval(successes: int, trials: int, sure: float = SURE) -> tuple[flo
 
     Source: Clopper and Pearson 1934 (Biometrika 26, 404).
     """
-    found = binomtest(successes, trials).proportion_ci(sure, method="exact")
-    return float(found.low), float(found.high)
+    low, high = binomtest(successes, trials).proportion_ci(sure, method="exact")
+    return float(low), float(high)
 
 
 def least_draws(share: float, sure: float = SURE) -> int:
@@ -82,8 +82,8 @@ def quantile_interval(values: Sequence[float], share: float) -> tuple[float, flo
     The number of draws below the true quantile is binomial: the ends are the draws of the ranks that it keeps between.
     The lower end is 0, the upper one infinite, where so few draws do not bound it.
     """
-    found = quantile_test(values, p=share).confidence_interval(SURE)
-    return 0.0 if math.isnan(found.low) else float(found.low), math.inf if math.isnan(found.high) else float(found.high)
+    low, high = quantile_test(values, p=share).confidence_interval(SURE)
+    return 0.0 if math.isnan(low) else float(low), math.inf if math.isnan(high) else float(high)
 
 
 def sign_test(first: Sequence[bool], second: Sequence[bool]) -> tuple[int, int, float]:
