@@ -53,11 +53,12 @@ class GuidedBristle(NamedTuple):
 class BristleLaw:
     """A law by name, with the classes of its bristles and of the parameters of a plant that has it.
 
-    friction(axial, rotary, bristles, parameters) -> (axial friction, rotary friction, rates of the bristles)
+    friction(axial, rotary, bristles, held, parameters) -> (axial friction, rotary friction, rates of the bristles)
     steady(axial, rotary, parameters) -> (axial friction, rotary friction)     after a long time at constant speeds
-    turning                                                                    the bristle that rotation alone bends
+    turning                                            the bristle that rotation alone bends; "" where there is none
 
-    Speeds in m/s, at the surface; friction in N; rates in m/s.
+    Speeds in m/s, at the surface; friction in N; rates in m/s. `held` (N, along and around) is what
+    `plants.laws.interface` says of it; a law with bristles ignores it.
     """
 
     name: str
@@ -67,19 +68,24 @@ class BristleLaw:
     steady: Callable[..., tuple[Scalar, Scalar]]
     turning: str
 
+    @property
+    def at_rest(self) -> Any:
+        """Bristles that are not bent."""
+        return self.Bristles(*(0.0 for _ in self.Bristles._fields))
+
     def around(self, deflection: float) -> Any:
         """Bristles that are bent (m) around the rod only."""
-        return self.Bristles(*(0.0 for _ in self.Bristles._fields))._replace(**{self.turning: deflection})
+        return self.at_rest._replace(**{self.turning: deflection})
 
     def steady_rotation(self, parameters: Any, surface_speed: float) -> tuple[Any, float]:
         """Bristles and rotary friction (N) of a rod that turns at `surface_speed` (m/s) without moving along.
 
         The rate of a bristle is linear in its deflection: 0 at rate(0) / (rate(0) - rate(1)).
         """
-        if surface_speed == 0.0:
-            return self.around(0.0), 0.0
+        if surface_speed == 0.0 or not self.turning:
+            return self.at_rest, float(self.steady(0.0, surface_speed, parameters)[1]) if surface_speed else 0.0
         unbent, bent = (
-            getattr(self.friction(0.0, surface_speed, self.around(bend), parameters)[2], self.turning)
+            getattr(self.friction(0.0, surface_speed, self.around(bend), (0.0, 0.0), parameters)[2], self.turning)
             for bend in (0.0, 1.0)
         )
         _, friction = self.steady(0.0, surface_speed, parameters)
@@ -91,7 +97,7 @@ class BristleLaw:
 
 @equation
 def helical_friction(
-    axial: Scalar, rotary: Scalar, bristles: HelicalBristle, p: Parameters
+    axial: Scalar, rotary: Scalar, bristles: HelicalBristle, held: tuple[Scalar, Scalar], p: Parameters
 ) -> tuple[Scalar, Scalar, HelicalBristle]:
     """See `lugre_helical`."""
     along, around, rate = lugre_helical(axial, rotary, bristles.bristle_deflection, p.friction)
@@ -115,7 +121,7 @@ HELICAL = BristleLaw("helical", HelicalBristle, Parameters, helical_friction, st
 
 @equation
 def isotropic_friction(
-    axial: Scalar, rotary: Scalar, bristles: PlaneBristle, p: Parameters
+    axial: Scalar, rotary: Scalar, bristles: PlaneBristle, held: tuple[Scalar, Scalar], p: Parameters
 ) -> tuple[Scalar, Scalar, PlaneBristle]:
     """See `lugre_isotropic`."""
     along, around, rate_axial, rate_rotary = lugre_isotropic(
@@ -132,7 +138,7 @@ ISOTROPIC = BristleLaw("isotropic", PlaneBristle, Parameters, isotropic_friction
 
 @equation
 def anisotropic_friction(
-    axial: Scalar, rotary: Scalar, bristles: GuidedBristle, p: AnisotropicParameters
+    axial: Scalar, rotary: Scalar, bristles: GuidedBristle, held: tuple[Scalar, Scalar], p: AnisotropicParameters
 ) -> tuple[Scalar, Scalar, GuidedBristle]:
     """See `lugre_anisotropic`."""
     along, around, rate_axial, rate_rotary, rate_guide = lugre_anisotropic(

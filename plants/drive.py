@@ -1,23 +1,33 @@
-"""A mass that a force moves: electric drives, and the reference cases of the LuGre law.
+"""A mass that a force moves: electric drives, and the reference cases of the friction laws.
 
-LuGre friction, an optional spring to a point that moves (an input), end stops. Driven by a force (N), or by a
-voltage through a force gain.
+Friction by any law of `plants.laws`, an optional spring to a point that moves (an input), end stops. Driven by a force
+(N), or by a voltage through a force gain.
 """
 
+import functools
+from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from plants.equation import Scalar, equation
-from plants.friction import Friction, lugre
+from plants.friction import Friction
 from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Measurement, Plant
+from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
+from plants.laws.lugre import LUGRE
+
+
+class Bristle(NamedTuple):
+    """As LuGre's, of the contact of a drive, which is stiffer than a seal."""
+
+    bristle_deflection: Annotated[float, "m", 1e-5]
 
 
 class State(NamedTuple):
     position: Annotated[float, "m", 1e-3]
     velocity: Annotated[float, "m/s", 1e-2]
-    bristle_deflection: Annotated[float, "m", 1e-5]
+    contact: Bristle
 
 
 class Inputs(NamedTuple):
@@ -53,74 +63,36 @@ class Signals(NamedTuple):
     position: Annotated[float, "m"]
     velocity: Annotated[float, "m/s"]
     acceleration: Annotated[float, "m/s^2"]
-    bristle_deflection: Annotated[float, "m"]
+    contact: Bristle
     axial_friction: Annotated[float, "N"]
     drive_force: Annotated[float, "N"]
     spring_force: Annotated[float, "N"]
 
 
 @equation
-def _rates(state: State, force: Scalar, inputs: Any, p: Any) -> State:
-    """M dv/dt = force + k (x_end - x) - F_friction - F_load - disturbance + end stops."""
-    friction, bristle_rate = lugre(state.velocity, state.bristle_deflection, p.friction)
+def force_command(inputs: Inputs, p: Parameters) -> Scalar:
+    """Force (N) of the drive."""
+    return inputs.drive_force
+
+
+@equation
+def voltage_command(inputs: VoltageInputs, p: VoltageParameters) -> Scalar:
+    """Force (N) of the drive: K u."""
+    return p.force_gain * inputs.drive_voltage
+
+
+@equation
+def sum_of_forces(state: Any, force: Scalar, friction: Scalar, inputs: Any, p: Any) -> Scalar:
+    """Force (N) on the mass: F + k (x_end - x) + end stops - F_friction - F_load - disturbance."""
     spring = p.spring_stiffness * (inputs.spring_end - state.position)
     stop = end_stop_force(state.position, state.velocity, p.stroke, p.body)
-    total = force + spring + stop - friction - p.body.load_force - inputs.disturbance_force
-    return State(state.velocity, total / p.body.mass, bristle_rate)
-
-
-@equation
-def _all_signals(state: State, force: Scalar, inputs: Any, p: Any) -> Signals:
-    friction, _ = lugre(state.velocity, state.bristle_deflection, p.friction)
-    return Signals(
-        state.position,
-        state.velocity,
-        _rates(state, force, inputs, p).velocity,
-        state.bristle_deflection,
-        friction,
-        force,
-        p.spring_stiffness * (inputs.spring_end - state.position),
-    )
-
-
-@equation
-def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> State:
-    """Rates of the states under a force command."""
-    return _rates(state, inputs.drive_force, inputs, p)
-
-
-@equation
-def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signals:
-    """What is worth plotting."""
-    return _all_signals(state, inputs.drive_force, inputs, p)
-
-
-@equation
-def voltage_derivatives(time: Scalar, state: State, inputs: VoltageInputs, p: VoltageParameters) -> State:
-    """Rates of the states under a voltage command."""
-    return _rates(state, p.force_gain * inputs.drive_voltage, inputs, p)
-
-
-@equation
-def voltage_signals(time: Scalar, state: State, inputs: VoltageInputs, p: VoltageParameters) -> Signals:
-    """What is worth plotting."""
-    return _all_signals(state, p.force_gain * inputs.drive_voltage, inputs, p)
+    return force + spring + stop - friction - p.body.load_force - inputs.disturbance_force
 
 
 @equation
 def measure(state: State, p: Any) -> Measurement:
     """Position alone, as such drives have it."""
     return Measurement(state.position, np.nan, np.nan, np.nan, np.nan)
-
-
-def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
-    """At rest at the origin, a constant load held by the drive."""
-    return State(0.0, 0.0, 0.0), Inputs(p.body.load_force, 0.0, 0.0)
-
-
-def voltage_equilibrium(p: VoltageParameters, surface_speed: float) -> tuple[State, VoltageInputs]:
-    """At rest at the origin, a constant load held by the drive."""
-    return State(0.0, 0.0, 0.0), VoltageInputs(p.body.load_force / p.force_gain, 0.0, 0.0)
 
 
 def force_limit(p: Parameters) -> float:
@@ -133,41 +105,102 @@ def voltage_limit(p: VoltageParameters) -> float:
     return p.voltage_limit
 
 
+def unit_gain(p: Parameters) -> float:
+    """Force (N) of 1 N."""
+    return 1.0
+
+
+def force_gain(p: VoltageParameters) -> float:
+    """Force (N) of 1 V."""
+    return p.force_gain
+
+
 def travel(p: Any) -> float:
     """Distance (m) between the end stops, if they are modelled."""
     return p.stroke if p.body.end_stop_stiffness else np.inf
 
 
-DRIVE_FORCE = Plant(
-    name="drive_force",
-    summary="mass with LuGre friction and an optional spring, driven by a force",
-    State=State,
-    Inputs=Inputs,
-    Parameters=Parameters,
-    Signals=Signals,
-    derivatives=derivatives,
-    signals=signals,
-    measure=measure,
-    equilibrium=equilibrium,
-    command_limit=force_limit,
-    travel=travel,
-    command="drive_force",
-    balances={"force": "velocity"},
-)
+def _drive(
+    law: FrictionLaw,
+    command: str,
+    force: Callable[[Any, Any], Scalar],
+    inputs_class: Any,
+    templates: tuple[Any, ...],
+    limit: Callable[[Any], float],
+    gain: Callable[[Any], float],
+    refit: Callable[[FrictionLaw], Plant],
+) -> Plant:
+    """The drive with a friction law: `force` (N) of its inputs, `gain` (N a unit) of its command."""
+    friction = law.friction
+    state_class, parameters_class, signals_class = fitted(law, *templates)
+    unbent = at_rest(law)
 
-DRIVE_VOLTAGE = Plant(
-    name="drive_voltage",
-    summary="mass with LuGre friction and an optional spring, driven by a voltage through a force gain",
-    State=State,
-    Inputs=VoltageInputs,
-    Parameters=VoltageParameters,
-    Signals=Signals,
-    derivatives=voltage_derivatives,
-    signals=voltage_signals,
-    measure=measure,
-    equilibrium=voltage_equilibrium,
-    command_limit=voltage_limit,
-    travel=travel,
-    command="drive_voltage",
-    balances={"force": "velocity"},
-)
+    @equation
+    def friction_of(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Any]:
+        """Friction (N) and the rates of what the contact remembers."""
+        free = sum_of_forces(state, force(inputs, p), 0.0, inputs, p) / p.body.mass
+        return friction(state.velocity, state.contact, held_force(free, state.velocity, p.body.mass), p)
+
+    @equation
+    def derivatives(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """Rates of the states."""
+        opposed, rates = friction_of(state, inputs, p)
+        total = sum_of_forces(state, force(inputs, p), opposed, inputs, p)
+        return state_class(state.velocity, total / p.body.mass, rates)
+
+    @equation
+    def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """What is worth plotting."""
+        opposed, _ = friction_of(state, inputs, p)
+        return signals_class(
+            state.position,
+            state.velocity,
+            derivatives(time, state, inputs, p).velocity,
+            state.contact,
+            opposed,
+            force(inputs, p),
+            p.spring_stiffness * (inputs.spring_end - state.position),
+        )
+
+    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
+        """At rest at the origin, a constant load held by the drive."""
+        return state_class(0.0, 0.0, unbent), inputs_class(p.body.load_force / gain(p), 0.0, 0.0)
+
+    driven = command.removeprefix("drive_")
+    return Plant(
+        name=command if law is LUGRE else f"{command}_{law.name}",
+        summary=f"mass with friction and an optional spring, driven by a {driven}"
+        + (" through a force gain" if driven == "voltage" else ""),
+        State=state_class,
+        Inputs=inputs_class,
+        Parameters=parameters_class,
+        Signals=signals_class,
+        derivatives=derivatives,
+        signals=signals,
+        measure=measure,
+        equilibrium=equilibrium,
+        command_limit=limit,
+        travel=travel,
+        command=command,
+        balances={"force": "velocity"},
+        friction=law.name,
+        refit=refit,
+    )
+
+
+@functools.cache
+def driven_by_force(law: FrictionLaw) -> Plant:
+    """The mass that a force (N) drives, with a friction law."""
+    templates = (State, Parameters, Signals)
+    return _drive(law, "drive_force", force_command, Inputs, templates, force_limit, unit_gain, driven_by_force)
+
+
+@functools.cache
+def driven_by_voltage(law: FrictionLaw) -> Plant:
+    """The mass that a voltage (V) drives through a force gain, with a friction law."""
+    templates = (State, VoltageParameters, Signals)
+    limit, refit = voltage_limit, driven_by_voltage
+    return _drive(law, "drive_voltage", voltage_command, VoltageInputs, templates, limit, force_gain, refit)
+
+
+DRIVE_FORCE, DRIVE_VOLTAGE = driven_by_force(LUGRE), driven_by_voltage(LUGRE)

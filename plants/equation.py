@@ -21,7 +21,8 @@ import hashlib
 import inspect
 import sys
 import typing
-from collections.abc import Callable, Iterator
+from collections import namedtuple
+from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, TypeVar
@@ -33,7 +34,7 @@ Scalar: TypeAlias = Any
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-EQUATION_FOLDERS = ("plants", "controllers", "workbench/simulation")
+EQUATION_FOLDERS = ("plants", "plants/laws", "controllers", "workbench/simulation")
 """Folders of the source files that compiled code may be made of."""
 
 
@@ -121,9 +122,37 @@ def _walk(cls: Any, suffix: str) -> Iterator[Field]:
             yield from _walk(hint, suffix + (f"_{name}" if name in (NEGATIVE, ROTARY) else ""))
 
 
+_named_tuple: Any = namedtuple  # its names come from data here, which the type checker does not follow
+
+
+def retyped(template: Any, suffix: str, **nested: type) -> Any:
+    """The NamedTuple class `template` with other classes in its nested fields, or further ones behind its own.
+
+    It is an attribute of the template's module, called TEMPLATE_SUFFIX, by which the cache of compiled code knows it.
+    A further field has its class without arguments as default.
+    """
+    name, module = f"{template.__name__}_{suffix}", sys.modules[template.__module__]
+    if not hasattr(module, name):
+        hints = typing.get_type_hints(template, include_extras=True)
+        further = {key: cls for key, cls in nested.items() if key not in hints}
+        defaults = {**template._field_defaults, **{key: cls() for key, cls in further.items()}}
+        made = _named_tuple(name, (*hints, *further), defaults=tuple(defaults.values()), module=module.__name__)
+        made.__annotations__ = {**hints, **nested}
+        made.__doc__ = template.__doc__
+        setattr(module, name, made)
+    return getattr(module, name)
+
+
 def to_array(value: Any) -> np.ndarray:
     """A (nested) NamedTuple of floats as one vector, in the order of `fields`."""
     return np.array(list(leaves(value)), dtype=float)
+
+
+def replaced(value: Any, numbers: Mapping[str, float]) -> Any:
+    """A (nested) NamedTuple with other values of some of its numbers, by their names in `fields`."""
+    cls: Any = type(value)
+    names = [item.name for item in fields(cls)]
+    return from_array(cls, [numbers.get(name, old) for name, old in zip(names, leaves(value), strict=True)])
 
 
 def leaves(value: Any) -> Iterator[Any]:

@@ -49,6 +49,7 @@ class Plant:
 
     `State` holds at least `position` and `velocity`. `command` is the input that the position controller drives,
     `rotary_command` the one that rotates. `balances` names the state whose rate each physical balance gives.
+    `friction` names the friction law, and `refit` makes the plant anew with another.
     """
 
     name: str
@@ -67,6 +68,20 @@ class Plant:
     rotary_command: str | None = None
     travel: Callable[[Any], float] = unlimited
     rotary_limit: Callable[[Any], float] = unlimited
+    friction: str = ""
+    refit: Callable[[Any], "Plant"] | None = None
+
+    def with_friction(self, law: Any) -> "Plant":
+        """The same plant with another friction law, a `plants.laws.interface.FrictionLaw`.
+
+        Raises:
+            ValueError: it takes no other, or the law has no form for it.
+        """
+        if law.name == self.friction:
+            return self
+        if self.refit is None:
+            raise ValueError(f'plant "{self.name}" has a friction of its own and takes no law')
+        return self.refit(law)
 
     @property
     def command_unit(self) -> str:

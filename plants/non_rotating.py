@@ -1,21 +1,27 @@
-"""The hydraulic actuator of thesis 3.2: four states and the valve's spool."""
+"""The hydraulic actuator of thesis 3.2: position, velocity, load pressure, the valve's spool, and the contact's memory.
 
-from typing import Annotated, NamedTuple
+One plant for each friction law of `plants.laws`; the thesis's is LuGre's.
+"""
+
+import functools
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from plants import hydraulics as hyd
 from plants.equation import Scalar, equation
-from plants.friction import Friction, lugre
+from plants.friction import Friction
 from plants.hydraulics import Hydraulics, Mass
 from plants.interface import Measurement, Plant
+from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
+from plants.laws.lugre import LUGRE, Bristle
 
 
 class State(NamedTuple):
     position: Annotated[float, "m", 1e-2]
     velocity: Annotated[float, "m/s", 1e-1]
     load_pressure: Annotated[float, "Pa", 1e6]
-    bristle_deflection: Annotated[float, "m", 1e-4]
+    contact: Bristle
     spool_position: Annotated[float, "m", 1e-4]
 
 
@@ -38,55 +44,12 @@ class Signals(NamedTuple):
     pressure_1: Annotated[float, "Pa"]
     pressure_2: Annotated[float, "Pa"]
     spool_position: Annotated[float, "m"]
-    bristle_deflection: Annotated[float, "m"]
+    contact: Bristle
     load_flow: Annotated[float, "m^3/s"]
     axial_friction: Annotated[float, "N"]
     hydraulic_power: Annotated[float, "W"]
     supply_power: Annotated[float, "W"]
     total_power: Annotated[float, "W"]
-
-
-@equation
-def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> State:
-    """Rates of the states. Thesis (3.35) to (3.38) with the valve of 3.2.1."""
-    h = p.hydraulics
-    friction, bristle_rate = lugre(state.velocity, state.bristle_deflection, p.friction)
-    flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
-    return State(
-        state.velocity,
-        hyd.piston_acceleration(
-            state.position, state.velocity, state.load_pressure, friction, inputs.disturbance_force, h, p.body
-        ),
-        hyd.load_pressure_rate(flow, state.velocity, state.load_pressure, h),
-        bristle_rate,
-        hyd.spool_rate(state.spool_position, inputs.valve_voltage, h),
-    )
-
-
-@equation
-def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signals:
-    """What is worth plotting. Power: P_L Q_L (thesis 4.16, without the oil's compression) and P_s |Q_L|;
-    total: hydraulic alone.
-    """
-    h = p.hydraulics
-    friction, _ = lugre(state.velocity, state.bristle_deflection, p.friction)
-    flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
-    pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, h)
-    return Signals(
-        state.position,
-        state.velocity,
-        derivatives(time, state, inputs, p).velocity,
-        state.load_pressure,
-        pressure_1,
-        pressure_2,
-        state.spool_position,
-        state.bristle_deflection,
-        flow,
-        friction,
-        state.load_pressure * flow,
-        h.supply_pressure * np.abs(flow),
-        state.load_pressure * flow,
-    )
 
 
 @equation
@@ -101,11 +64,6 @@ def holding_load_pressure(h: Hydraulics, body: Mass) -> float:
     return float(body.load_force / hyd.piston_area(h))
 
 
-def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
-    """At rest in mid-stroke with the valve closed; this plant does not rotate."""
-    return State(0.0, 0.0, holding_load_pressure(p.hydraulics, p.body), 0.0, 0.0), Inputs(0.0, 0.0)
-
-
 def voltage_limit(p: Parameters) -> float:
     """Limit of the valve amplifier (V)."""
     return p.hydraulics.voltage_limit
@@ -116,19 +74,90 @@ def travel(p: Parameters) -> float:
     return p.hydraulics.stroke if p.body.end_stop_stiffness else np.inf
 
 
-NON_ROTATING = Plant(
-    name="non_rotating",
-    summary="hydraulic cylinder with servo valve and LuGre friction (thesis 3.2)",
-    State=State,
-    Inputs=Inputs,
-    Parameters=Parameters,
-    Signals=Signals,
-    derivatives=derivatives,
-    signals=signals,
-    measure=measure,
-    equilibrium=equilibrium,
-    command_limit=voltage_limit,
-    travel=travel,
-    command="valve_voltage",
-    balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
-)
+@equation
+def free_acceleration(state: Any, inputs: Any, p: Any) -> Scalar:
+    """dv/dt (m/s^2) without friction."""
+    pressure, force = state.load_pressure, inputs.disturbance_force
+    return hyd.piston_acceleration(state.position, state.velocity, pressure, 0.0, force, p.hydraulics, p.body)
+
+
+@functools.cache
+def actuator(law: FrictionLaw) -> Plant:
+    """The actuator with a friction law."""
+    friction = law.friction
+    classes = fitted(law, State, Parameters, Signals)
+    state_class, parameters_class, signals_class = classes
+    unbent = at_rest(law)
+
+    @equation
+    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Any]:
+        """Friction (N) and the rates of what the contact remembers."""
+        held = held_force(free_acceleration(state, inputs, p), state.velocity, p.body.mass)
+        return friction(state.velocity, state.contact, held, p)
+
+    @equation
+    def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
+        """Rates of the states. Thesis (3.35) to (3.38) with the valve of 3.2.1."""
+        h = p.hydraulics
+        force, rates = friction_of(state, inputs, p)
+        flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
+        return state_class(
+            state.velocity,
+            hyd.piston_acceleration(
+                state.position, state.velocity, state.load_pressure, force, inputs.disturbance_force, h, p.body
+            ),
+            hyd.load_pressure_rate(flow, state.velocity, state.load_pressure, h),
+            rates,
+            hyd.spool_rate(state.spool_position, inputs.valve_voltage, h),
+        )
+
+    @equation
+    def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
+        """What is worth plotting. Power: P_L Q_L (thesis 4.16, without the oil's compression) and P_s |Q_L|;
+        total: hydraulic alone.
+        """
+        h = p.hydraulics
+        force, _ = friction_of(state, inputs, p)
+        flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
+        pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, h)
+        return signals_class(
+            state.position,
+            state.velocity,
+            derivatives(time, state, inputs, p).velocity,
+            state.load_pressure,
+            pressure_1,
+            pressure_2,
+            state.spool_position,
+            state.contact,
+            flow,
+            force,
+            state.load_pressure * flow,
+            h.supply_pressure * np.abs(flow),
+            state.load_pressure * flow,
+        )
+
+    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+        """At rest in mid-stroke with the valve closed; this plant does not rotate."""
+        return state_class(0.0, 0.0, holding_load_pressure(p.hydraulics, p.body), unbent, 0.0), Inputs(0.0, 0.0)
+
+    return Plant(
+        name="non_rotating" if law is LUGRE else f"non_rotating_{law.name}",
+        summary="hydraulic cylinder with servo valve (thesis 3.2)",
+        State=state_class,
+        Inputs=Inputs,
+        Parameters=parameters_class,
+        Signals=signals_class,
+        derivatives=derivatives,
+        signals=signals,
+        measure=measure,
+        equilibrium=equilibrium,
+        command_limit=voltage_limit,
+        travel=travel,
+        command="valve_voltage",
+        balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
+        friction=law.name,
+        refit=actuator,
+    )
+
+
+NON_ROTATING = actuator(LUGRE)

@@ -4,22 +4,25 @@ The pump feeds the chamber towards which it turns; the other one drains to the t
 the fed chamber's pressure above the tank's. Areas may differ by `area_ratio`, A2 over its declared value.
 """
 
-from typing import Annotated, NamedTuple
+import functools
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from plants.drive import travel
 from plants.equation import Scalar, equation, select
-from plants.friction import Friction, lugre
+from plants.friction import Friction
 from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Measurement, Plant
+from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
+from plants.laws.lugre import LUGRE, Bristle
 
 
 class State(NamedTuple):
     position: Annotated[float, "m", 1e-2]
     velocity: Annotated[float, "m/s", 1e-1]
     load_pressure: Annotated[float, "Pa", 1e6]
-    bristle_deflection: Annotated[float, "m", 1e-4]
+    contact: Bristle
 
 
 class Inputs(NamedTuple):
@@ -49,7 +52,7 @@ class Signals(NamedTuple):
     load_pressure: Annotated[float, "Pa"]
     pressure_1: Annotated[float, "Pa"]
     pressure_2: Annotated[float, "Pa"]
-    bristle_deflection: Annotated[float, "m"]
+    contact: Bristle
     load_flow: Annotated[float, "m^3/s"]
     axial_friction: Annotated[float, "N"]
     hydraulic_power: Annotated[float, "W"]
@@ -68,47 +71,22 @@ def chamber_pressures(load_pressure: Scalar, p: Parameters) -> tuple[Scalar, Sca
 
 
 @equation
-def derivatives(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> State:
-    """Rates of the states.
-
-    M dv/dt = P1 A1 - P2 A2 - F_friction - F_load - disturbance + end stops
-    (V/beta) dP_L/dt = D n - A v - C P_L,   V = V_h + A1 L / 2, A that of the chamber which fills
-    """
-    friction, bristle_rate = lugre(state.velocity, state.bristle_deflection, p.friction)
+def sum_of_forces(state: Any, friction: Scalar, inputs: Inputs, p: Any) -> Scalar:
+    """Force (N) on the mass: P1 A1 - P2 A2 + end stops - F_friction - F_load - disturbance."""
     pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
     stop = end_stop_force(state.position, state.velocity, p.stroke, p.body)
     force = pressure_1 * p.piston_area_1 - pressure_2 * p.area_ratio * p.piston_area_2
-    total = force + stop - friction - p.body.load_force - inputs.disturbance_force
+    return force + stop - friction - p.body.load_force - inputs.disturbance_force
+
+
+@equation
+def load_pressure_rate(state: Any, inputs: Inputs, p: Any) -> Scalar:
+    """dP_L/dt (Pa/s): (V/beta) dP_L/dt = D n - A v - C P_L, V = V_h + A1 L / 2, A that of the chamber which fills."""
     area = filling_area(state.velocity, p.piston_area_1, p.piston_area_2, p.area_ratio)
     taken = area * state.velocity + p.leakage_coefficient * state.load_pressure
     flow = p.pump_displacement * inputs.pump_speed - taken
     volume = p.hose_volume + 0.5 * p.piston_area_1 * p.stroke
-    return State(
-        state.velocity,
-        total / p.body.mass,
-        flow * p.bulk_modulus / volume,
-        bristle_rate,
-    )
-
-
-@equation
-def signals(time: Scalar, state: State, inputs: Inputs, p: Parameters) -> Signals:
-    """What is worth plotting; power is the pump's, P_L D n."""
-    friction, _ = lugre(state.velocity, state.bristle_deflection, p.friction)
-    pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
-    flow = p.pump_displacement * inputs.pump_speed
-    return Signals(
-        state.position,
-        state.velocity,
-        derivatives(time, state, inputs, p).velocity,
-        state.load_pressure,
-        pressure_1,
-        pressure_2,
-        state.bristle_deflection,
-        flow,
-        friction,
-        state.load_pressure * flow,
-    )
+    return flow * p.bulk_modulus / volume
 
 
 @equation
@@ -118,33 +96,76 @@ def measure(state: State, p: Parameters) -> Measurement:
     return Measurement(state.position, pressure_1, pressure_2, 0.0, 0.0)
 
 
-def equilibrium(p: Parameters, surface_speed: float) -> tuple[State, Inputs]:
-    """At rest in mid-stroke, the load held by the oil and the leakage by the pump."""
-    tank = p.tank_pressure * (p.piston_area_1 - p.area_ratio * p.piston_area_2)
-    load = p.body.load_force - tank
-    pressure = load / (p.piston_area_1 if load >= 0.0 else p.area_ratio * p.piston_area_2)
-    leaking = p.leakage_coefficient * pressure / p.pump_displacement
-    return State(0.0, 0.0, pressure, 0.0), Inputs(leaking, 0.0)
-
-
 def pump_speed_limit(p: Parameters) -> float:
     """Limit of the pump's speed (rad/s)."""
     return p.pump_speed_limit
 
 
-PUMP_CYLINDER = Plant(
-    name="pump_cylinder",
-    summary="hydraulic cylinder with LuGre friction, fed by a pump without a valve",
-    State=State,
-    Inputs=Inputs,
-    Parameters=Parameters,
-    Signals=Signals,
-    derivatives=derivatives,
-    signals=signals,
-    measure=measure,
-    equilibrium=equilibrium,
-    command_limit=pump_speed_limit,
-    travel=travel,
-    command="pump_speed",
-    balances={"force": "velocity", "flow": "load_pressure"},
-)
+@functools.cache
+def pumped(law: FrictionLaw) -> Plant:
+    """The cylinder with a friction law."""
+    friction = law.friction
+    state_class, parameters_class, signals_class = fitted(law, State, Parameters, Signals)
+    unbent = at_rest(law)
+
+    @equation
+    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Any]:
+        """Friction (N) and the rates of what the contact remembers."""
+        free = sum_of_forces(state, 0.0, inputs, p) / p.body.mass
+        return friction(state.velocity, state.contact, held_force(free, state.velocity, p.body.mass), p)
+
+    @equation
+    def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
+        """Rates of the states."""
+        opposed, rates = friction_of(state, inputs, p)
+        total = sum_of_forces(state, opposed, inputs, p)
+        return state_class(state.velocity, total / p.body.mass, load_pressure_rate(state, inputs, p), rates)
+
+    @equation
+    def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
+        """What is worth plotting; power is the pump's, P_L D n."""
+        opposed, _ = friction_of(state, inputs, p)
+        pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
+        flow = p.pump_displacement * inputs.pump_speed
+        return signals_class(
+            state.position,
+            state.velocity,
+            derivatives(time, state, inputs, p).velocity,
+            state.load_pressure,
+            pressure_1,
+            pressure_2,
+            state.contact,
+            flow,
+            opposed,
+            state.load_pressure * flow,
+        )
+
+    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+        """At rest in mid-stroke, the load held by the oil and the leakage by the pump."""
+        tank = p.tank_pressure * (p.piston_area_1 - p.area_ratio * p.piston_area_2)
+        load = p.body.load_force - tank
+        pressure = load / (p.piston_area_1 if load >= 0.0 else p.area_ratio * p.piston_area_2)
+        leaking = p.leakage_coefficient * pressure / p.pump_displacement
+        return state_class(0.0, 0.0, pressure, unbent), Inputs(leaking, 0.0)
+
+    return Plant(
+        name="pump_cylinder" if law is LUGRE else f"pump_cylinder_{law.name}",
+        summary="hydraulic cylinder, fed by a pump without a valve",
+        State=state_class,
+        Inputs=Inputs,
+        Parameters=parameters_class,
+        Signals=signals_class,
+        derivatives=derivatives,
+        signals=signals,
+        measure=measure,
+        equilibrium=equilibrium,
+        command_limit=pump_speed_limit,
+        travel=travel,
+        command="pump_speed",
+        balances={"force": "velocity", "flow": "load_pressure"},
+        friction=law.name,
+        refit=pumped,
+    )
+
+
+PUMP_CYLINDER = pumped(LUGRE)

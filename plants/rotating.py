@@ -1,48 +1,33 @@
 """The rotating hydraulic actuator of thesis 3.3, turned by a motor that is fed with a voltage.
 
-One plant for each bristle law of `plants.bristles`; `plants.rotating_ideal` has the same laws with an imposed speed.
+One plant for each friction law of `plants.laws` that has a form in the plane, and each of these forms, its bristles;
+`plants.rotating_ideal` has the same with an imposed speed.
 """
 
+import functools
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants import bristles as laws
 from plants import hydraulics as hyd
 from plants import motor as mot
-from plants.bristles import BristleLaw, GuidedBristle, HelicalBristle, PlaneBristle
-from plants.equation import Scalar, equation
+from plants.bristles import BristleLaw, PlaneBristle
+from plants.equation import Scalar, equation, retyped
 from plants.friction import helical_speed
 from plants.interface import Measurement, Plant
+from plants.laws.interface import STICK_TIME, FrictionLaw
+from plants.laws.lugre import LUGRE
 from plants.non_rotating import holding_load_pressure, travel, voltage_limit
 
 
-class HelicalState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    surface_speed: Annotated[float, "m/s", 1e-1]
-    bristles: HelicalBristle
-    motor_current: Annotated[float, "A", 1.0]
-    spool_position: Annotated[float, "m", 1e-4]
+class State(NamedTuple):
+    """Of one whose friction is the same along and around; other bristles stand in the field `bristles` for others."""
 
-
-class IsotropicState(NamedTuple):
     position: Annotated[float, "m", 1e-2]
     velocity: Annotated[float, "m/s", 1e-1]
     load_pressure: Annotated[float, "Pa", 1e6]
     surface_speed: Annotated[float, "m/s", 1e-1]
     bristles: PlaneBristle
-    motor_current: Annotated[float, "A", 1.0]
-    spool_position: Annotated[float, "m", 1e-4]
-
-
-class AnisotropicState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    surface_speed: Annotated[float, "m/s", 1e-1]
-    bristles: GuidedBristle
     motor_current: Annotated[float, "A", 1.0]
     spool_position: Annotated[float, "m", 1e-4]
 
@@ -90,6 +75,13 @@ def hydraulic_rates(state: Any, inputs: Any, axial_friction: Scalar, p: Any) -> 
         hyd.load_pressure_rate(flow, state.velocity, state.load_pressure, h),
         hyd.spool_rate(state.spool_position, inputs.valve_voltage, h),
     )
+
+
+@equation
+def held_along(state: Any, inputs: Any, mass: Scalar, p: Any) -> Scalar:
+    """Force (N) along the rod that would hold it, with the inertia `mass` (kg): see `plants.laws.interface`."""
+    acceleration, _, _ = hydraulic_rates(state, inputs, 0.0, p)
+    return p.body.mass * acceleration + mass * state.velocity / STICK_TIME
 
 
 @equation
@@ -143,6 +135,26 @@ def readings(state: Any, surface_speed: Scalar, current: Scalar, p: Any) -> Meas
     return Measurement(state.position, pressure_1, pressure_2, surface_speed / p.motor.piston_radius, current)
 
 
+def with_bristles(template: Any, plane: BristleLaw) -> Any:
+    """The class of states of a plant with these bristles, made from that with the bristle in the plane."""
+    if plane.Bristles is PlaneBristle:
+        return template
+    return retyped(template, plane.Bristles.__name__, bristles=plane.Bristles)
+
+
+def in_plane(law: FrictionLaw, bristle: str) -> FrictionLaw:
+    """The law, which has a form for these bristles.
+
+    Raises:
+        ValueError: it has not.
+    """
+    if bristle not in law.plane:
+        forms = ", ".join(f'"{name}"' for name in law.plane)
+        expected = f"expected bristle = {forms}" if forms else "expected a rod that does not rotate, or another law"
+        raise ValueError(f'friction "{law.name}" has no form for a turning rod with bristle "{bristle}"; {expected}')
+    return law
+
+
 # --- turned by a motor ---------------------------------------------------------------------------------------
 
 
@@ -157,14 +169,28 @@ def motor_voltage_limit(p: Any) -> float:
     return float(p.motor.motor_voltage_limit)
 
 
-def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
-    """The plant whose rod a motor turns against the friction of a bristle law."""
-    friction = law.friction
+@functools.cache
+def turned_by_motor(law: FrictionLaw, bristle: str) -> Plant:
+    """The plant whose rod a motor turns against the friction of a law, in its form for these bristles."""
+    plane = law.plane[bristle]
+    friction, state_class = plane.friction, with_bristles(State, plane)
+
+    @equation
+    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Scalar, Any]:
+        """Friction along and around (N) and the rates of the bristles."""
+        inertia = p.motor.rotary_inertia / p.motor.piston_radius**2
+        lighter = np.minimum(p.body.mass, inertia)
+        around = p.motor.torque_constant * state.motor_current / p.motor.piston_radius
+        held = (
+            held_along(state, inputs, lighter, p),
+            around + lighter * state.surface_speed / STICK_TIME,
+        )
+        return friction(state.velocity, state.surface_speed, state.bristles, held, p)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """Rates of the states. Thesis (3.50) to (3.55) with the valve of 3.2.1."""
-        axial, rotary, rates = friction(state.velocity, state.surface_speed, state.bristles, p)
+        axial, rotary, rates = friction_of(state, inputs, p)
         acceleration, pressure_rate, spool_rate = hydraulic_rates(state, inputs, axial, p)
         return state_class(
             state.velocity,
@@ -179,24 +205,24 @@ def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
     @equation
     def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Signals:
         """What is worth plotting; see `Signals`."""
-        axial, rotary, _ = friction(state.velocity, state.surface_speed, state.bristles, p)
+        axial, rotary, _ = friction_of(state, inputs, p)
         rotation = (state.surface_speed, state.motor_current, mot.drive_voltage(inputs.motor_voltage, p.motor))
         return all_signals(state, inputs, (axial, rotary), rotation, p)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
         """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
-        bristles, rotary = law.steady_rotation(p, surface_speed)
+        bristles, rotary = plane.steady_rotation(p, surface_speed)
         current = float(mot.holding_current(rotary, p.motor))
         voltage = float(mot.holding_voltage(current, surface_speed, p.motor))
         pressure = holding_load_pressure(p.hydraulics, p.body)
         return state_class(0.0, 0.0, pressure, surface_speed, bristles, current, 0.0), Inputs(0.0, voltage, 0.0)
 
     return Plant(
-        name=f"rotating_{law.name}",
-        summary=f"rotating cylinder, {law.name} bristle, turned by a motor (thesis 3.3)",
+        name=f"rotating_{bristle}" if law is LUGRE else f"rotating_{bristle}_{law.name}",
+        summary=f"rotating cylinder, {bristle} bristle, turned by a motor (thesis 3.3)",
         State=state_class,
         Inputs=Inputs,
-        Parameters=law.Parameters,
+        Parameters=plane.Parameters,
         Signals=Signals,
         derivatives=derivatives,
         signals=signals,
@@ -214,9 +240,9 @@ def turned_by_motor(law: BristleLaw, state_class: Any) -> Plant:
             "rotation": "surface_speed",
             "motor": "motor_current",
         },
+        friction=law.name,
+        refit=lambda other: turned_by_motor(in_plane(other, bristle), bristle),
     )
 
 
-HELICAL = turned_by_motor(laws.HELICAL, HelicalState)
-ISOTROPIC = turned_by_motor(laws.ISOTROPIC, IsotropicState)
-ANISOTROPIC = turned_by_motor(laws.ANISOTROPIC, AnisotropicState)
+HELICAL, ISOTROPIC, ANISOTROPIC = (turned_by_motor(LUGRE, bristle) for bristle in LUGRE.plane)

@@ -1,39 +1,27 @@
 """The rotating actuator with an imposed surface speed, whatever torque it takes: `rotation = "ideal"`."""
 
+import functools
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants import bristles as laws
 from plants import motor as mot
-from plants.bristles import BristleLaw, GuidedBristle, HelicalBristle, PlaneBristle
+from plants.bristles import PlaneBristle
 from plants.equation import Scalar, equation
 from plants.interface import Measurement, Plant
+from plants.laws.interface import STICK_TIME, FrictionLaw
+from plants.laws.lugre import LUGRE
 from plants.non_rotating import holding_load_pressure, travel, voltage_limit
-from plants.rotating import Signals, all_signals, hydraulic_rates, readings
+from plants.rotating import Signals, all_signals, held_along, hydraulic_rates, in_plane, readings, with_bristles
 
 
-class HelicalState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    bristles: HelicalBristle
-    spool_position: Annotated[float, "m", 1e-4]
+class State(NamedTuple):
+    """Of one whose friction is the same along and around; other bristles stand in the field `bristles` for others."""
 
-
-class IsotropicState(NamedTuple):
     position: Annotated[float, "m", 1e-2]
     velocity: Annotated[float, "m/s", 1e-1]
     load_pressure: Annotated[float, "Pa", 1e6]
     bristles: PlaneBristle
-    spool_position: Annotated[float, "m", 1e-4]
-
-
-class AnisotropicState(NamedTuple):
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
-    load_pressure: Annotated[float, "Pa", 1e6]
-    bristles: GuidedBristle
     spool_position: Annotated[float, "m", 1e-4]
 
 
@@ -49,37 +37,45 @@ def measure(state: Any, p: Any) -> Measurement:
     return readings(state, np.nan, np.nan, p)
 
 
-def turned_ideally(law: BristleLaw, state_class: Any) -> Plant:
-    """The plant whose surface speed is imposed, with the friction of a bristle law."""
-    friction = law.friction
+@functools.cache
+def turned_ideally(law: FrictionLaw, bristle: str) -> Plant:
+    """The plant whose surface speed is imposed, with the friction of a law in its form for these bristles."""
+    plane = law.plane[bristle]
+    friction, state_class = plane.friction, with_bristles(State, plane)
+
+    @equation
+    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Scalar, Any]:
+        """Friction along and around (N) and the rates of the bristles."""
+        held = held_along(state, inputs, p.body.mass, p), p.body.mass * inputs.surface_speed / STICK_TIME
+        return friction(state.velocity, inputs.surface_speed, state.bristles, held, p)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """Rates of the states with an imposed surface speed."""
-        axial, _, rates = friction(state.velocity, inputs.surface_speed, state.bristles, p)
+        axial, _, rates = friction_of(state, inputs, p)
         acceleration, pressure_rate, spool_rate = hydraulic_rates(state, inputs, axial, p)
         return state_class(state.velocity, acceleration, pressure_rate, rates, spool_rate)
 
     @equation
     def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Signals:
         """What is worth plotting; see `Signals`. Current and voltage are those of a motor that holds the speed."""
-        axial, rotary, _ = friction(state.velocity, inputs.surface_speed, state.bristles, p)
+        axial, rotary, _ = friction_of(state, inputs, p)
         current = mot.holding_current(rotary, p.motor)
         voltage = mot.holding_voltage(current, inputs.surface_speed, p.motor)
         return all_signals(state, inputs, (axial, rotary), (inputs.surface_speed, current, voltage), p)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
         """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
-        bristles, _ = law.steady_rotation(p, surface_speed)
+        bristles, _ = plane.steady_rotation(p, surface_speed)
         pressure = holding_load_pressure(p.hydraulics, p.body)
         return state_class(0.0, 0.0, pressure, bristles, 0.0), Inputs(0.0, surface_speed, 0.0)
 
     return Plant(
-        name=f"rotating_{law.name}_ideal",
-        summary=f"rotating cylinder, {law.name} bristle, imposed speed of rotation",
+        name=f"rotating_{bristle}_ideal" if law is LUGRE else f"rotating_{bristle}_ideal_{law.name}",
+        summary=f"rotating cylinder, {bristle} bristle, imposed speed of rotation",
         State=state_class,
         Inputs=Inputs,
-        Parameters=law.Parameters,
+        Parameters=plane.Parameters,
         Signals=Signals,
         derivatives=derivatives,
         signals=signals,
@@ -90,9 +86,9 @@ def turned_ideally(law: BristleLaw, state_class: Any) -> Plant:
         command="valve_voltage",
         rotary_command="surface_speed",
         balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
+        friction=law.name,
+        refit=lambda other: turned_ideally(in_plane(other, bristle), bristle),
     )
 
 
-HELICAL_IDEAL = turned_ideally(laws.HELICAL, HelicalState)
-ISOTROPIC_IDEAL = turned_ideally(laws.ISOTROPIC, IsotropicState)
-ANISOTROPIC_IDEAL = turned_ideally(laws.ANISOTROPIC, AnisotropicState)
+HELICAL_IDEAL, ISOTROPIC_IDEAL, ANISOTROPIC_IDEAL = (turned_ideally(LUGRE, bristle) for bristle in LUGRE.plane)

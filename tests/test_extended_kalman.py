@@ -30,7 +30,7 @@ from controllers.extended_kalman import (
 )
 from controllers.pid import PID
 from controllers.velocity import at_rest, estimate_velocity, filtered_differentiator
-from plants.equation import to_array
+from plants.equation import from_array, to_array
 from plants.interface import Measurement
 from plants.non_rotating import NON_ROTATING, Inputs, Parameters, State
 from workbench.simulation.references import Sine, Triangle
@@ -139,7 +139,7 @@ def test_rates_are_those_of_the_plant(core: tuple[float, ...]) -> None:
     """Without the bristle's damping, which the filter lets fade with speed; a closed valve's limits apart."""
     sides = (side._replace(bristle_damping=0.0) for side in BELIEF.friction)
     belief = BELIEF._replace(friction=type(BELIEF.friction)(*sides))
-    truth = NON_ROTATING.derivatives(0.0, State(0.0, *core), Inputs(0.0, 0.0), belief)
+    truth = NON_ROTATING.derivatives(0.0, from_array(State, [0.0, *core]), Inputs(0.0, 0.0), belief)
     rates, _ = believed_rates(*core, design_ekf(belief, EkfSettings(), H))
     assert to_array(rates) == pytest.approx(to_array(truth)[1:4], rel=1e-13)
 

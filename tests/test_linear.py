@@ -12,8 +12,9 @@ import pytest
 from plants.bristles import HelicalBristle
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
+from plants.laws.lugre import Bristle
 from plants.non_rotating import NON_ROTATING, State
-from plants.rotating import HELICAL, HelicalState, Inputs
+from plants.rotating import HELICAL, Inputs
 from workbench.errors import UserError
 from workbench.linear.linearise import (
     jacobians,
@@ -81,7 +82,7 @@ def test_non_rotating_jacobian_is_appendix_c(point: tuple[float, ...]) -> None:
     parameters = build(NON_ROTATING.Parameters, SET)
     v, load_pressure, z, spool = point
     _, inputs = NON_ROTATING.equilibrium(parameters, 0.0)
-    a, b = jacobians(NON_ROTATING, parameters, State(0.01, v, load_pressure, z, spool), inputs)
+    a, b = jacobians(NON_ROTATING, parameters, State(0.01, v, load_pressure, Bristle(z), spool), inputs)
     expected, by_spool = appendix_c(*point)
     np.testing.assert_allclose(a[:4, :4], expected, rtol=1e-10)
     np.testing.assert_allclose(a[:4, 4], by_spool, rtol=1e-10)
@@ -115,9 +116,9 @@ def test_rotating_jacobian_is_appendix_c(v: float, z: float, surface_speed: floa
     ]
     parameters = build(HELICAL.Parameters, SET)
     a, b = jacobians(
-        HELICAL, parameters, HelicalState(0.01, v, 1e6, w, HelicalBristle(z), 5.0, 1e-4), Inputs(1.0, 20.0, 0.0)
+        HELICAL, parameters, HELICAL.State(0.01, v, 1e6, w, HelicalBristle(z), 5.0, 1e-4), Inputs(1.0, 20.0, 0.0)
     )
-    names = [item.name for item in fields(HelicalState)]
+    names = [item.name for item in fields(HELICAL.State)]
     chosen = [names.index(name) for name in ("velocity", "surface_speed", "bristle_deflection")]
     np.testing.assert_allclose(a[np.ix_(chosen, chosen)], expected, rtol=1e-9)
     current, speed = names.index("motor_current"), names.index("surface_speed")
@@ -188,7 +189,7 @@ def test_measurement_jacobian_is_finite_differences(plant: Plant, parameters: An
 
 def test_state_space_carries_names_and_chosen_outputs() -> None:
     parameters = build(NON_ROTATING.Parameters, SET)
-    state = State(0.0, 0.03, 1.1e6, 8.1e-5, 1e-4)
+    state = State(0.0, 0.03, 1.1e6, Bristle(8.1e-5), 1e-4)
     _, inputs = NON_ROTATING.equilibrium(parameters, 0.0)
     model = linearise(NON_ROTATING, parameters, state, inputs, outputs=("velocity", "pressure_1", "axial_friction"))
     assert model.state_labels == ["position", "velocity", "load_pressure", "bristle_deflection", "spool_position"]

@@ -19,6 +19,7 @@ from controllers.settings import settings_of
 from plants.equation import from_array
 from plants.friction_gauge import gauged
 from plants.interface import Plant
+from plants.laws.lugre import Bristle
 from plants.non_rotating import NON_ROTATING, State
 from workbench.errors import UserError
 from workbench.linear.linearise import linearise
@@ -53,7 +54,7 @@ def by_hand(kp: float) -> control.StateSpace:
     pressure = (level + f.viscous * SPEED) / h.piston_area_1
     root = np.sqrt((h.supply_pressure - pressure) / 2.0)
     spool = h.piston_area_1 * SPEED / (h.valve_flow_gain * root)
-    state = State(0.0, SPEED, pressure, level / f.bristle_stiffness, spool)
+    state = State(0.0, SPEED, pressure, Bristle(level / f.bristle_stiffness), spool)
     _, inputs = NON_ROTATING.equilibrium(p, 0.0)
     inputs = inputs._replace(valve_voltage=spool / h.valve_position_gain)
     return control.sample_system(kp * linearise(NON_ROTATING, p, state, inputs)[0, 0], H, "zoh")

@@ -7,6 +7,8 @@ from typing import Any
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
+from plants.equation import fields
+from plants.laws.interface import FrictionLaw
 from plants.plugins import Registry
 from plants.registry import PLANTS
 
@@ -19,6 +21,19 @@ def _plants() -> list[str]:
         *(f"{name:22} {plant.summary}" for name, plant in PLANTS.working().items()),
         *_broken(PLANTS),
     ]
+
+
+def _friction_laws() -> list[str]:
+    from plants.laws.registry import LAWS
+
+    return [*(f"{name:22} {_law(law)}" for name, law in LAWS.working().items()), *_broken(LAWS)]
+
+
+def _law(law: FrictionLaw) -> str:
+    """A friction law, the bristles with which it has a form for a rod that turns, and parameters of its own."""
+    own = ", ".join(f"{item.name} ({item.unit}, default {item.default:g})" for item in fields(law.Extra))
+    parts = [law.summary, f"turning rods: {', '.join(law.plane) or 'none'}", f"own parameters: {own}" if own else ""]
+    return "; ".join(part for part in parts if part)
 
 
 def _controllers() -> list[str]:
@@ -77,6 +92,7 @@ def _columns() -> list[str]:
 
 CATALOGUE: Mapping[str, Callable[[], list[str]]] = {
     "plants": _plants,
+    "friction_laws": _friction_laws,
     "controllers": _controllers,
     "parameters": _parameters,
     "machines": lambda: _layers("machine"),

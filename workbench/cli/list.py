@@ -11,7 +11,8 @@ def command(
     kind: Annotated[
         str | None,
         typer.Argument(
-            help="plants, controllers, parameters, machines, scenarios, references, effects, integrators or columns."
+            help="plants, friction_laws, controllers, parameters, machines, scenarios, references, effects, "
+            "integrators or columns."
         ),
     ] = None,
 ) -> None:

@@ -162,7 +162,7 @@ def symbolic(plant: Plant) -> casadi.Function:
     arguments = [from_array(cls, casadi.vertsplit(vectors[name])) for name, cls in classes.items()]
     with numpy_functions_of_symbols():
         rates = casadi.vertcat(*leaves(plant.derivatives(EVALUATION_TIME, *arguments)))
-        signals = casadi.vertcat(*plant.signals(EVALUATION_TIME, *arguments))
+        signals = casadi.vertcat(*leaves(plant.signals(EVALUATION_TIME, *arguments)))
     return casadi.Function(plant.name, [*vectors.values()], [rates, signals], [*vectors], ["rates", "signals"])
 
 

@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field
 import workbench.toml.reading as toml
 from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
+from plants.laws.registry import LAWS
 from plants.motor import LIMITS
 from plants.registry import plants
 from workbench.errors import UserError, nearest
@@ -73,11 +74,13 @@ class ParameterFile(toml.Strict):
 
 @functools.cache
 def known_units() -> dict[str, str]:
-    """The unit of every parameter that some plant has, by its canonical name."""
+    """The unit of every parameter that some plant or friction law has, by its canonical name."""
     known: dict[str, str] = {}
     for plant in plants().values():
         for item in fields(plant.Parameters):
             known.setdefault(item.name, item.unit)
+    for law in LAWS.working().values():
+        known |= {item.name: item.unit for item in fields(law.Extra)}
     return known
 
 

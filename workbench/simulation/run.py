@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import fields, from_array
+from plants.equation import fields, from_array, leaves
 from plants.interface import SENSORS, Plant
 from workbench.simulation.setup import Loop, memory_names
 
@@ -60,7 +60,7 @@ class Run:
             inputs = from_array(self.plant.Inputs, self.inputs.T)
             values = self.plant.signals(self.time, state, inputs, self.parameters)
         names = [item.name for item in fields(self.plant.Signals)]
-        named = dict(zip(names, values, strict=True))
+        named = dict(zip(names, leaves(values), strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
             named.setdefault(item.name, self.inputs[:, i])
         for i, name in enumerate(SENSORS):

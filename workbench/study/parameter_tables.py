@@ -9,12 +9,26 @@ from typing import Any
 from plants import motor
 from plants.equation import NEGATIVE
 from plants.interface import Plant
+from plants.laws.registry import LAWS
 from workbench.errors import UserError, nearest
-from workbench.parameters.sets import build, drawn, parameter_path, parameter_value, read_deviations, read_parameters
+from workbench.parameters.sets import (
+    build,
+    drawn,
+    parameter_path,
+    parameter_value,
+    plain_name,
+    read_deviations,
+    read_parameters,
+)
+from workbench.study.registered import registered
 from workbench.study.schema import CaseTables
 from workbench.study.study import Case
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError
+
+LACKING = ("stribeck", "bristle_damping")
+"""What a friction law may be without, and a compensator then takes for 0. Its bristle stays as stiff as it is declared:
+an observer needs one."""
 
 
 @dataclass(frozen=True)
@@ -32,14 +46,18 @@ class ParameterValues:
 def read_values(tables: CaseTables, case: Case) -> ParameterValues:
     """The values of [plant], and of [belief], else of what [plant] declares; never of a scenario.
 
+    Controllers believe 0 where the friction law that they believe in has no place for a value.
+
     Raises:
-        SchemaError: an unknown set or parameter, an impossible value.
+        SchemaError: an unknown set, parameter or friction law, an impossible value.
     """
     table, belief, declared = tables.plant, tables.belief, case.declared
     true = _values(table.parameters, table.set, case.folder, "plant")
     source = belief.parameters or declared.get("parameters", table.parameters)
     overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
     believed = _values(source, overrides, case.folder, "belief")
+    law = registered(LAWS, belief.friction, ("belief", "friction"))
+    believed |= {name: 0.0 for name in believed if plain_name(name) in LACKING and plain_name(name) not in law.uses}
     return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder)), believed, source)
 
 

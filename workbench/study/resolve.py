@@ -8,6 +8,7 @@ from controllers.interface import Controller
 from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
 from plants.friction_gauge import gauged
 from plants.interface import Plant
+from plants.laws.registry import LAWS
 from plants.motor import current_limit
 from plants.registry import PLANTS
 from workbench.errors import UserError
@@ -111,17 +112,17 @@ def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     case, wanted = parsed.case, parsed.controller
     tables = overridden(parsed.tables, overrides, parsed.values.deviations)
-    plant = _plant(tables)
+    plant, believed = _plants(tables)
     parameters = build_truth(plant, tables, parsed.values)
-    belief = build_belief(plant, tables, case.declared, parsed.values)
+    belief = build_belief(believed, tables, case.declared, parsed.values)
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
     state, _ = plant.equilibrium(parameters, turning)
     state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed
     state = _within_limits(state, parameters)
-    rotation_speed, surface_speed = _rotation(plant, belief, tables)
-    rotary, inputs = _rotary(plant, belief, rotation_speed, surface_speed, tables)
+    rotation_speed, surface_speed = _rotation(believed, belief, tables)
+    rotary, inputs = _rotary(believed, belief, rotation_speed, surface_speed, tables)
     settings = wanted.settings._replace(**overrides.settings)
-    loop = _position_loop(wanted, settings, plant, belief, tables.simulation.sample_time)
+    loop = _position_loop(wanted, settings, believed, belief, tables.simulation.sample_time)
     plant = _gauged(plant, loop.controller, tables)
     sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
@@ -222,6 +223,17 @@ def _rotary(
     with designing(f'"{rotation}"', plant, belief, ("plant", "rotation")):
         gains = controller.design(settings, belief, tables.simulation.sample_time)
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
+
+
+def _plants(tables: CaseTables) -> tuple[Plant, Plant]:
+    """The plant with the friction law of [plant], and as controllers know it: with the law that it has by itself."""
+    plant, law = _plant(tables), registered(LAWS, tables.plant.friction, ("plant", "friction"))
+    if "friction" not in tables.plant.model_fields_set:
+        return plant, plant
+    try:
+        return plant.with_friction(law), plant
+    except ValueError as error:
+        raise SchemaError(("plant", "friction"), str(error)) from None
 
 
 def _plant(tables: CaseTables) -> Plant:

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from plants.laws.lugre import LUGRE
 from workbench.simulation.setup import DEFAULT_TOLERANCE, Method
 from workbench.study.report.schema import BreakEvenTable, FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
@@ -27,6 +28,7 @@ class PlantTable(Strict):
     minimum_helical_speed: Annotated[MetrePerSecond, Field(gt=0.0)] | None = None
     switch_speed: Annotated[MetrePerSecond, Field(gt=0.0)] | None = None
     start: Literal["turning", "standstill"] = "turning"
+    friction: str = LUGRE.name
     flow: Literal["derived", "chapter3"] = "derived"
     command: Literal["force", "voltage"] = "force"
     start_position: Metre = 0.0
@@ -44,9 +46,13 @@ class PlantTable(Strict):
 
 
 class BeliefTable(Strict):
-    """[belief]: what controllers believe; by default what the study declares of its plant."""
+    """[belief]: what controllers believe; by default what the study declares of its plant, with LuGre's friction.
+
+    `friction` names the law that they believe in: what it has no place for is believed to be 0.
+    """
 
     parameters: str | None = None
+    friction: str = LUGRE.name
     flow: Literal["derived", "chapter3"] | None = None
     set: dict[str, Raw] = {}
 

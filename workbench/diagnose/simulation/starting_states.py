@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from plants.equation import replaced
 from plants.interface import Plant
 from workbench.diagnose.residuals.flow import spool_of
 from workbench.diagnose.residuals.force import driving_force
@@ -37,5 +38,4 @@ def states_at(plant: Plant, parameters: Any, motion: Motion, values: Values, pla
         held = held - values.get("viscous", 0.0) * known["velocity"]
         most = values["coulomb"] + values.get("stribeck", 0.0)
         known["bristle_deflection"] = np.clip(held, -most, most) / values["bristle_stiffness"]
-    names = [name for name in rest._fields if name in known]
-    return [rest._replace(**{name: float(known[name][k]) for name in names}) for k in places]
+    return [replaced(rest, {name: float(series[k]) for name, series in known.items()}) for k in places]

@@ -10,11 +10,13 @@ import numpy as np
 
 from controllers.settings import idle
 from plants.equation import fields
+from plants.friction import LuGre
 from plants.interface import Plant
+from plants.laws.registry import LAWS
 from plants.registry import plants
 from workbench.errors import nearest
 from workbench.metrics.window import whole_periods
-from workbench.parameters.sets import FLOW_SHARE
+from workbench.parameters.sets import FLOW_SHARE, plain_name
 from workbench.simulation.references import Steps
 from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
@@ -314,7 +316,7 @@ def _family(case: Case, plant: Plant) -> list[Plant]:
 def _plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
     """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
     family = _family(case, item.setup.plant)
-    names = {field.name for plant in family for field in fields(plant.Parameters)} - {FLOW_SHARE}
+    names = {name for plant in family for name in _counting(plant)} - {FLOW_SHARE}
     found = {}
     for key, applies in _applies(case, family, names).items():
         found[key] = ""
@@ -322,6 +324,13 @@ def _plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
             hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
             found[key] = f'plant "{family[0].name}" has no use for it; {hint}'
     return found
+
+
+def _counting(plant: Plant) -> list[str]:
+    """The parameters of a plant, without those for which its friction law has no use."""
+    law = LAWS.working().get(plant.friction)
+    unused = () if law is None else {*LuGre._fields} - {*law.uses}
+    return [field.name for field in fields(plant.Parameters) if plain_name(field.name) not in unused]
 
 
 def _controller_settings(case: Case, item: Resolved) -> dict[Key, str]:
@@ -343,7 +352,7 @@ def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dic
     found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
     for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):
         for name in case.tables[section[0]].get(section[1], {}):
-            found[(*section, name)] = name in names
+            found[(*section, name)] = name in names or (section[0] == "belief" and name in LuGre._fields)
     if (sample := case.overrides.sample) is not None:
         found |= {("plant", "scale", name): name in names for name in sample.factors}
     return found

@@ -1,0 +1,1 @@
+"""Friction laws as objects: any plant takes any of them."""
