@@ -1,5 +1,6 @@
-"""Plants and controllers by name, those of plug-ins among them."""
+"""Plants, controllers and friction laws by name, those of plug-ins among them."""
 
+import re
 from typing import TypeVar
 
 from plants.plugins import Registry
@@ -21,4 +22,5 @@ def registered(registry: Registry[T], name: str, key: Key, shorthands: tuple[str
     if name in broken:
         raise SchemaError(key, broken[name])
     hint = nearest(name, dict.fromkeys((*shorthands, *known)))
-    raise SchemaError(key, f'unknown {registry.kind.__name__.lower()} "{name}"; {hint}')
+    kind = re.sub("(?<!^)([A-Z])", r" \1", registry.kind.__name__).lower()
+    raise SchemaError(key, f'unknown {kind} "{name}"; {hint}')
