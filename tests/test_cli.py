@@ -22,7 +22,7 @@ def test_list_names_all_that_a_study_may_name() -> None:
     assert {*plants(), *controllers(), *named_sets(), *KINDS, *COLUMNS, "by_rpm", "rk4", "kp"} <= words
     sections = [
         workbench("list", kind).out
-        for kind in ("plants", "controllers", "parameters", "machines", "scenarios", "references")
+        for kind in ("plants", "friction_laws", "controllers", "parameters", "machines", "scenarios", "references")
     ]
     assert everything.out.startswith("".join(sections))
     assert workbench("list", "references").out.splitlines()[1].split(maxsplit=1) == [

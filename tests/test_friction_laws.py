@@ -20,7 +20,9 @@ from plants.motor import LIMITS
 from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
-from workbench.simulation.simulate import Feed, Integrator, Run, Setup, simulate
+from workbench.simulation.run import Run
+from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.simulation.simulate import simulate
 
 ALL = list(LAWS.working().values())
 WITH_MEMORY = [law for law in ALL if law.Contact._fields]

@@ -37,6 +37,24 @@ MISTAKES = {
         STUDY + '[belief.set]\nmas = "1 kg"\n',
         '@:22: belief.set.mas: unknown parameter "mas"; did you mean "mass"?',
     ),
+    "unknown friction law": (
+        changed('"by_rpm"', '"non_rotating"\nfriction = "lugree"').replace("rpm = [", "# rpm = ["),
+        '@:4: plant.friction: unknown friction law "lugree"; did you mean "lugre"?',
+    ),
+    "law of a rod that turns": (
+        changed('"by_rpm"', '"by_rpm"\nfriction = "gms"'),
+        '@:4: plant.friction: friction "gms" has no form for a turning rod with bristle "helical"; expected a rod '
+        "that does not rotate, or another law",
+    ),
+    "parameter that a law has no place for": (
+        changed('"drive"', '"drive"\nfriction = "coulomb"\nset.bristle_damping = 1', DRIVE),
+        '@:5: plant.set.bristle_damping: plant "drive_force_coulomb" has no use for it; did you mean '
+        '"end_stop_damping"?',
+    ),
+    "belief in an unknown law": (
+        STUDY + '[belief]\nfriction = "gsm"\n',
+        '@:22: belief.friction: unknown friction law "gsm"; did you mean "gms"?',
+    ),
     "unknown plant": (changed("by_rpm", "by_rmp"), '@:3: plant.model: unknown plant "by_rmp"; did you mean "by_rpm"?'),
     "unknown set": (
         changed("owen2001_simulation", "owen2001_simulaton"),
