@@ -8,8 +8,8 @@ import pandas as pd
 from plants.equation import fields
 from workbench.errors import UserError, nearest
 from workbench.publish.tables import with_unit
+from workbench.simulation.run import Run
 from workbench.simulation.setup import memory_names
-from workbench.simulation.simulate import Run
 from workbench.study.names import SIGNAL_UNITS
 from workbench.toml.units import COMMAND
 
