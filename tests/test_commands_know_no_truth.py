@@ -17,7 +17,7 @@ from controllers.settings import settings_of
 from plants.equation import fields, to_array
 from plants.interface import Measurement, Plant
 from plants.registry import plants
-from workbench.parameters.sets import FLOW_SHARE, SIGNED
+from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
 from workbench.simulation.simulate import Loop, Setup
 from workbench.study.reading import read_study
 from workbench.study.resolve import resolve
@@ -59,7 +59,7 @@ def changed_truths(plant: Plant, values: dict[str, float]) -> dict[str, str]:
             found["flow"] = '[scenarios.flow.plant]\nflow = "chapter3"\n'
             continue
         value = values[item.name]
-        other = 1.2 * value if np.isfinite(value) and value else (10.0 if item.name in SIGNED else 1e-3)
+        other = 1.2 * value if np.isfinite(value) and value else (10.0 if item.name in EITHER_SIGN else 1e-3)
         alike = ("piston_area_1", "piston_area_2") if item.name.startswith("piston_area") else (item.name,)
         lines = "".join(f"{name} = {other!r}\n" for name in alike)
         found[item.name] = f"[scenarios.{item.name}.plant.set]\n{lines}"

@@ -70,10 +70,9 @@ def _references() -> list[str]:
 
 def _effects() -> list[str]:
     from plants.effects import EFFECTS
-    from workbench.diagnose.report.names import PLAIN
 
     return [
-        f"{effect.name:28} {effect.balance:7} {PLAIN[effect.name]}; {', '.join(effect.numbers)}"
+        f"{effect.name:28} {effect.balance:7} {effect.words}; {', '.join(effect.numbers)}"
         for effect in EFFECTS.values()
     ]
 

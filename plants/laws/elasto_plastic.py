@@ -21,13 +21,12 @@ class Elasticity(NamedTuple):
 
 
 @equation
-def slipping(deflection: Scalar, steady: Scalar, elastic_share: Scalar) -> Scalar:
+def slipping(bent: Scalar, elastic_share: Scalar) -> Scalar:
     """alpha, the share of slip: 0 up to z_ba = elastic_share z_ss, 1 from z_ss on, half a sine between.
 
-    `deflection` |z| and `steady` z_ss in m. Dupont et al. 2002 with z_max = z_ss.
+    `bent` is |z| / z_ss. Dupont et al. 2002 with z_max = z_ss.
     """
-    start = elastic_share * steady
-    way = np.minimum(np.maximum((deflection - start) / (steady - start), 0.0), 1.0)
+    way = np.minimum(np.maximum((bent - elastic_share) / (1.0 - elastic_share), 0.0), 1.0)
     return 0.5 - 0.5 * np.cos(np.pi * way)
 
 
@@ -42,9 +41,9 @@ def friction(velocity: Scalar, contact: Bristle, held: Scalar, p: Any) -> tuple[
     """
     bristle = contact.bristle_deflection
     own = directed(velocity, bristle, p.friction)
-    deflected = stribeck_level(velocity, own) / own.bristle_stiffness
-    alpha = select(velocity * bristle > 0.0, slipping(np.abs(bristle), deflected, p.law.elastic_share), 0.0)
-    rate = velocity - alpha * np.abs(velocity) * bristle / deflected
+    bent = bristle * own.bristle_stiffness / stribeck_level(velocity, own)
+    alpha = select(velocity * bristle > 0.0, slipping(np.abs(bent), p.law.elastic_share), 0.0)
+    rate = velocity - alpha * np.abs(velocity) * bent
     return own.bristle_stiffness * bristle + own.bristle_damping * rate + own.viscous * velocity, Bristle(rate)
 
 

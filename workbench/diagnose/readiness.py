@@ -9,7 +9,7 @@ from workbench.diagnose.residuals.balances import allowed, own_parameters
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.errors import UserError
-from workbench.parameters.sets import SIGNED
+from workbench.parameters.sets import EITHER_SIGN
 from workbench.records.experiment import Experiment
 from workbench.records.reading import Record
 from workbench.records.sliding import check_opposes
@@ -89,7 +89,7 @@ def _check_free(experiment: Experiment, declared: Values, balances: Mapping[str,
     for name in free:
         if name in known:
             continue
-        if declared.get(name) == 0.0 and name not in SIGNED:
+        if declared.get(name) == 0.0 and name not in EITHER_SIGN:
             reason = (
                 f"is declared 0, and a fit moves it by factors; give it a start in [plant.set], or leave {name} out"
             )

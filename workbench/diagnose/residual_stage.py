@@ -13,7 +13,7 @@ from workbench.diagnose.selection.selection import BalanceResult, Step, is_circu
 from workbench.diagnose.selection.unexplained import Dependence, dependence
 from workbench.diagnose.simulation.setup import behind_backlash
 from workbench.diagnose.simulation.stage import SimulationStage, SimulationStart
-from workbench.parameters.sets import SIGNED
+from workbench.parameters.sets import EITHER_SIGN
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
@@ -113,7 +113,7 @@ def _starts(declared: Values, values: Values, fits: Sequence[Fit]) -> dict[str, 
     for fitted in fits:
         for name in fitted.balance.free:
             value, start = fitted.values[name], declared[name]
-            if name in SIGNED or start <= 0.0:
+            if name in EITHER_SIGN or start <= 0.0:
                 continue
             known = name not in fitted.bounded and fitted.deviations[name] < IDENTIFIED * value
             starts[name] = value if known and 1.0 / RUNAWAY < value / start < RUNAWAY else start

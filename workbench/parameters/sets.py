@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
+from plants.effects import EFFECTS
 from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.laws.registry import LAWS
@@ -22,15 +23,9 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-SIGNED = {
-    "load_force",
-    "friction_gradient",
-    "friction_curvature",
-    "cosine_force",
-    "sine_force",
-    "spring_stiffness",
-    "pressure_1_offset",
-}
+EITHER_SIGN = frozenset(name for effect in EFFECTS.values() for name in effect.signed)
+"""Parameters that may be negative: those of effects that may act either way."""
+
 UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit", "motor_nominal_torque", *LIMITS}
 MAY_BE_ZERO = {
     "hose_volume",
@@ -46,7 +41,9 @@ MAY_BE_ZERO = {
     "leakage_coefficient",
     "guide_coulomb",
     "guide_stribeck",
+    "elastic_share",
 }
+BELOW_ONE = {"elastic_share"}
 
 LEAST_SHARE = 0.1
 """A drawn parameter is at least this share of its value: friction of the wrong sign, or next to none, is redrawn."""
@@ -156,7 +153,7 @@ def drawn(name: str, value: float, deviation: float, seed: int) -> float:
     (at most 0.31 of the value: 2.9 deviations to that bound) this moves no mean by more than 0.2 %.
     """
     generator = np.random.default_rng([seed, *name.encode()])
-    least = -np.inf if name in SIGNED else LEAST_SHARE * value
+    least = -np.inf if name in EITHER_SIGN else LEAST_SHARE * value
     while (number := value + deviation * generator.standard_normal()) < least:
         pass
     return float(number)
@@ -185,10 +182,12 @@ def plain_name(name: str) -> str:
 def check_range(name: str, number: float) -> None:
     """Raise UserError where `number` (SI) is impossible for the parameter."""
     plain = plain_name(name)
-    if plain in SIGNED:
+    if plain in EITHER_SIGN:
         return
     if number < 0.0:
         raise UserError(f"got {number:g} {known_units()[name]}, expected a value that is not negative")
+    if plain in BELOW_ONE and number >= 1.0:
+        raise UserError(f"got {number:g}, expected a share below 1")
     if number == 0.0 and plain not in MAY_BE_ZERO:
         raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
 

@@ -8,28 +8,6 @@ from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
 
-PLAIN = {
-    "direction_asymmetry": "friction differs between the two directions",
-    "position_dependent_friction": "friction changes along the stroke",
-    "pressure_dependent_friction": "friction grows with the load pressure, as of a seal that is pressed by it",
-    "frictional_memory": "friction follows the velocity late",
-    "rising_static_friction": "break-away friction grows with the time at rest",
-    "quadratic_drag": "a resistance grows with the square of the velocity",
-    "viscous_drift": "viscous friction changes along the record, as of oil that warms up",
-    "constant_load": "a constant force acts on the rod",
-    "spring_load": "a force grows with the position, as of a hose or cable that bends",
-    "rotation_periodic_force": "a force repeats with every turn of the rod",
-    "valve_deadband": "the spool has to move by its overlap before oil flows",
-    "internal_leakage": "oil leaks from one chamber into the other",
-    "supply_droop": "the supply pressure falls when much oil is taken",
-    "entrained_air": "air makes the oil soft at low pressure",
-    "unequal_areas": "the second chamber's piston area is not the declared one",
-    "command_delay": "the valve gets its command late",
-    "backlash": "the position sensor is coupled loosely to the rod",
-    "pressure_sensor_offset": "the first pressure sensor is off by a constant",
-}
-"""What each effect is, for a reader who does not know its name."""
-
 ERRORS = {
     "force_rms_N": ("residual of the force balance", "N", "N"),
     "flow_rms_m3_per_s": ("residual of the flow balance", "m^3/s", "cm^3/s"),

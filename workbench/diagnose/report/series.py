@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from plants.effects import EFFECTS
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
@@ -70,13 +71,6 @@ SIGNALS: Mapping[str, Signal] = {
 ALWAYS = ("position", "velocity", "load_pressure", "valve_voltage", "rotation_angle", "time")
 """Signals that are always shown where they were measured."""
 
-ACTS_ON: Mapping[str, tuple[str, ...]] = {
-    "frictional_memory": ("acceleration",),
-    "entrained_air": ("pressure_1", "pressure_2"),
-    "pressure_sensor_offset": ("pressure_1",),
-}
-"""What effects act on, beyond the signals that are always shown."""
-
 
 def shown_signals(diagnosis: Diagnosis, balance: Balance, part: "Part") -> list[str]:
     """The signals over which a balance is shown: the usual ones, those on which what was found acts, and those on which
@@ -86,7 +80,7 @@ def shown_signals(diagnosis: Diagnosis, balance: Balance, part: "Part") -> list[
     if part.signal("load_pressure") is None:
         wanted |= {"pressure_1", "pressure_2"}
     for effect in diagnosis.effects:
-        wanted |= set(ACTS_ON.get(effect.name, ()))
+        wanted |= set(EFFECTS[effect.name].acts_on)
     if diagnosis.unexplained is not None and diagnosis.unexplained.balance == balance.name:
         wanted |= set(diagnosis.unexplained.dependence.signals)
     return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]

@@ -5,7 +5,7 @@ floor, what simulation says, and which parameters the records do not identify.
 from collections.abc import Mapping
 
 from plants.effects import EFFECTS
-from workbench.diagnose.report.names import ERRORS, PLAIN, listed_names, percent
+from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residual_stage import PLACED, PLACES
@@ -66,7 +66,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
 def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     """What an effect is, and what speaks for it."""
     evidence = effect.evidence
-    text = f"{plain_name(effect.name).capitalize()}: {PLAIN.get(effect.name, 'see its source')} "
+    text = f"{plain_name(effect.name).capitalize()}: {EFFECTS[effect.name].words} "
     text += f"({EFFECTS[effect.name].source})."
     if evidence.left_out_gain is not None:
         count = len(effect.parameters)

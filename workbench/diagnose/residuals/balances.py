@@ -10,7 +10,7 @@ from plants.equation import NEGATIVE, fields
 from workbench.diagnose.residuals import flow, force
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion
-from workbench.parameters.sets import SIGNED
+from workbench.parameters.sets import EITHER_SIGN
 
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 FLOW = ("valve_flow_gain", "bulk_modulus")
@@ -108,7 +108,7 @@ def own_parameters(
     """The plant's parameters that a fit of a balance may move: its `own` unless an experiment says which are `free`."""
     admitted = FORCE if name == "force" else own
     chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
-    return [one for one in chosen if values.get(one, 0.0) > 0.0 or one in SIGNED]
+    return [one for one in chosen if values.get(one, 0.0) > 0.0 or one in EITHER_SIGN]
 
 
 def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:

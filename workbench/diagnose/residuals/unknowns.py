@@ -8,7 +8,7 @@ import numpy as np
 from plants.effects import EFFECTS, FREE
 from plants.equation import NEGATIVE, fields
 from plants.two_chamber import TWO_CHAMBER
-from workbench.parameters.sets import SIGNED
+from workbench.parameters.sets import EITHER_SIGN
 
 WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
@@ -50,12 +50,12 @@ def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]
     plain = name.removesuffix(f"_{NEGATIVE}")
     start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
     low, high = bounds.get(name, (-np.inf, np.inf))
-    if name in known and known[name][2]:
+    if name in known and known[name].size:
         least, most, size = known[name]
         if start == NEUTRAL.get(name, 0.0) or name not in values:
             start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
         return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
-    if start > 0.0 and plain not in SIGNED:
+    if start > 0.0 and plain not in EITHER_SIGN:
         widest = float(np.log(WIDEST))
         least = float(np.log(low / start)) if low > 0.0 else -widest
         most = float(np.log(high / start)) if np.isfinite(high) else widest

@@ -15,7 +15,7 @@ from plants.equation import NEGATIVE
 from workbench.errors import UserError
 from workbench.fitting.replay import Observed
 from workbench.identify.simulation.nuisance import columns
-from workbench.parameters.sets import SIGNED
+from workbench.parameters.sets import EITHER_SIGN
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
 
@@ -71,7 +71,7 @@ class Problem:
 
     def logarithmic(self, name: str) -> bool:
         """Whether the unknown is a logarithm."""
-        return self.start[name] > 0.0 and _plain(name) not in SIGNED
+        return self.start[name] > 0.0 and _plain(name) not in EITHER_SIGN
 
     def scale(self, name: str) -> float:
         """Unit (SI) of an unknown that is no logarithm."""
@@ -97,7 +97,7 @@ class Problem:
                 lower = float(np.log(low / start)) if low > 0.0 else -widest
                 limits.append((lower, float(np.log(high / start)) if np.isfinite(high) else widest))
             else:
-                low = low if _plain(name) in SIGNED else max(low, 0.0)
+                low = low if _plain(name) in EITHER_SIGN else max(low, 0.0)
                 limits.append(((low - start) / self.scale(name), (high - start) / self.scale(name)))
         array = np.array(limits).reshape(-1, 2)
         return array[:, 0], array[:, 1]
