@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thesis_actuator import FORCE_GAIN
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; threads make small matrices slower
 
@@ -15,9 +16,6 @@ from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters
 
 pytest.register_assert_rewrite("command", "mistakes")
-
-FORCE_GAIN = {"force_gain": 100.0, "pump_displacement": 2e-7}
-"""N/V and m^3/rad. The thesis's actuator has neither; a drive that a voltage moves and a pump need them."""
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import ROOT, STUDIES, STUDY, changed, workbench, write
-from test_plugin import site
+from plugin_site import site
 
 import workbench as wb
 from controllers.registry import controllers

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-
-from .cases import SETS, make_cases
-from .effects import EFFECTS, UNLISTED
-from .scoring import confusion, figures
-from .suite import run_cases
+from diagnosis.cases import SETS, make_cases
+from diagnosis.effects import EFFECTS, UNLISTED
+from diagnosis.scoring import confusion, figures
+from diagnosis.suite import run_cases
 
 CHOSEN = ("valve_deadband_0.5_0", "quadratic_drag_0.5_0", "constant_load+viscous_drift_0.7_1", "none_3", "cogging_1_0")
 

@@ -9,7 +9,7 @@ from unittest import mock
 
 from workbench.cli import main
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "studies"
 PROCESS = (sys.executable, "-c", "from workbench.cli import main; main()")
 """The command in a process of its own."""

@@ -18,8 +18,8 @@ from workbench.diagnose.residuals.motion import motion_of
 from workbench.diagnose.result import Diagnosis
 from workbench.records.reading import read_records
 
-MEASURED = Path(__file__).parents[1] / "studies" / "measured"
-DATA = Path(__file__).parents[2] / "shared" / "data"
+MEASURED = Path(__file__).parents[2] / "studies" / "measured"
+DATA = Path(__file__).parents[3] / "shared" / "data"
 RPM = 2.0 * np.pi / 60.0
 
 

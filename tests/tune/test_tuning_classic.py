@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import FORCE_GAIN
 from position_loops import NO_LOAD_GAIN, H, play
 from support import OSCILLATOR, registered, start
+from thesis_actuator import FORCE_GAIN
 
 from controllers import relay
 from controllers.pid import PID

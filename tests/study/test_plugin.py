@@ -1,10 +1,8 @@
 """The example of docs/plugin_example: a controller that its entry point alone brings in."""
 
 import os
-import shutil
 import subprocess
 import sys
-import tomllib
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,32 +11,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from command import DRIVE, PROCESS, ROOT, changed, fails, workbench, write
+from command import DRIVE, PROCESS, changed, fails, workbench, write
+from plugin_site import EXAMPLE, site
 
 from controllers.interface import Reference
 from controllers.pid import PID
 from controllers.registry import CONTROLLERS, controllers
 from plants.interface import Measurement
 
-EXAMPLE = ROOT / "docs" / "plugin_example"
 STUDY = EXAMPLE / "study.toml"
-
-
-def site(folder: Path, *, declared: bool) -> Path:
-    """A folder of packages that holds the example as an installer leaves it, or its module alone."""
-    description = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))
-    project = description["project"]
-    for module in description["tool"]["setuptools"]["py-modules"]:
-        shutil.copy(EXAMPLE / f"{module}.py", folder)
-    if declared:
-        information = folder / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
-        information.mkdir()
-        metadata = f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-        (information / "METADATA").write_text(metadata, encoding="utf-8")
-        groups = project["entry-points"]
-        lines = [f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in groups[group].items()) for group in groups]
-        (information / "entry_points.txt").write_text("\n".join(lines), encoding="utf-8")
-    return folder
 
 
 def brings(folder: Path, group: str, line: str) -> None:
