@@ -200,7 +200,7 @@ def dahl(velocity: Scalar, bristle: Scalar, coulomb: Scalar, stiffness: Scalar) 
 
     `coulomb` in N, `stiffness` in N/m.
     """
-    return stiffness * bristle, velocity - stiffness * np.abs(velocity) * bristle / (coulomb + TINY_LEVEL)
+    return stiffness * bristle, velocity - stiffness * np.abs(velocity) * bristle / np.maximum(coulomb, TINY_LEVEL)
 
 
 @equation
