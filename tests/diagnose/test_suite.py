@@ -14,7 +14,7 @@ CHOSEN = ("valve_deadband_0.5_0", "quadratic_drag_0.5_0", "constant_load+viscous
 
 def scores(out: Path, stub: str, *, resume: bool = False) -> pd.DataFrame:
     cases = [case for case in make_cases("tuning") if case.name in CHOSEN]
-    table, _ = run_cases(cases, out, f"{__package__}.stub:{stub}", jobs=1, resume=resume)
+    table, _ = run_cases(cases, out, f"diagnosis.stub:{stub}", jobs=1, resume=resume)
     return table.set_index("case")
 
 
