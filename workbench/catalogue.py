@@ -69,7 +69,7 @@ def _references() -> list[str]:
 
 
 def _effects() -> list[str]:
-    from plants.effects import EFFECTS
+    from plants.effect_list import EFFECTS
 
     return [
         f"{effect.name:28} {effect.balance:7} {effect.words}; {', '.join(effect.numbers)}"

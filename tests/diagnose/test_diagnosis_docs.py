@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from command import ROOT, workbench, write
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 

@@ -10,7 +10,7 @@ from command import write
 from diagnoses import doubting, rejected, unexplained, with_held_out, with_left, without_effects
 
 from plants.drive import DRIVE_FORCE
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none

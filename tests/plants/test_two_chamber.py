@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support import registered
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from plants.equation import fields
 from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.flow import pressure_sum

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.laws.registry import LAWS

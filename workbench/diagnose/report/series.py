@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from plants.equation import NEGATIVE, fields
 from workbench.diagnose.residuals import flow, force
 from workbench.diagnose.residuals.balance import Balance

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plants.effects import EFFECTS, FREE
+from plants.effect_list import EFFECTS, FREE
 from plants.equation import NEGATIVE, fields
 from plants.two_chamber import TWO_CHAMBER
 from workbench.parameters.sets import EITHER_SIGN

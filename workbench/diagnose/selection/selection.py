@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.unknowns import Values

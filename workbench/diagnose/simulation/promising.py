@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.effects import EFFECTS
+from plants.effect_list import EFFECTS
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, Search, fit

@@ -1,0 +1,67 @@
+"""Whether each setting of a case means something to its plant, and its controller."""
+
+from collections.abc import Collection, Sequence
+
+from controllers.settings import idle
+from plants.equation import fields
+from plants.friction import LuGre
+from plants.interface import Plant
+from plants.laws.registry import LAWS
+from plants.registry import plants
+from workbench.errors import nearest
+from workbench.parameters.sets import FLOW_SHARE, plain_name
+from workbench.study.resolve import Resolved
+from workbench.study.study import Case, named
+from workbench.toml.reading import Key
+
+
+def _family(case: Case, plant: Plant) -> list[Plant]:
+    """The plants that the model of a case stands for."""
+    if case.tables["plant"].get("model") != "by_rpm":
+        return [plant]
+    return [plants()["non_rotating"], plants()["rotating_helical"]]
+
+
+def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
+    family = _family(case, item.setup.plant)
+    names = {name for plant in family for name in _counting(plant)} - {FLOW_SHARE}
+    found = {}
+    for key, applies in _applies(case, family, names).items():
+        found[key] = ""
+        if not applies:
+            hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
+            found[key] = f'plant "{family[0].name}" has no use for it; {hint}'
+    return found
+
+
+def _counting(plant: Plant) -> list[str]:
+    """The parameters of a plant, without those for which its friction law has no use."""
+    law = LAWS.working().get(plant.friction)
+    unused = () if law is None else {*LuGre._fields} - {*law.uses}
+    return [field.name for field in fields(plant.Parameters) if plain_name(field.name) not in unused]
+
+
+def controller_settings(case: Case, item: Resolved) -> dict[Key, str]:
+    """Of each setting that a case's controller is given: why it changes nothing, "" if it does."""
+    name = named(case, "controller")
+    reasons = idle(item.setup.loop.controller, item.settings)
+    table = case.tables["controllers"][name]
+    return {("controllers", name, key): reasons.get(key, "") for key in table if key != "type"}
+
+
+def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dict[Key, bool]:
+    """The settings of a case's plant and belief, and whether they mean something to it."""
+    table = case.tables["plant"]
+    rotates = any(plant.rotary_command is not None for plant in family)
+    valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))
+    features = {"bristle": rotates, "inertia": rotates, "rotation": rotates, "start": rotates, "flow": valve}
+    features |= {"motor": rotates, "motor_limits": rotates}
+    features["command"] = table["model"] == "drive"
+    found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
+    for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):
+        for name in case.tables[section[0]].get(section[1], {}):
+            found[(*section, name)] = name in names or (section[0] == "belief" and name in LuGre._fields)
+    if (sample := case.overrides.sample) is not None:
+        found |= {("plant", "scale", name): name in names for name in sample.factors}
+    return found
