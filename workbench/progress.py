@@ -11,3 +11,12 @@ class Progress(Protocol):
 
 def silent(doing: str, done: float | None = None, /) -> None:
     """Progress that nobody watches."""
+
+
+def part_of(progress: Progress, begin: float, share: float) -> Progress:
+    """Progress of a part of the work, told to that of the whole: the part begins at `begin` and is a `share` of it."""
+
+    def told(doing: str, done: float | None = None, /) -> None:
+        progress(doing, None if done is None else begin + share * done)
+
+    return told

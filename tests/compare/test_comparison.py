@@ -6,20 +6,18 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import fails, workbench, write
-from made_up_comparison import COUNTS, SPEC, Errors, case, cell, verdict, whole
+from made_up_comparison import SPEC, STEPS, Errors, case, cell, compared, made_up_study, verdict, whole
 
-from workbench.compare.agreement import agreement
-from workbench.compare.candidates import Cell
-from workbench.compare.changes import changes
+from workbench.compare.agreement import agreement, agreement_words
+from workbench.compare.comparison import compare
 from workbench.compare.finalists import finalists
-from workbench.compare.matrix import matrices
-from workbench.compare.overview import overview, pump
-from workbench.compare.page import write_comparison
-from workbench.compare.tables import pivots
-from workbench.compare.verdicts import Kind, Verdict, verdicts
-from workbench.compare.words import sentences
-from workbench.study.schema import StudyFile
-from workbench.study.study import Study
+from workbench.compare.report.matrix import matrices
+from workbench.compare.report.overview import change_sentence, overview, pump
+from workbench.compare.report.page import write_comparison
+from workbench.compare.report.tables import pivots
+from workbench.compare.report.words import sentences
+from workbench.compare.result import Comparison, Kind
+from workbench.compare.turning import pump_changes
 
 
 @pytest.mark.parametrize(
@@ -54,21 +52,21 @@ def test_a_speed_that_is_not_the_commanded_one_is_told() -> None:
     frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, noise=0.01)
     assert verdict(frame.assign(rotation_speed_mean_rpm=10.1)).best["avoid"].words == "p at 10 rpm"
     assert verdict(frame.assign(rotation_speed_mean_rpm=32.8)).best["avoid"].words == "p at 10 rpm (really 32.8)"
-    table = next(iter(pivots(COUNTS, frame.assign(rotation_speed_mean_rpm=32.8)))).cells
+    table = next(iter(pivots(compared(frame.assign(rotation_speed_mean_rpm=32.8))))).cells
     assert table["rotation (rpm)"].tolist() == ["0", "10 (really 32.8)"]
 
 
 def test_the_price_is_that_of_the_terminals() -> None:
     frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, noise=0.01)
     frame.loc[frame["rpm"] > 0, "motor_torque_rms_N_m"] = 9.4
-    price = next(line for line in sentences(COUNTS, verdict(frame)) if line.startswith("Price"))
+    price = next(line for line in sentences(SPEC, verdict(frame)) if line.startswith("Price"))
     assert price == (
         "Price of p at 10 rpm: 40 W at the motor's terminals, 30 W of it lost before the rod; 240 W paid with the "
         "pump; the pump 200 W, against 200 W for lugre at rest; 9.4 N m rms, above the nominal 8 N m."
     )
-    assert pump(frame)[0].startswith("Rotating does not change what the pump pays")
+    assert pump(pump_changes(frame))[0].startswith("Rotating does not change what the pump pays")
     frame.loc[frame["rpm"] > 0, "supply_power_W"] = 230.0
-    assert pump(frame) == [
+    assert pump(pump_changes(frame)) == [
         "Rotating changes what the pump pays (change by motion, same controllers and draws, none that hunts: sine "
         "+15.0 %)."
     ]
@@ -76,9 +74,9 @@ def test_the_price_is_that_of_the_terminals() -> None:
 
 def test_the_words_say_when_no_friction_model_is_needed() -> None:
     errors = {("p", 0.0): 9e-4, ("load_pressure", 0.0): 3e-4, ("lugre", 0.0): 3e-4, ("p", 10.0): 5e-4}
-    said = sentences(COUNTS, verdict(cell(errors, noise=0.005)))[-1]
-    assert said.startswith("No friction model is needed: measured load pressure without one, load pressure at rest, ")
-    worse = sentences(COUNTS, verdict(cell(errors | {("load_pressure", 0.0): 4e-4}, noise=0.005)))[-1]
+    better = sentences(SPEC, verdict(cell(errors, noise=0.005)))[-1]
+    assert better.startswith("No friction model is needed: measured load pressure without one, load pressure at rest, ")
+    worse = sentences(SPEC, verdict(cell(errors | {("load_pressure", 0.0): 4e-4}, noise=0.005)))[-1]
     assert worse.startswith("A friction model is worth having: ")
     assert " loses to the best with one, lugre at rest, " in worse
 
@@ -86,22 +84,22 @@ def test_the_words_say_when_no_friction_model_is_needed() -> None:
 def test_compensation_that_loses_to_nothing_is_said_to_lose() -> None:
     """0.0138 against 0.00081 mm was called "no better"."""
     errors = {("p", 0.0): 0.00081e-3, ("lugre", 0.0): 0.0138e-3, ("p", 10.0): 0.0001e-3}
-    spec = COUNTS.model_copy(update={"negligible": 0.0001e-3})
-    said = " ".join(sentences(spec, verdict(cell(errors, noise=0.01), spec)))
-    assert "compensation at rest, lugre at rest, loses to it; rotation, p at 10 rpm, beats it" in said
+    spec = SPEC.model_copy(update={"negligible": 0.0001e-3})
+    told = " ".join(sentences(spec, verdict(cell(errors, noise=0.01), spec)))
+    assert "compensation at rest, lugre at rest, loses to it; rotation, p at 10 rpm, beats it" in told
 
 
 def test_one_draw_and_no_axes_of_machine_scenario_or_draw() -> None:
     frame = pd.DataFrame([case("p", 0, 9e-4), case("lugre", 0, 5e-4), case("p", 10, 3e-4)])
-    found = verdict(frame.drop(columns=["machine", "draw", "scenario"]))
-    assert (found.kind, found.draws) == ("avoid", 1)
-    assert sentences(COUNTS, found)[0] == (
+    only = verdict(frame.drop(columns=["machine", "draw", "scenario"]))
+    assert (only.kind, only.samples) == ("avoid", 1)
+    assert sentences(SPEC, only)[0] == (
         "Avoid: p at 10 rpm, 0.3 mm, beats lugre at rest, 0.5 mm: ratio 1.67, difference 0.2 mm."
     )
 
 
 def test_what_tuning_and_draws_change_is_told() -> None:
-    spec = COUNTS.model_copy(update={"before": {"p": "p_before", "lugre": "lugre_before"}})
+    spec = SPEC.model_copy(update={"before": {"p": "p_before", "lugre": "lugre_before"}})
     errors = {("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}
     old = cell(errors | {("p", 10.0): 8e-4}, noise=0.01)
     old["controller"] += "_before"
@@ -109,23 +107,23 @@ def test_what_tuning_and_draws_change_is_told() -> None:
     lucky = frame["draw"].eq(1) & frame["controller"].eq("lugre")
     frame.loc[lucky, "rms_error_m"] /= 10.0
     fresh = cell(errors | {("p", 10.0): 5e-4}, range(11, 21), noise=0.01, seed=2)
-    told = changes(spec, frame, verdicts(spec, frame, fresh))
+    told = [change_sentence(change) for change in compared(frame, spec, fresh).changes]
     assert told[0].startswith("With the gains before tuning, 1 of 1 verdicts would be others: rig nominal sine (")
     assert told[1] == (
         "With draw 1 alone in place of all of the choice, taken at its word, 1 of 1 verdicts would be others: rig "
         "nominal sine (compensate in place of cannot be told)."
     )
     assert told[2].startswith("With the draws from which the best were chosen, 1 of 1 verdicts")
-    assert not {"p_before", "lugre_before"} & {str(row["controller"]) for row in finalists(spec, frame)}
-    assert changes(COUNTS, frame[frame["draw"] == 1], {}) == []
+    assert not {"p_before", "lugre_before"} & {finalist.controller for finalist in finalists(spec, frame)}
+    assert compared(frame[frame["draw"] == 1]).changes == []
 
 
 def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path: Path) -> None:
     frame = whole(draws=range(1, 4))
-    study = Study(tmp_path / "a.toml", "", StudyFile(title="A < B", question="which?"))
+    comparison = compare(made_up_study("A < B", "which?"), SPEC, frame)
     texts = []
     for name in ("one", "two"):
-        markdown, html = write_comparison(SPEC, study, frame, tmp_path / name)
+        markdown, html = write_comparison(comparison, tmp_path / name)
         texts.append((markdown.read_bytes(), html.read_bytes()))
         pictures = {picture.stem for picture in (tmp_path / name / "figures").glob("*.png")}
         assert pictures == {
@@ -143,46 +141,44 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
 
 
 def test_a_comparison_of_steps_alone_makes_its_page(tmp_path: Path) -> None:
-    frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, reference="steps")
-    study = Study(tmp_path / "a.toml", "", StudyFile(title="t"))
-    assert len(write_comparison(SPEC, study, frame, tmp_path)) == 2
+    frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, place=STEPS)
+    assert len(write_comparison(compared(frame), tmp_path)) == 2
 
 
 def test_pivots_rank_nothing_and_show_small_numbers_as_such() -> None:
     frame = cell({("p", 0.0): 1e-17, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, [1])
-    made = {pivot.name: pivot.cells for pivot in pivots(COUNTS, frame)}
+    made = {pivot.name: pivot.cells for pivot in pivots(compared(frame))}
     assert made["rig_nominal_sine_rms_error_m"]["p"].iloc[0] == "< 0.0001"
     assert made["rig_nominal_sine_phase_lag_deg"]["p"].tolist() == ["1", "1"]
 
 
 def test_two_results_agree_or_not() -> None:
     errors = {("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}
-    one = verdicts(COUNTS, cell(errors, noise=0.01))
-    assert agreement(one, one).words == ["0 of 1 verdicts turn around, 0 move between neighbours."]
-    other = verdicts(COUNTS, cell(errors | {("p", 10.0): 8e-4}, noise=0.01))
-    assert agreement(one, other).words == [
+    ours = compared(cell(errors, noise=0.01)).verdicts
+    assert agreement_words(agreement(ours, ours)) == ["0 of 1 verdicts turn around, 0 move between neighbours."]
+    turned = compared(cell(errors | {("p", 10.0): 8e-4}, noise=0.01)).verdicts
+    assert agreement_words(agreement(ours, turned)) == [
         "1 of 1 verdicts turn around, 0 move between neighbours.",
         "rig nominal sine: avoid, compensate",
     ]
-    unsure = verdicts(COUNTS, cell(errors | {("p", 10.0): 4.65e-4}, noise=0.01))
-    assert agreement(one, unsure).words[0] == "0 of 1 verdicts turn around, 1 move between neighbours."
+    unsure = compared(cell(errors | {("p", 10.0): 4.65e-4}, noise=0.01)).verdicts
+    assert agreement_words(agreement(ours, unsure))[0] == "0 of 1 verdicts turn around, 1 move between neighbours."
 
 
 def test_verdicts_survive_another_seed_and_twice_the_draws() -> None:
     """Cells whose candidates truly differ: searched on ten draws, judged on twenty, drawn twice."""
     moved = cells = 0
     for truth in range(25):
-        one, other = (_judged(seed, truth, 20) for seed in (1, 2))
-        more = _judged(3, truth, 40)
-        for pair in (agreement(one, other), agreement(one, more)):
+        ours, theirs, more = (_judged(seed, truth, fresh).verdicts for seed, fresh in ((1, 20), (2, 20), (3, 40)))
+        for pair in (agreement(ours, theirs), agreement(ours, more)):
             assert not pair.turned
             moved, cells = moved + len(pair.moved), cells + pair.cells
     assert moved / cells <= 0.08, "about 6 % over 120 cells: some of them lie on the edge of what counts"
 
 
-def _judged(seed: int, truth: int, fresh_draws: int) -> dict[Cell, Verdict]:
+def _judged(seed: int, truth: int, fresh_draws: int) -> Comparison:
     search, fresh = (whole_of(truth, seed, draws) for draws in (range(1, 11), range(11, 11 + fresh_draws)))
-    return verdicts(SPEC, search, fresh)
+    return compared(search, fresh=fresh)
 
 
 def whole_of(truth: int, seed: int, draws: range) -> pd.DataFrame:
@@ -197,7 +193,7 @@ def whole_of(truth: int, seed: int, draws: range) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ('plain = ["p"]', 'plain = ["q"]', 'comparison.plain.0: unknown controller "q"'),
         ('pressure = ["a"]', 'pressure = ["q"]', 'comparison.pressure.0: unknown controller "q"'),
@@ -216,7 +212,7 @@ def whole_of(truth: int, seed: int, draws: range) -> pd.DataFrame:
         ),
     ],
 )
-def test_names_of_a_comparison_are_checked(tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_names_of_a_comparison_are_checked(tmp_path: Path, old: str, new: str, message: str) -> None:
     text = """title = "t"
 [plant]
 model = "non_rotating"
@@ -248,7 +244,7 @@ before = { p = "old" }
     assert checked.code == 0
     assert "comparison: has no case at rest beside one that turns: no field will have a verdict" in checked.err
     assert "comparison.plain: none has a feed-forward, and compensators have one" in checked.err
-    fails(workbench("check", write(tmp_path, text.replace(old.replace("hold", "steps"), new))), said)
+    fails(workbench("check", write(tmp_path, text.replace(old.replace("hold", "steps"), new))), message)
 
 
 def test_agree_needs_a_comparison(tmp_path: Path) -> None:
@@ -266,9 +262,9 @@ def test_a_machine_with_fewer_scenarios_has_a_smaller_matrix_and_no_price_of_its
     """A third machine that turns as the second does, in one scenario."""
     frame = whole()
     third = frame[(frame["machine"] == "rig") & (frame["scenario"] == "soft")].assign(machine="rig behind hoses")
-    found = verdicts(SPEC, pd.concat([frame, third], ignore_index=True), None)
-    assert [list(one.rows) for one in matrices(SPEC, found)] == [["nominal", "soft"], ["nominal", "soft"], ["soft"]]
-    turning = pd.concat([frame, third], ignore_index=True)
-    told = overview(SPEC, turning, turning, found)
+    comparison = compared(pd.concat([frame, third], ignore_index=True))
+    scenarios = [[row.scenario for row in matrix.rows] for matrix in matrices(comparison)]
+    assert scenarios == [["nominal", "soft"], ["nominal", "soft"], ["soft"]]
+    told = overview(comparison)
     assert sum(line.startswith("What the friction around the rod") for line in told) == 1
     assert sum(line.startswith("Between simulated and") for line in told) == 2

@@ -8,12 +8,11 @@ import pandas as pd
 import pytest
 from comparison_reader import WATTS, Reader
 from comparison_rows import CANDIDATE, NUMBER, PRESSURE, Rows, interval, same
-from made_up_comparison import SPEC, whole
+from made_up_comparison import SPEC, made_up_study, whole
 
-from workbench.compare.finalists import finalists
-from workbench.compare.page import write_comparison
-from workbench.study.schema import StudyFile
-from workbench.study.study import Study
+from workbench.compare.comparison import compare
+from workbench.compare.report.page import write_comparison
+from workbench.compare.section import COMPARISON
 
 
 @pytest.fixture(scope="module")
@@ -21,12 +20,12 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Rows]:
     """The lines of a page of made-up results, and their rows."""
     folder = tmp_path_factory.mktemp("page")
     search, fresh = whole(noise=0.2), whole(2, range(11, 27), noise=0.2)  # so that some verdicts are unsure
-    chosen = pd.DataFrame(finalists(SPEC, search))
+    again = COMPARISON.again(SPEC, search, None)
+    assert again is not None
+    chosen = pd.DataFrame(again.wanted)
     fresh = fresh.merge(chosen, on=list(chosen.columns))
-    (folder / "fresh").mkdir()
-    fresh.to_parquet(folder / "fresh" / "results.parquet")
-    study = Study(folder / "a.toml", "", StudyFile(title="Which", question="compensate or avoid?"))
-    markdown = write_comparison(SPEC, study, search, folder)[0].read_text(encoding="utf-8")
+    comparison = compare(made_up_study("Which", "compensate or avoid?"), SPEC, search, fresh)
+    markdown = write_comparison(comparison, folder)[0].read_text(encoding="utf-8")
     return markdown.splitlines(), Rows(search, fresh)
 
 
@@ -91,13 +90,13 @@ def test_the_matrix_says_what_the_cells_say(page: tuple[list[str], Rows]) -> Non
             assert margin.startswith(" or ".join(rows.both_ways(cell)) + ": ")
             continue
         name, rpm, real, mean, *_ = re.match(rf"{CANDIDATE}: {NUMBER} mm", margin).groups()
-        one = Reader(rows, cell).who(name, rpm, real)
-        assert same(mean, 1e3 * rows.errors(rows.fresh, cell, *one).mean())
+        candidate = Reader(rows, cell).who(name, rpm, real)
+        assert same(mean, 1e3 * rows.errors(rows.fresh, cell, *candidate).mean())
         if not price:
             assert rows.kind(cell) == "nothing needed"
             continue
         kind = "both" if rows.kind(cell) == "both" else "avoid"
-        found = rows.of(rows.fresh, cell, *rows.stands(cell)[kind])
+        turning = rows.of(rows.fresh, cell, *rows.stands(cell)[kind])
         form = (
             rf"rotating: {WATTS} at the terminals(?:, ([\d.]+) N m rms of a nominal 8)?, {WATTS} paid"
             rf"(?: \(at rest {WATTS}\))?"
@@ -105,10 +104,10 @@ def test_the_matrix_says_what_the_cells_say(page: tuple[list[str], Rows]) -> Non
         motor, mk, torque, paid, pk, rest, rk = re.fullmatch(form, price[0]).groups()
         still = rows.of(rows.fresh, cell, *rows.stands(cell)["compensate"])
         assert same(rest, still["paid_power_W"].mean() / (1e3 if rk else 1.0), 2)
-        assert (torque is not None) == (found["motor_torque_rms_N_m"].mean() > 8.0)
-        assert torque is None or same(torque, found["motor_torque_rms_N_m"].mean(), 2)
-        assert same(motor, found["motor_electric_power_W"].mean() / (1e3 if mk else 1.0), 2)
-        assert same(paid, found["paid_power_W"].mean() / (1e3 if pk else 1.0), 2)
+        assert (torque is not None) == (turning["motor_torque_rms_N_m"].mean() > 8.0)
+        assert torque is None or same(torque, turning["motor_torque_rms_N_m"].mean(), 2)
+        assert same(motor, turning["motor_electric_power_W"].mean() / (1e3 if mk else 1.0), 2)
+        assert same(paid, turning["paid_power_W"].mean() / (1e3 if pk else 1.0), 2)
 
 
 def test_every_sentence_above_the_details(page: tuple[list[str], Rows]) -> None:
@@ -163,24 +162,24 @@ def _by_machine(rows: Rows, machine: str, count: str, told: str) -> None:
     assert int(count) == len(kinds)
     seen = 0
     for kind, number, names in re.findall(r"([a-z ]+) in (\d+) \(([^)]*)\)", told):
-        own = [f"{cell.scenario} {cell.reference}" for cell, found in kinds.items() if found == kind.strip()]
+        own = [f"{cell.scenario} {cell.reference}" for cell, named in kinds.items() if named == kind.strip()]
         assert (int(number), names.split(", ")) == (len(own), own)
         seen += len(own)
     assert seen == len(kinds)
 
 
-def _between(rows: Rows, one: str, other: str, count: str, of: str, told: str) -> None:
+def _between(rows: Rows, here: str, there: str, count: str, of: str, told: str) -> None:
     pairs = {
-        f"{cell.scenario} {cell.reference}": (rows.kind(cell), rows.kind(cell._replace(machine=other)))
+        f"{cell.scenario} {cell.reference}": (rows.kind(cell), rows.kind(cell._replace(machine=there)))
         for cell in rows.cells()
-        if cell.machine == one
+        if cell.machine == here
     }
     apart = {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
     assert (int(count), int(of)) == (len(apart), len(pairs))
     assert told.split("; ") == [f"{name} ({first}, {second})" for name, (first, second) in apart.items()]
 
 
-def _around(rows: Rows, one: str, other: str, told: str) -> None:
+def _around(rows: Rows, first: str, second: str, told: str) -> None:
     number = re.compile(
         rf"([\d.]+) rpm: {WATTS} and {WATTS} at the rod \(ratio ([\d.]+)\), {WATTS} and {WATTS} at the terminals"
     )
@@ -190,13 +189,13 @@ def _around(rows: Rows, one: str, other: str, told: str) -> None:
         here = rows.search[rows.search["rpm"] == float(rpm)].groupby("machine")
         rod, terminals = here["rotation_power_W"].mean(), here["motor_electric_power_W"].mean()
         for text, kilo, value in (
-            (a, ak, rod[one]),
-            (b, bk, rod[other]),
-            (c, ck, terminals[one]),
-            (d, dk, terminals[other]),
+            (a, ak, rod[first]),
+            (b, bk, rod[second]),
+            (c, ck, terminals[first]),
+            (d, dk, terminals[second]),
         ):
             assert same(text, value / (1e3 if kilo else 1.0), 2)
-        assert same(ratio, rod[one] / rod[other], 2)
+        assert same(ratio, rod[first] / rod[second], 2)
         speeds.append(float(rpm))
     assert speeds == sorted(set(rows.search.loc[rows.search["rpm"] > 0, "rpm"]))
 
@@ -204,9 +203,9 @@ def _around(rows: Rows, one: str, other: str, told: str) -> None:
 def _model(rows: Rows, beats: str, of: str, level: str, loses: str, untold: str) -> None:
     words = []
     for cell in rows.cells():
-        held = [one for one in rows.ranked(cell, "compensate") if not rows.hunts(rows.fresh, cell, *one)]
-        pressure = [one for one in held if one[0] in PRESSURE]
-        model = [one for one in held if one[0] not in PRESSURE]
+        held = [each for each in rows.ranked(cell, "compensate") if not rows.hunts(rows.fresh, cell, *each)]
+        pressure = [each for each in held if each[0] in PRESSURE]
+        model = [each for each in held if each[0] not in PRESSURE]
         if pressure and model:
             words.append(rows.word(cell, pressure[0], model[0], 1))
     counted = [words.count(word) for word in ("beats", "is level with", "loses to", "cannot be told from")]
@@ -235,7 +234,7 @@ def _speed(rows: Rows, machine: str, count: str, of: str, furthest: str, below: 
     assert float(below) == pytest.approx(100.0 * part["below_stribeck_fraction"].mean(), abs=0.051)
 
 
-def _motor(rows: Rows, machine: str, told: str, said: str, above: str | None, limited: str, of: str) -> None:
+def _motor(rows: Rows, machine: str, told: str, limit: str, above: str | None, limited: str, of: str) -> None:
     whole = pd.concat([rows.search, rows.fresh], ignore_index=True)
     part = whole[(whole["machine"] == machine) & (whole["rpm"] > 0)]
     most = part.groupby("rpm")["motor_torque_rms_N_m"].max()
@@ -244,7 +243,7 @@ def _motor(rows: Rows, machine: str, told: str, said: str, above: str | None, li
         assert same(torque, most[float(rpm)], 2)
     assert len(told.split(", ")) == len(most)
     assert [float(rpm) for rpm in above.split(", ")] == list(most[most > 8.0].index) if above else (most <= 8.0).all()
-    assert said == ("above" if above else "not above")
+    assert limit == ("above" if above else "not above")
     assert (int(limited), int(of)) == (part["outcome"].eq("torque-limited").sum(), len(part))
 
 
@@ -276,8 +275,8 @@ def test_what_was_run_and_how_it_is_judged(page: tuple[list[str], Rows], tmp_pat
         f"draw(s). All completed. Measured again: {len(fresh)} cases on 16 fresh draws."
     )
     rules = " ".join(section(lines, "How it is judged"))
-    for said in ("5 % of the larger and 0.001 mm", "the 6 comparisons", "95 % (Bonferroni)", "rest on fresh draws"):
-        assert said in rules
+    for words in ("5 % of the larger and 0.001 mm", "the 6 comparisons", "95 % (Bonferroni)", "rest on fresh draws"):
+        assert words in rules
     told = f"Of {len(search)} cases whose solver error was found, 0 have one above 10 % of their error; in 0 of these"
     assert told in rules
     assert section(lines, "Left out") == ["Ramps."]

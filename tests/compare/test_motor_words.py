@@ -7,8 +7,8 @@ from command import STUDY, write
 
 from plants.motor import LIMITS, Motor
 from plants.registry import plants
-from workbench.compare.motor_words import motor_in_words
-from workbench.compare.page import motors
+from workbench.compare.report.motor import motor_in_words
+from workbench.compare.report.page import motors
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.study.reading import read_study
 
@@ -48,5 +48,5 @@ def test_the_page_of_results_needs_no_gain_files(tmp_path: Path) -> None:
     """A folder of results holds its study, not the files of gains that it names."""
     text = STUDY.replace('type = "pid"\nkp = "500 V/m"', 'gains = "not_here.toml"')
     assert text != STUDY
-    (said,) = motors(read_study(write(tmp_path, text)))
-    assert said.startswith("The motor's constants as printed")
+    (words,) = motors(read_study(write(tmp_path, text)))
+    assert words.startswith("The motor's constants as printed")

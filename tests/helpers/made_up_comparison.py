@@ -1,65 +1,112 @@
 """Results of a comparison that nobody simulated: errors, powers and limit cycles of given size over draws."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from workbench.compare.comparison import compare
+from workbench.compare.result import Comparison, Verdict
 from workbench.compare.schema import ComparisonTable
-from workbench.compare.verdicts import Verdict, verdicts
+from workbench.study.schema import StudyFile
+from workbench.study.study import Study
 
 SPEC = ComparisonTable(
     plain=["p", "pi"], pressure=["load_pressure"], steps=["steps"], negligible=1e-6, fresh_draws=10, left_out=["Ramps."]
 )
 
-COUNTS = SPEC.model_copy(update={"negligible": 1e-6})
-
 Errors = Mapping[tuple[str, float], float]
 """Mean error (m) by controller and rpm."""
 
 
-def case(controller: str, rpm: float, error: float, **other: Any) -> dict[str, Any]:
-    """One row of the results; `other` sets its columns."""
-    turning = rpm > 0
-    moving = other.get("reference", "sine") != "steps"
-    motor = 4.0 * rpm if turning else None
-    return {
-        "machine": "rig",
-        "scenario": "nominal",
-        "reference": "sine",
-        "rpm": rpm,
-        "controller": controller,
-        "draw": 1,
-        "outcome": "completed",
-        "phase_lag_deg": 1.0 if moving else None,
-        "rms_error_m": error,
-        "max_error_m": 2.0 * error,
-        "steady_state_max_error_m": None if moving else error,
-        "limit_cycle": None if moving else "none",
-        "limit_cycle_amplitude_m": None,
-        "supply_power_W": 200.0,
-        "rotation_power_W": rpm if turning else None,
-        "motor_electric_power_W": motor,
-        "motor_loss_W": 3.0 * rpm if turning else None,
-        "paid_power_W": 200.0 + (motor or 0.0),
-        "rotation_speed_mean_rpm": rpm if turning else None,
-        "below_stribeck_fraction": 0.25 if turning else None,
-        "motor_torque_rms_N_m": 0.05 * rpm if turning else None,
-        "solver_error_m": 1e-12,
-        "solver_rms_error_m": 1e-12,
-        **other,
-    }
+@dataclass(frozen=True)
+class Place:
+    """The cell in which a case is run."""
+
+    machine: str = "rig"
+    scenario: str = "nominal"
+    reference: str = "sine"
+
+
+HERE = Place()
+STEPS = Place(reference="steps")
+
+
+@dataclass(frozen=True)
+class ResultRow:
+    """One row of the results, by its columns."""
+
+    machine: str
+    scenario: str
+    reference: str
+    rpm: float
+    controller: str
+    draw: int
+    outcome: str
+    phase_lag_deg: float | None
+    rms_error_m: float
+    max_error_m: float
+    steady_state_max_error_m: float | None
+    limit_cycle: str | None
+    limit_cycle_amplitude_m: float | None
+    supply_power_W: float  # noqa: N815 - the unit's own letters
+    rotation_power_W: float | None  # noqa: N815
+    motor_electric_power_W: float | None  # noqa: N815
+    motor_loss_W: float | None  # noqa: N815
+    paid_power_W: float  # noqa: N815
+    rotation_speed_mean_rpm: float | None
+    below_stribeck_fraction: float | None
+    motor_torque_rms_N_m: float | None  # noqa: N815
+    solver_error_m: float = 1e-12
+    solver_rms_error_m: float = 1e-12
+
+
+def case(controller: str, rpm: float, error: float, draw: int = 1, place: Place = HERE) -> ResultRow:
+    """A case with an error (m), whose powers go with rpm."""
+    moving = place.reference != "steps"
+
+    def turning(value: float) -> float | None:
+        return value if rpm > 0 else None
+
+    return ResultRow(
+        machine=place.machine,
+        scenario=place.scenario,
+        reference=place.reference,
+        rpm=rpm,
+        controller=controller,
+        draw=draw,
+        outcome="completed",
+        phase_lag_deg=1.0 if moving else None,
+        rms_error_m=error,
+        max_error_m=2.0 * error,
+        steady_state_max_error_m=None if moving else error,
+        limit_cycle=None if moving else "none",
+        limit_cycle_amplitude_m=None,
+        supply_power_W=200.0,
+        rotation_power_W=turning(rpm),
+        motor_electric_power_W=turning(4.0 * rpm),
+        motor_loss_W=turning(3.0 * rpm),
+        paid_power_W=200.0 + 4.0 * rpm,
+        rotation_speed_mean_rpm=turning(rpm),
+        below_stribeck_fraction=turning(0.25),
+        motor_torque_rms_N_m=turning(0.05 * rpm),
+    )
 
 
 def cell(
-    errors: Errors, draws: Sequence[int] = range(1, 11), noise: float = 0.05, seed: int = 1, **other: Any
+    errors: Errors,
+    draws: Sequence[int] = range(1, 11),
+    noise: float = 0.05,
+    seed: int = 1,
+    place: Place = HERE,
 ) -> pd.DataFrame:
-    """One cell: each candidate with a spread of its own around what all share on a draw."""
+    """One cell: each candidate with a spread of its own around what all share on a plant sample."""
     random = np.random.default_rng(seed)
     shared = np.exp(0.4 * random.standard_normal(len(draws)))
     rows = [
-        case(controller, rpm, error * shared[i] * float(np.exp(noise * random.standard_normal())), draw=draw, **other)
+        case(controller, rpm, error * shared[i] * float(np.exp(noise * random.standard_normal())), draw, place)
         for (controller, rpm), error in errors.items()
         for i, draw in enumerate(draws)
     ]
@@ -86,8 +133,7 @@ def whole(seed: int = 1, draws: Sequence[int] = range(1, 11), noise: float = 0.1
                     for rpm in SPEEDS
                 }
                 seed += 1000
-                other = {"machine": machine, "scenario": scenario, "reference": reference}
-                part = cell(errors, draws, noise, seed, **other)
+                part = cell(errors, draws, noise, seed, Place(machine, scenario, reference))
                 if machine == "simulated":
                     part["rotation_power_W"] *= 100.0
                     part["rotation_speed_mean_rpm"] *= 1.1
@@ -104,7 +150,17 @@ def whole(seed: int = 1, draws: Sequence[int] = range(1, 11), noise: float = 0.1
     return pd.concat(frames, ignore_index=True)
 
 
-def verdict(frame: pd.DataFrame, spec: ComparisonTable = COUNTS, fresh: pd.DataFrame | None = None) -> Verdict:
+def made_up_study(title: str = "made up", question: str = "") -> Study:
+    """A study that holds nothing but its title and question."""
+    return Study(Path("made_up.toml"), "", StudyFile(title=title, question=question))
+
+
+def compared(frame: pd.DataFrame, table: ComparisonTable = SPEC, fresh: pd.DataFrame | None = None) -> Comparison:
+    """The comparison of made-up results."""
+    return compare(made_up_study(), table, frame, fresh)
+
+
+def verdict(frame: pd.DataFrame, table: ComparisonTable = SPEC, fresh: pd.DataFrame | None = None) -> Verdict:
     """The verdict of a study of one cell."""
-    (found,) = verdicts(spec, frame, fresh).values()
-    return found
+    (only,) = compared(frame, table, fresh).verdicts.values()
+    return only

@@ -14,10 +14,10 @@ def command(
     other: Annotated[Path, typer.Argument(help="Another folder of results of the same.", metavar="DIR")],
 ) -> None:
     """Say how many verdicts another comparison moves."""
-    from workbench.compare.agreement import agreement
-    from workbench.compare.results import verdicts_of
+    from workbench.compare.agreement import agreement, agreement_words
+    from workbench.compare.comparison import comparison_in
 
-    found = agreement(verdicts_of(one), verdicts_of(other))
-    if not found.cells:
+    held = agreement(comparison_in(one).verdicts, comparison_in(other).verdicts)
+    if not held.cells:
         raise UserError(f"{one} and {other} have no field in common: expected two comparisons of the same")
-    print("\n".join(found.words))
+    print("\n".join(agreement_words(held)))

@@ -31,9 +31,9 @@ def command(
         return
     check_folder(out, overwrite)
     try:
-        with ProgressLine() as tell:
-            decision = decide(planned, jobs, tell)
-            tell("tables, figures, page", 1.0)
+        with ProgressLine() as progress:
+            decision = decide(planned, jobs, progress)
+            progress("tables, figures, page", 1.0)
             write_decision(decision, out, began, jobs)
     except KeyboardInterrupt:
         print("stopped; nothing is written", file=sys.stderr)

@@ -31,9 +31,9 @@ def command(
     ready, names = prepared(read_study(study), controller or ["all"], trials)
     database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
     try:
-        with ProgressLine() as tell:
-            tuning = tune_all(ready, names, database, jobs, tell)
-            written = write_tuning(tuning, out, began=began, jobs=jobs, tell=tell)
+        with ProgressLine() as progress:
+            tuning = tune_all(ready, names, database, jobs, progress)
+            written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
     except KeyboardInterrupt:
         print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
         raise typer.Exit(130) from None

@@ -1,1 +1,1 @@
-"""Compensation against avoidance: verdicts with intervals out of a study's draws, their words, figures and page."""
+"""Compensation against avoidance: verdicts with intervals out of plant samples, their words, figures and page."""

@@ -1,12 +1,12 @@
-"""Who takes part in a comparison: a controller at one speed of rotation, with its errors over the draws.
+"""Who takes part in a comparison: a controller at one speed of rotation, with its errors over the plant samples.
 
 A cell of the comparison is one machine, scenario and reference. Its candidates fall into four classes, by whether their
-controller compensates and whether the rod turns. What hunts in any draw never wins. One hunting draw of many says
-little of a share, though: whether it is more than `RARE` may be open, and then what rests on it is open too.
+controller compensates and whether the rod turns. What hunts on any plant sample never wins. One hunting sample of many
+says little of a share, though: whether it is more than `RARE` may be open, and then what rests on it is open too.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -14,12 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from workbench.compare.intervals import LEAST
-from workbench.compare.schema import ComparisonTable
-from workbench.metrics.limit_cycle import HUNTING
+from workbench.compare.intervals import LEAST, Interval, interval_of_mean
 from workbench.metrics.statistics import share_interval
 from workbench.publish.words import plain_name
-from workbench.simulation.run import COMPLETED
 
 MM = 1e3
 
@@ -30,7 +27,7 @@ SOLVER_ERROR = {"rms_error_m": "solver_rms_error_m", "steady_state_max_error_m":
 """The column that says what the integration may add to an error."""
 
 RARE = 0.05
-"""What hunts on no larger a share of the machines hunts rarely."""
+"""What hunts on no larger a share of all plants hunts rarely."""
 
 HUNTS = "hunts"
 """The flaw of what hunts."""
@@ -48,13 +45,37 @@ class Cell(NamedTuple):
     scenario: str
     reference: str
 
+    @property
+    def words(self) -> str:
+        """Scenario and reference in words."""
+        return f"{plain_name(self.scenario)} {plain_name(self.reference)}"
+
+    @property
+    def whole_words(self) -> str:
+        """The same with the machine, where there are several."""
+        return f"{plain_name(self.machine)} {self.words}" if self.machine else self.words
+
+
+class HuntingCount(NamedTuple):
+    """On how many plant samples a candidate hunts in any reference that holds still, and of how many."""
+
+    hunts: int
+    samples: int
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """Between which shares of all plants that is."""
+        return share_interval(self.hunts, self.samples)
+
+
+NOWHERE_JUDGED = HuntingCount(0, 0)
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A controller at one speed of rotation, in one cell: a row of the results a draw, indexed by draw.
+    """A controller at one speed of rotation, in one cell: a row of the results a plant sample, indexed by its number.
 
-    `flaw` says why it cannot win; it is empty where it can. `hunting`: on how many draws it hunts in any reference that
-    holds still, and of how many.
+    `flaw` says why it cannot win; it is empty where it can.
     """
 
     controller: str
@@ -63,13 +84,13 @@ class Candidate:
     rows: pd.DataFrame
     error_column: str
     flaw: str
-    hunting: tuple[int, int] = (0, 0)
+    hunting: HuntingCount = NOWHERE_JUDGED
 
     @property
     def rare(self) -> bool:
         """Whether hunting is its only flaw, and may be rare: its share is not surely above `RARE`."""
         known = not np.isnan(self.errors).any()
-        return self.flaw == HUNTS and known and share_interval(*self.hunting)[0] <= RARE
+        return self.flaw == HUNTS and known and self.hunting.share[0] <= RARE
 
     @property
     def key(self) -> tuple[str, float]:
@@ -83,9 +104,14 @@ class Candidate:
             return "avoid" if self.rpm > 0 else "nothing"
         return "both" if self.rpm > 0 else "compensate"
 
+    @property
+    def samples(self) -> int:
+        """On how many plant samples it was run."""
+        return len(self.rows)
+
     @cached_property
     def errors(self) -> NDArray[np.float64]:
-        """Its error (m) on each draw."""
+        """Its error (m) on each plant sample."""
         return self.rows[self.error_column].to_numpy(float)
 
     @property
@@ -93,19 +119,49 @@ class Candidate:
         """The geometric mean of its errors (m); those too small to be told count as `LEAST`."""
         return float(np.exp(np.mean(np.log(np.maximum(self.errors, LEAST)))))
 
+    def mean_error(self, probability: float) -> Interval:
+        """The mean of its errors (m) with its interval of that `probability`: no error is below 0."""
+        interval = interval_of_mean(self.errors, probability)
+        return replace(interval, low=max(interval.low, 0.0))
+
     @property
     def solver_error(self) -> float:
-        """What the integration adds to its error (m), the mean over the draws that tell; 0 where none does."""
+        """What the integration adds to its error (m), the mean over the samples that tell; 0 where none does."""
         known = self.rows[SOLVER_ERROR[self.error_column]].dropna()
         return float(known.mean()) if len(known) else 0.0
 
     @property
-    def paid(self) -> float:
+    def paid_power(self) -> float:
         """Mean power (W) that pump and motor pay together."""
-        return self.mean("paid_power_W")
+        return self._mean("paid_power_W")
 
-    def mean(self, column: str) -> float:
-        """The mean of a figure over the draws in which it applies, NaN if in none."""
+    @property
+    def pump_power(self) -> float:
+        """Mean power (W) that the pump pays."""
+        return self._mean("supply_power_W")
+
+    @property
+    def terminal_power(self) -> float:
+        """Mean power (W) at the motor's terminals; NaN where nothing turns."""
+        return self._mean("motor_electric_power_W")
+
+    @property
+    def motor_loss(self) -> float:
+        """Mean power (W) that is lost between the terminals and the rod; NaN where no motor is modelled."""
+        return self._mean("motor_loss_W")
+
+    @property
+    def motor_torque(self) -> float:
+        """Mean of the rms torque (N m) of the motor; NaN where nothing turns."""
+        return self._mean("motor_torque_rms_N_m")
+
+    @property
+    def real_rpm(self) -> float:
+        """Mean real speed of rotation (rpm); NaN where nothing turns."""
+        return self._mean("rotation_speed_mean_rpm")
+
+    def _mean(self, column: str) -> float:
+        """The mean of a metric over the plant samples on which it applies, NaN if on none."""
         return float(pd.to_numeric(self.rows[column]).mean())
 
     @property
@@ -113,88 +169,31 @@ class Candidate:
         """Its name: controller and speed, the real one too where it is another."""
         if self.rpm == 0:
             return f"{plain_name(self.controller)} at rest"
-        real = self.mean("rotation_speed_mean_rpm")
-        said = f" (really {real:.3g})" if abs(real - self.rpm) > TOLD_SPEED * self.rpm else ""
-        return f"{plain_name(self.controller)} at {self.rpm:g} rpm{said}"
+        return f"{plain_name(self.controller)} at {turning_words(self.rpm, self.real_rpm, ' rpm')}"
 
 
-def error_column(spec: ComparisonTable, reference: str) -> str:
-    """What counts as the error of a reference: the largest at the end of a dwell for steps, the rms error of motion."""
-    return "steady_state_max_error_m" if reference in spec.steps else "rms_error_m"
+def turning_words(rpm: float, real: float, unit: str = "") -> str:
+    """A commanded speed of rotation (rpm), with the real one where it is another."""
+    off = rpm != 0 and abs(real - rpm) > TOLD_SPEED * rpm
+    return f"{rpm:g}{unit}" + (f" (really {real:.3g})" if off else "")
 
 
-def family_of(spec: ComparisonTable, controller: str) -> Family:
-    """The family of a controller."""
-    return "plain" if controller in spec.plain else "pressure" if controller in spec.pressure else "friction model"
-
-
-def with_all_axes(frame: pd.DataFrame) -> pd.DataFrame:
-    """The results with a column for each axis of a comparison: one machine, scenario or draw where there is no axis."""
-    filled: dict[str, str | int] = {"machine": "", "scenario": "nominal", "draw": 1}
-    for name, value in filled.items():
-        if name not in frame:
-            frame = frame.assign(**{name: value})
-    return frame
-
-
-def of_tuned(spec: ComparisonTable, frame: pd.DataFrame) -> pd.DataFrame:
-    """The results without controllers whose gains are those before."""
-    return frame[~frame["controller"].isin(list(spec.before.values()))]
-
-
-def cells_of(spec: ComparisonTable, frame: pd.DataFrame) -> dict[Cell, list[Candidate]]:
-    """The candidates of each cell, in the order of the results."""
-    frame = with_all_axes(frame)
-    hunting = hunting_draws(frame)
-    found: dict[Cell, list[Candidate]] = {}
-    names = ["machine", "scenario", "reference", "controller", "rpm"]
-    for key, rows in frame.set_index("draw").sort_index(kind="stable").groupby(names, sort=False):
-        machine, scenario, reference, controller = map(str, key[:-1])
-        rpm = float(str(key[-1]))
-        column = error_column(spec, reference)
-        hunts = hunting.get((machine, scenario, controller, rpm), (0, 0))
-        flaw = _flaw(rows, column, hunts[0] > 0)
-        candidate = Candidate(controller, rpm, family_of(spec, controller), rows, column, flaw, hunts)
-        found.setdefault(Cell(machine, scenario, reference), []).append(candidate)
-    return found
-
-
-def hunting_draws(frame: pd.DataFrame) -> dict[tuple[str, str, str, float], tuple[int, int]]:
-    """By machine, scenario, controller and rpm, on how many draws it hunts in any reference that holds still, of how
-    many; none for what is judged nowhere.
-    """
-    judged = frame.dropna(subset=["limit_cycle"])
-    names = ["machine", "scenario", "controller", "rpm"]
-    hunts = judged["limit_cycle"].isin(HUNTING).groupby([judged[name] for name in (*names, "draw")]).any()
-    counts = hunts.groupby(level=names).agg(["sum", "size"])
-    return {key: (int(count), int(of)) for key, count, of in counts.itertuples(name=None)}
-
-
-def _flaw(rows: pd.DataFrame, error: str, hunts: bool) -> str:
-    """Why a candidate cannot win; empty if it can. What does not complete has that flaw, whether it hunts or not."""
-    unusual = [outcome for outcome in rows["outcome"].to_numpy() if outcome != COMPLETED]
-    if unusual:
-        return str(unusual[0])
-    if hunts:
-        return HUNTS
-    return "has no error" if np.isnan(rows[error].to_numpy(float)).any() else ""
-
-
-def by_class(candidates: list[Candidate]) -> Mapping[Class, list[Candidate]]:
+def by_class(candidates: Iterable[Candidate]) -> Mapping[Class, list[Candidate]]:
     """The candidates of each class, those without a flaw in front, the least error first."""
-    return {kind: sorted((one for one in candidates if one.kind == kind), key=order) for kind in CLASSES}
+    ranked = sorted(candidates, key=order)
+    return {kind: [candidate for candidate in ranked if candidate.kind == kind] for kind in CLASSES}
 
 
-def order(one: Candidate) -> tuple[int, float, float, str, float]:
+def order(candidate: Candidate) -> tuple[int, float, float, str, float]:
     """The place of a candidate: the least error first, behind them those that hunt rarely, then all other flaws.
 
     Of errors too small to be told the smaller mean decides, and then the name: never the order of the study.
     """
-    if one.flaw and not one.rare:
-        return 2, 0.0, 0.0, *one.key
-    return int(bool(one.flaw)), one.size, float(np.mean(one.errors)), *one.key
+    if candidate.flaw and not candidate.rare:
+        return 2, 0.0, 0.0, *candidate.key
+    return int(bool(candidate.flaw)), candidate.size, float(np.mean(candidate.errors)), *candidate.key
 
 
 def sound(candidates: Iterable[Candidate]) -> Iterator[Candidate]:
     """Those that can win."""
-    return (one for one in candidates if not one.flaw)
+    return (candidate for candidate in candidates if not candidate.flaw)

@@ -12,35 +12,35 @@ AXES = ("reference", "controller", "rpm")
 """Those by which a comparison tells its candidates and motions apart."""
 
 
-def check_comparison(spec: ComparisonTable, checked: Checked) -> None:
+def check_comparison(table: ComparisonTable, checked: Checked) -> None:
     """Raise UserError for the first thing in [comparison] that the study's cases do not have."""
     study, cases = checked.study, checked.cases
     for axis in AXES:
         if axis not in checked.axes:
             raise study.error(("comparison",), f'needs an axis "{axis}"; give it one under [axes], however short')
-    if spec.fresh_draws and (study.file.uncertainty is None or not study.file.uncertainty.draws):
+    if table.fresh_draws and (study.file.uncertainty is None or not study.file.uncertainty.draws):
         message = "needs draws from which the best are chosen; give [uncertainty] draws, or leave it out"
         raise study.error(("comparison", "fresh_draws"), message)
     known = {kind: dict.fromkeys(named(case, kind) for case in cases) for kind in ("controller", "reference")}
     for family in ("plain", "pressure"):
-        for i, name in enumerate(getattr(spec, family)):
+        for i, name in enumerate(getattr(table, family)):
             check_name(study, ("comparison", family, i), "controller", name, known["controller"])
-    for i, name in enumerate(spec.steps):
+    for i, name in enumerate(table.steps):
         check_name(study, ("comparison", "steps", i), "reference", name, known["reference"])
-    _check_steps(spec, checked)
-    for pair in spec.before.items():
+    _check_steps(table, checked)
+    for pair in table.before.items():
         for name in pair:
             check_name(study, ("comparison", "before", pair[0]), "controller", name, known["controller"])
 
 
-def _check_steps(spec: ComparisonTable, checked: Checked) -> None:
+def _check_steps(table: ComparisonTable, checked: Checked) -> None:
     """What holds still is judged by where it stops, what moves by the whole way: neither by the other's error."""
     study = checked.study
     for case, item in zip(checked.cases, checked.resolved, strict=True):
         name, reference = named(case, "reference"), item.setup.reference
-        if isinstance(reference, Steps) and name not in spec.steps:
+        if isinstance(reference, Steps) and name not in table.steps:
             raise study.error(("comparison", "steps"), f'"{name}" holds still between its steps; add it')
-        if name in spec.steps and (reference is None or not reference.dwells(item.setup.duration)):
+        if name in table.steps and (reference is None or not reference.dwells(item.setup.duration)):
             raise study.error(("comparison", "steps"), f'"{name}" does not hold still; leave it out')
 
 
@@ -48,12 +48,12 @@ WITHOUT_MODEL = ("load_pressure", "uncompensated")
 """Types of compensators that have none."""
 
 
-def one_sided(spec: ComparisonTable, checked: Checked) -> Iterator[str]:
+def one_sided(table: ComparisonTable, checked: Checked) -> Iterator[str]:
     """What of a comparison's answer would come from a side that it lacks, in words."""
     study = checked.study
     rpms = {case.rpm for case in checked.cases}
     names = [named(case, "controller") for case in checked.cases]
-    plain = [item.settings for name, item in zip(names, checked.resolved, strict=True) if name in spec.plain]
+    plain = [item.settings for name, item in zip(names, checked.resolved, strict=True) if name in table.plain]
     if 0.0 not in rpms or len(rpms) < 2:
         yield _told(study, ("comparison",), "has no case at rest beside one that turns: no field will have a verdict")
     if len(plain) == len(names):
@@ -66,12 +66,12 @@ def one_sided(spec: ComparisonTable, checked: Checked) -> Iterator[str]:
         yield _told(study, ("comparison", "plain"), message)
 
 
-def misplaced(spec: ComparisonTable, checked: Checked) -> Iterator[str]:
+def misplaced(table: ComparisonTable, checked: Checked) -> Iterator[str]:
     """Which controllers without a friction model the page would call ones with one, in words."""
     study, cases = checked.study, checked.cases
     for name in dict.fromkeys(named(case, "controller") for case in cases):
         kind = next(case.tables["controllers"][name].get("type") for case in cases if named(case, "controller") == name)
-        if kind in WITHOUT_MODEL and name not in (*spec.plain, *spec.pressure):
+        if kind in WITHOUT_MODEL and name not in (*table.plain, *table.pressure):
             message = f'"{name}" is of type "{kind}", which has no friction model; add it to pressure = [...]'
             yield _told(study, ("comparison",), message)
 

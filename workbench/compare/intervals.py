@@ -1,11 +1,11 @@
-"""What paired draws say of a ratio and of a difference: intervals, and in words whether one beats the other.
+"""What paired plant samples say of a ratio and of a difference: intervals, and whether one candidate beats another.
 
-Both candidates meet the same draws, so what the draws share cancels. Two errors a and b count as different if they
+Both candidates meet the same plant samples, so what these share cancels. Two errors a and b count as different if they
 differ by more than 5 % of the larger and `negligible` together; this one comparison is made on
 
     log((b + c) / (a + c)),    c = negligible / 5 %,
 
-which is the logarithm of the ratio where errors are large, on which errors that vary by factors from machine to machine
+which is the logarithm of the ratio where errors are large, on which errors that vary by factors from plant to plant
 differ nearly normally, and their difference in metres where they are small. Its interval is Student's for paired
 observations,
 
@@ -34,8 +34,8 @@ CLOSE = 0.05
 LEAST = 1e-7
 """The least error (m) that is told; ratios take smaller ones for it."""
 
-MOST_DRAWS = 1000
-"""More draws than these are not proposed."""
+MOST_PROPOSED = 1000
+"""More plant samples than these are not proposed."""
 
 Word = Literal["beats", "loses to", "is level with", "cannot be told from"]
 
@@ -44,7 +44,7 @@ OPPOSITE: dict[Word, Word] = {"beats": "loses to", "loses to": "beats"}
 
 @dataclass(frozen=True)
 class Interval:
-    """Where a mean is: the mean found, and between what it lies. Without spread known, both ends are the mean."""
+    """Where a mean is: that of the samples, and between what it lies. Without spread known, both ends are the mean."""
 
     mean: float
     low: float
@@ -53,16 +53,16 @@ class Interval:
 
 @dataclass(frozen=True)
 class Relation:
-    """One candidate against another on common draws.
+    """One candidate against another on common plant samples.
 
     `ratio`: the other's error over this one's (geometric mean); `difference`: the other's error less this one's (m);
-    `needed`: about how many draws would tell what these do not, None where `MOST_DRAWS` would not.
+    `needed`: about how many samples would tell what these do not, None where `MOST_PROPOSED` would not.
     """
 
     word: Word
     ratio: Interval
     difference: Interval
-    draws: int
+    samples: int
     needed: int | None = None
 
     @property
@@ -73,7 +73,7 @@ class Relation:
             OPPOSITE.get(self.word, self.word),
             Interval(1.0 / ratio.mean, 1.0 / ratio.high, 1.0 / ratio.low),
             Interval(-difference.mean, -difference.high, -difference.low),
-            self.draws,
+            self.samples,
             self.needed,
         )
 
@@ -99,37 +99,37 @@ def _quantile(above: float, freedom: int) -> float:
 
 
 def paired(
-    one: NDArray[np.float64],
-    other: NDArray[np.float64],
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
     *,
     negligible: float,
     solver_error: float,
     probability: float,
     comparisons: int,
 ) -> Relation:
-    """How the errors `one` compare with the errors `other` of the same draws.
+    """How the errors `first` compare with the errors `second` of the same plant samples.
 
     Args:
-        one, other: errors (m), a value a draw, in the same order.
+        first, second: errors (m), a value a sample, in the same order.
         negligible: difference (m) that does not count.
         solver_error: what the integration may add to the difference (m).
         probability: that all `comparisons` intervals hold together.
         comparisons: how many are made for the same verdict.
     """
     floor = max(negligible, solver_error) / CLOSE
-    counted = np.log((other + floor) / (one + floor))
-    logs = np.log(np.maximum(other, LEAST) / np.maximum(one, LEAST))
+    counted = np.log((second + floor) / (first + floor))
+    logs = np.log(np.maximum(second, LEAST) / np.maximum(first, LEAST))
     mean, spread = float(np.mean(counted)), float(np.std(counted, ddof=1)) if counted.size > 1 else 0.0
 
-    def found(draws: int) -> Word:
-        return _word(_student(mean, spread, draws, probability, comparisons))
+    def word_with(samples: int) -> Word:
+        return _word(_student(mean, spread, samples, probability, comparisons))
 
-    word, needed = found(counted.size), None
+    word, needed = word_with(counted.size), None
     if word == "cannot be told from":
-        needed = next((n for n in _more_than(counted.size) if found(n) != word), None)
+        needed = next((samples for samples in _more_than(counted.size) if word_with(samples) != word), None)
     log = interval_of_mean(logs, probability, comparisons)
     ratio = Interval(*(math.exp(value) for value in (log.mean, log.low, log.high)))
-    difference = interval_of_mean(other - one, probability, comparisons)
+    difference = interval_of_mean(second - first, probability, comparisons)
     return Relation(word, ratio, difference, counted.size, needed)
 
 
@@ -145,11 +145,11 @@ def _word(counted: Interval) -> Word:
     return "cannot be told from"
 
 
-def _more_than(draws: int) -> list[int]:
-    """Numbers of draws that may be proposed: two digits, each about 5 % above the one before."""
-    numbers, value = [], float(draws)
-    while value < MOST_DRAWS:
+def _more_than(samples: int) -> list[int]:
+    """Numbers of plant samples that may be proposed: two digits, each about 5 % above the one before."""
+    numbers, value = [], float(samples)
+    while value < MOST_PROPOSED:
         value = max(value + 1.0, 1.05 * value)
         digits = 10 ** max(0, math.floor(math.log10(value)) - 1)
         numbers.append(math.ceil(value / digits) * digits)
-    return sorted(number for number in set(numbers) if number <= MOST_DRAWS)
+    return sorted(number for number in set(numbers) if number <= MOST_PROPOSED)

@@ -13,8 +13,8 @@ class ComparisonTable(Strict):
     that compensate by the measured load pressure, without a friction model; all others have a friction model. `steps`
     are the references that are judged by the largest error at the end of a dwell; what hunts in them never wins.
     Errors that differ by less than `negligible` are level. `probability` is that of the intervals of one scenario and
-    reference together. The best of each class are measured again on `fresh_draws` machines that no choice has seen, and
-    those behind them where they hunt there.
+    reference together. The best of each class are measured again on `fresh_draws` plant samples that no choice has
+    seen, and those behind them where they hunt there.
     `nominal_torque` (N m) is what the motor may deliver for good. `before` has for controllers with tuned gains the
     name of the one with the gains before: the page is of the tuned ones, and says which conclusions are others.
     `left_out` says what the study does not hold.

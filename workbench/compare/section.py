@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from workbench.compare.candidates import Cell
 from workbench.compare.checks import check_comparison, misplaced, one_sided
 from workbench.compare.finalists import finalists
 from workbench.compare.schema import ComparisonTable
@@ -11,23 +12,29 @@ from workbench.study.sections import Again, Checked, Section
 from workbench.study.study import Study
 
 
-def _warnings(spec: ComparisonTable, checked: Checked) -> list[str]:
-    return [*one_sided(spec, checked), *misplaced(spec, checked)]
+def _warnings(table: ComparisonTable, checked: Checked) -> list[str]:
+    return [*one_sided(table, checked), *misplaced(table, checked)]
 
 
-def _again(spec: ComparisonTable, searched: pd.DataFrame, fresh: pd.DataFrame | None) -> Again | None:
-    """The best of each class on fresh draws; where they hunt there, those behind them, until one holds."""
-    wanted = finalists(spec, searched, fresh) if spec.fresh_draws else []
-    if not wanted:
+def _again(table: ComparisonTable, searched: pd.DataFrame, fresh: pd.DataFrame | None) -> Again | None:
+    """The best of each class on fresh plant samples; where they hunt there, those behind them, until one holds."""
+    chosen = finalists(table, searched, fresh) if table.fresh_draws else []
+    if not chosen:
         return None
+    cells = [name for name in Cell._fields if name in searched]
+    wanted = [
+        {**{name: getattr(each.cell, name) for name in cells}, "controller": each.controller, "rpm": each.rpm}
+        for each in chosen
+    ]
     who = "the best of each class" if fresh is None else "those behind whom hunting has taken out"
-    return Again(wanted, spec.fresh_draws, who)
+    return Again(wanted, table.fresh_draws, who)
 
 
-def _pages(spec: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
-    from workbench.compare.page import write_comparison  # what draws and tabulates is imported where there are results
+def _pages(table: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    from workbench.compare.comparison import compare, fresh_results
+    from workbench.compare.report.page import write_comparison  # imports what draws and tabulates
 
-    return write_comparison(spec, study, frame, folder)
+    return write_comparison(compare(study, table, frame, fresh_results(folder)), folder)
 
 
 COMPARISON = Section(

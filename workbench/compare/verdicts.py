@@ -1,171 +1,95 @@
-"""What the draws say of each cell: compensate, avoid, both, neither, or that they do not tell.
+"""What the plant samples say of each cell: compensate, avoid, both, neither, or that they do not tell.
 
-Each class sends one candidate, the best of the draws that all candidates met; they are compared in pairs on the fresh
-draws, where there are any. A difference counts only if its whole interval lies beyond what counts, so chance moves a
+Each class sends one candidate, the best of the samples that all candidates met; they are compared in pairs on the fresh
+samples, where there are any. A difference counts only if its whole interval lies beyond what counts, so chance moves a
 verdict to "cannot be told" before it turns it around.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
-from typing import Literal
 
 import pandas as pd
 
-from workbench.compare.candidates import CLASSES, Candidate, Cell, Class, by_class, cells_of, of_tuned, order, sound
+from workbench.compare.candidates import CLASSES, Candidate, Cell, Class, HuntingCount, by_class, order, sound
+from workbench.compare.cells import Cells, cells_of, of_tuned
 from workbench.compare.finalists import related
-from workbench.compare.intervals import Interval, Relation, Word, interval_of_mean
+from workbench.compare.intervals import Relation
+from workbench.compare.result import Kind, Verdict
 from workbench.compare.schema import ComparisonTable
-
-Kind = Literal[
-    "compensate", "avoid", "both", "nothing needed", "level", "cannot be told", "none holds", "no comparison"
-]
 
 COMPARISONS = len(list(combinations(CLASSES, 2)))
 """Pairs of classes that a verdict may rest on."""
 
 
-NAMED: Mapping[Kind, Class] = {
-    "nothing needed": "nothing",
-    "compensate": "compensate",
-    "avoid": "avoid",
-    "both": "both",
-}
-"""The class that a verdict names, where it names one."""
-
-
-@dataclass(frozen=True, eq=False)
-class Verdict:
-    """What is said of one cell.
-
-    `best` has the candidate of each class as measured for the verdict, none for a class whose candidates all have a
-    flaw; `flawed` has those candidates, as they were measured last; `candidates` all that were measured for the
-    verdict, in the order in which they were chosen.
-    `fresh`: whether the draws are ones that no choice has seen. `rare` has of each class the best that may hunt rarely,
-    where it errs less than whoever holds; `otherwise` is the verdict if these did hold, where it is another, and the
-    verdict then is that this cannot be told; `strictly` is the one if none of them does.
-    """
-
-    kind: Kind
-    best: Mapping[Class, Candidate]
-    relations: Mapping[tuple[Class, Class], Relation]
-    flawed: Mapping[Class, list[Candidate]] = field(default_factory=dict)
-    candidates: list[Candidate] = field(default_factory=list)
-    fresh: bool = False
-    rare: Mapping[Class, Candidate] = field(default_factory=dict)
-    strictly: Kind | None = None
-    otherwise: Kind | None = None
-
-    def relation(self, one: Class, other: Class) -> Relation:
-        """How the candidate of one class does against that of another."""
-        found = self.relations.get((one, other))
-        return found if found is not None else self.relations[other, one].reversed
-
-    @property
-    def pair(self) -> tuple[Class, Class] | None:
-        """The two classes whose difference the verdict tells: the one that is named, and its rival."""
-        if self.kind == "level":
-            return self._first("is level with")
-        if self.kind == "cannot be told":
-            return None if self.otherwise else self._first("cannot be told from")
-        if self.kind not in NAMED:
-            return None
-        one = NAMED[self.kind]
-        rivals = CLASSES[1:] if one == "nothing" else ("compensate", "avoid")
-        there = [kind for kind in rivals if kind in self.best and kind != one]
-        return (one, min(there, key=lambda kind: self.best[kind].size)) if there else None
-
-    @property
-    def turning(self) -> Candidate | None:
-        """The rotating candidate that is, or would be, chosen; None where there is none or nothing is to be chosen."""
-        if self.kind in ("nothing needed", "no comparison", "none holds"):
-            return None
-        return self.best.get("both" if self.kind == "both" else "avoid")
-
-    @property
-    def still(self) -> Candidate | None:
-        """The candidate at rest beside which it has its price."""
-        return self.best.get("compensate", self.best.get("nothing"))
-
-    @property
-    def together(self) -> Relation | None:
-        """How compensation with rotation does against the one of the two that the verdict names."""
-        if self.kind not in ("compensate", "avoid") or "both" not in self.best:
-            return None
-        return self.relation("both", NAMED[self.kind])
-
-    def _first(self, word: Word) -> tuple[Class, Class]:
-        """The first pair with this relation, compensation against rotation in front."""
-        pairs = sorted(self.relations, key=lambda pair: pair != ("compensate", "avoid"))
-        return next(pair for pair in pairs if self.relations[pair].word == word)
-
-    @property
-    def draws(self) -> int:
-        """The draws that every candidate of the cell has met."""
-        return min((len(one.rows) for one in self.best.values()), default=0)
-
-
-def verdicts(spec: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None = None) -> dict[Cell, Verdict]:
+def verdicts_of(table: ComparisonTable, frame: pd.DataFrame, fresh: pd.DataFrame | None = None) -> dict[Cell, Verdict]:
     """The verdict of each cell: chosen from `frame`, and measured in `fresh` where there is such a frame."""
-    found = cells_of(spec, of_tuned(spec, frame))
-    again = {} if fresh is None else cells_of(spec, of_tuned(spec, fresh))
-    return {cell: _verdict(spec, candidates, again.get(cell)) for cell, candidates in found.items()}
+    measured = None if fresh is None else cells_of(table, of_tuned(table, fresh))
+    return judged(table, cells_of(table, of_tuned(table, frame)), measured)
 
 
-def _verdict(spec: ComparisonTable, searched: list[Candidate], fresh: list[Candidate] | None) -> Verdict:
+def judged(table: ComparisonTable, searched: Cells, measured: Cells | None) -> dict[Cell, Verdict]:
+    """The same of the candidates of each cell."""
+    again = {} if measured is None else measured
+    return {cell: _verdict(table, candidates, again.get(cell)) for cell, candidates in searched.items()}
+
+
+def _verdict(table: ComparisonTable, searched: Sequence[Candidate], fresh: Sequence[Candidate] | None) -> Verdict:
     """The verdict of one cell."""
     measured = searched if fresh is None else fresh
     best, flawed, rare = _standing(searched, measured)
-    places = {one.key: i for i, one in enumerate(sound(sorted(searched, key=order)))}
-    measured = sorted(measured, key=lambda one: places.get(one.key, len(places)))
-    relations = _relations(spec, best)
+    places = {candidate.key: i for i, candidate in enumerate(sound(sorted(searched, key=order)))}
+    measured = sorted(measured, key=lambda candidate: places.get(candidate.key, len(places)))
+    relations = _relations(table, best)
     made = Verdict("no comparison", best, relations, flawed, measured, fresh is not None, rare)
-    strictly = _kind(spec, made)
+    strictly = _kind(table, made)
     among = best | rare
-    otherwise = _kind(spec, replace(made, best=among, relations=_relations(spec, among))) if rare else strictly
+    otherwise = _kind(table, replace(made, best=among, relations=_relations(table, among))) if rare else strictly
     if strictly == otherwise:
         return replace(made, kind=strictly)
     return replace(made, kind="cannot be told", strictly=strictly, otherwise=otherwise)
 
 
 def _standing(
-    searched: list[Candidate], measured: list[Candidate]
+    searched: Sequence[Candidate], measured: Sequence[Candidate]
 ) -> tuple[dict[Class, Candidate], dict[Class, list[Candidate]], dict[Class, Candidate]]:
     """`best`, `flawed` and `rare` of a verdict: by class the first that holds, all where none does, and the first that
     may hunt rarely in front of it.
     """
-    again = {one.key: one for one in measured}
+    again = {candidate.key: candidate for candidate in measured}
     best: dict[Class, Candidate] = {}
     flawed: dict[Class, list[Candidate]] = {}
     rare: dict[Class, Candidate] = {}
     for side, ranked in by_class(searched).items():
-        known = [_both(one, again[one.key]) for one in ranked if one.key in again]
-        holds = next((i for i, one in enumerate(known) if not one.flaw), len(known))
+        known = [_both(candidate, again[candidate.key]) for candidate in ranked if candidate.key in again]
+        holds = next((i for i, candidate in enumerate(known) if not candidate.flaw), len(known))
         if holds < len(known):
             best[side] = known[holds]
         elif ranked:
-            flawed[side] = [again.get(one.key, one) for one in ranked]
-        rarely = next((one for one in known[:holds] if one.rare), None)
+            flawed[side] = [again.get(candidate.key, candidate) for candidate in ranked]
+        rarely = next((candidate for candidate in known[:holds] if candidate.rare), None)
         if rarely is not None and (side not in best or rarely.size < best[side].size):
             rare[side] = rarely
     return best, flawed, rare
 
 
 def _both(searched: Candidate, measured: Candidate) -> Candidate:
-    """A candidate as it was measured; one that has a flaw on the draws of the search alone keeps it."""
+    """A candidate as it was measured; one that has a flaw on the samples of the search alone keeps it."""
     if measured is searched or measured.flaw or not searched.flaw:
         return measured
-    hunting = searched.hunting[0] + measured.hunting[0], searched.hunting[1] + measured.hunting[1]
+    hunting = HuntingCount(
+        searched.hunting.hunts + measured.hunting.hunts, searched.hunting.samples + measured.hunting.samples
+    )
     return replace(measured, flaw=searched.flaw, hunting=hunting)
 
 
-def _relations(spec: ComparisonTable, best: Mapping[Class, Candidate]) -> dict[tuple[Class, Class], Relation]:
+def _relations(table: ComparisonTable, best: Mapping[Class, Candidate]) -> dict[tuple[Class, Class], Relation]:
     """Each class that has a candidate against each other."""
-    pairs = [(one, other) for one, other in combinations(CLASSES, 2) if one in best and other in best]
-    return {(one, other): related(spec, best[one], best[other], COMPARISONS) for one, other in pairs}
+    pairs = [(first, second) for first, second in combinations(CLASSES, 2) if first in best and second in best]
+    return {(first, second): related(table, best[first], best[second], COMPARISONS) for first, second in pairs}
 
 
-def _kind(spec: ComparisonTable, made: Verdict) -> Kind:
+def _kind(table: ComparisonTable, made: Verdict) -> Kind:
     """What the relations of a cell say. A class whose candidates all have a flaw loses to whoever has none."""
     if not made.best:
         return "none holds"
@@ -173,12 +97,12 @@ def _kind(spec: ComparisonTable, made: Verdict) -> Kind:
         if side not in made.best and side not in made.flawed:
             return "no comparison"
 
-    def beats(one: Class, other: Class) -> bool:
-        if one not in made.best:
+    def beats(first: Class, second: Class) -> bool:
+        if first not in made.best:
             return False
-        return other not in made.best or made.relation(one, other).word == "beats"
+        return second not in made.best or made.relation(first, second).word == "beats"
 
-    if "nothing" in made.best and _suffices(spec, made):
+    if "nothing" in made.best and _suffices(table, made):
         return "nothing needed"
     if beats("both", "compensate") and beats("both", "avoid") and beats("both", "nothing"):
         return "both"
@@ -194,19 +118,13 @@ def _kind(spec: ComparisonTable, made: Verdict) -> Kind:
     return "level" if told else "cannot be told"
 
 
-def _suffices(spec: ComparisonTable, made: Verdict) -> bool:
+def _suffices(table: ComparisonTable, made: Verdict) -> bool:
     """Whether a plain controller at rest errs less than what may be neglected, or is beaten by nothing."""
     others = [kind for kind in CLASSES[1:] if kind in made.best]
     words = [made.relation("nothing", kind).word for kind in others]
-    return within(spec, made.best["nothing"]) or all(word in ("beats", "is level with") for word in words)
+    return within(table, made.best["nothing"]) or all(word in ("beats", "is level with") for word in words)
 
 
-def within(spec: ComparisonTable, one: Candidate) -> bool:
+def within(table: ComparisonTable, candidate: Candidate) -> bool:
     """Whether the mean error of a candidate is negligible, up to the end of its interval."""
-    return size_of(spec, one).high <= spec.negligible
-
-
-def size_of(spec: ComparisonTable, one: Candidate) -> Interval:
-    """The mean error of a candidate (m) over the draws, with its interval: no error is below 0."""
-    found = interval_of_mean(one.errors, spec.probability)
-    return replace(found, low=max(found.low, 0.0))
+    return candidate.mean_error(table.probability).high <= table.negligible

@@ -1,6 +1,6 @@
 """Candidates on plant samples: the runs of a decision, a row each."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, replace
 
@@ -11,13 +11,11 @@ from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.metrics import evaluate
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.parallel import workers
+from workbench.progress import Progress, silent
 from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.hold import HOLD_SHARE, held
 from workbench.study.resolve import Resolved
 from workbench.study.run_on import evaluated
-
-Progress = Callable[[int, int], None]
-"""Called with the number of finished runs, and of all of this stage."""
 
 KEYS = ("controller", "rpm", "speed_m_per_s", "spread", "draw")
 """What a row is told from the others of its stage by."""
@@ -52,13 +50,13 @@ def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numb
 
 
 def run_batches(
-    plan: Plan, wanted: Sequence[Batch], jobs: int | None = None, progress: Progress | None = None
+    plan: Plan, wanted: Sequence[Batch], jobs: int | None = None, doing: str = "runs", progress: Progress = silent
 ) -> pd.DataFrame:
     """Run everything: a row a run, by controller, rpm, speed, spread and draw, whatever the number of `jobs`.
 
     `error_m` and `power_W` are the figures that [decide] chooses, NaN where a run has none; `meets_accuracy` and
     `meets_power` say whether a run that completed keeps to the limits, `hunts` whether the loop does on that machine
-    while a step is held.
+    while a step is held. `progress` is told what is being done, and the share of these runs that is.
     """
     rows: list[dict[str, object]] = []
     runs = sum(batch.runs for batch in wanted)
@@ -66,8 +64,7 @@ def run_batches(
         futures: list[Future[list[dict[str, object]]]] = [executor.submit(_run, plan, batch) for batch in wanted]
         for future in as_completed(futures):
             rows += future.result()
-            if progress is not None:
-                progress(len(rows), runs)
+            progress(f"{doing}: {len(rows)} of {runs} runs", len(rows) / runs)
     return in_order(plan, pd.DataFrame(rows))
 
 

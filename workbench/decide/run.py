@@ -10,7 +10,7 @@ Source: Bonferroni's inequality with unequal shares fixed before the data, as in
 2, 211); samples of their own for selection and measurement, Cox 1975 (Biometrika 62, 441).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
@@ -19,9 +19,7 @@ from workbench.decide.candidate import CandidateResult, candidate_results
 from workbench.decide.plan import Plan
 from workbench.decide.result import Cell, Decision
 from workbench.metrics.statistics import SURE, deciding_counts, least_draws
-
-Tell = Callable[[str, float], None]
-"""Called with what is being done, and the share of everything that is."""
+from workbench.progress import Progress, part_of, silent
 
 SEARCH_SHARE = 0.6
 """Of the time, about, that the search takes; the rest is spent on fresh samples."""
@@ -30,8 +28,11 @@ FRESH_SHARE = 0.9
 """Of the share that is left: a round of fresh samples never says that all is done, since another may follow."""
 
 
-def decide(plan: Plan, jobs: int | None = None, tell: Tell = lambda doing, share: None) -> Decision:
-    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`."""
+def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent) -> Decision:
+    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`.
+
+    `progress` is told what is being done, and how far all is.
+    """
     wanted = [
         (candidate, speed, spread) for candidate in plan.candidates for speed in plan.speeds for spread in plan.spreads
     ]
@@ -39,7 +40,8 @@ def decide(plan: Plan, jobs: int | None = None, tell: Tell = lambda doing, share
         plan,
         batches("search", wanted, range(plan.draws)),
         jobs,
-        lambda done, runs: tell(f"search: {done} of {runs} runs", SEARCH_SHARE * done / runs),
+        "search",
+        part_of(progress, 0.0, SEARCH_SHARE),
     )
     rows = candidate_results(searched, plan.table)
     cells = [
@@ -47,12 +49,12 @@ def decide(plan: Plan, jobs: int | None = None, tell: Tell = lambda doing, share
         for speed in plan.speeds
         for spread in plan.spreads
     ]
-    left = FRESH_SHARE * (1.0 - SEARCH_SHARE)
-    cells, fresh = confirm(plan, cells, jobs, lambda doing, share: tell(doing, SEARCH_SHARE + left * share))
+    fresh_part = part_of(progress, SEARCH_SHARE, FRESH_SHARE * (1.0 - SEARCH_SHARE))
+    cells, fresh = confirm(plan, cells, jobs, fresh_part)
     return Decision(plan, pd.concat([searched, fresh], ignore_index=True) if len(fresh) else searched, cells)
 
 
-def confirm(plan: Plan, cells: Sequence[Cell], jobs: int | None, tell: Tell) -> tuple[list[Cell], pd.DataFrame]:
+def confirm(plan: Plan, cells: Sequence[Cell], jobs: int | None, progress: Progress) -> tuple[list[Cell], pd.DataFrame]:
     """The cells with what is needed measured in each, and the runs. Without draws the search has said everything.
 
     In each round the next contender of every cell runs that has no sure answer yet; then, where it was asked, the first
@@ -63,26 +65,31 @@ def confirm(plan: Plan, cells: Sequence[Cell], jobs: int | None, tell: Tell) -> 
         return [cell.with_measured(rows) for cell, rows in zip(cells, meets, strict=True)], pd.DataFrame()
     measured, frames = list(cells), list[pd.DataFrame]()
     while wanted := {i: row for i, cell in enumerate(measured) if (row := cell.next()) is not None}:
-        frames.append(_measure(plan, measured, wanted, jobs, tell, len(frames) + 1))
+        frames.append(_measure(plan, measured, wanted, jobs, progress, len(frames) + 1))
     asked = next(
         i for i, cell in enumerate(cells) if (cell.speed, cell.spread) == (plan.table.speed, plan.table.spread)
     )
     while (row := measured[asked].next_to_compare()) is not None:
-        frames.append(_measure(plan, measured, {asked: row}, jobs, tell, len(frames) + 1))
+        frames.append(_measure(plan, measured, {asked: row}, jobs, progress, len(frames) + 1))
     return measured, in_order(plan, pd.concat(frames)) if frames else pd.DataFrame()
 
 
 def _measure(
-    plan: Plan, cells: list[Cell], wanted: Mapping[int, CandidateResult], jobs: int | None, tell: Tell, number: int
+    plan: Plan,
+    cells: list[Cell],
+    wanted: Mapping[int, CandidateResult],
+    jobs: int | None,
+    progress: Progress,
+    number: int,
 ) -> pd.DataFrame:
     """Run one contender of each of these `cells`, which are renewed with what the fresh samples say of it."""
     candidates = [(row.candidate, cells[i].speed, cells[i].spread) for i, row in wanted.items()]
-    doing = f"fresh draws, round {number}"
     frame = run_batches(
         plan,
         batches("fresh", candidates, range(plan.fresh_draws)),
         jobs,
-        lambda done, runs: tell(f"{doing}: {done} of {runs} runs", done / runs),
+        f"fresh draws, round {number}",
+        progress,
     )
     for i, row in wanted.items():
         own = frame[

@@ -2,12 +2,13 @@
 
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from workbench.parallel import workers
+from workbench.progress import Progress, silent
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
 from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, objective_at
@@ -35,9 +36,10 @@ def tune_all(
     names: Sequence[str],
     database: Path,
     jobs: int | None = None,
-    tell: Callable[[str, float], None] = lambda label, share: None,
+    progress: Progress = silent,
 ) -> Tuning:
-    """Tune these controllers of a `prepared` study, at every combination that it asks for, `jobs` searches at a time.
+    """Tune these controllers of a `prepared` study, at every combination that it asks for, `jobs` searches at a time;
+    `progress` is told whose trials are being made, and how far all are.
 
     Raises:
         UserError: trials of another study in the database, or a reference controller that does not serve.
@@ -47,7 +49,7 @@ def tune_all(
     objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
     evaluators = [Evaluator(task, objectives[repr(task.at)]) for task in tasks]
     with trials_in(database) as store, workers(jobs) as executor:
-        work = _Work(store, table, len(tasks), tell)
+        work = _Work(store, table, len(tasks), progress)
         try:
             pids = {repr(task.at): task for task in reversed(tasks) if has_pid_gains(task)}
             points = list(executor.map(lambda task: classic_points(task, task.start), pids.values()))
@@ -122,9 +124,9 @@ class _StoppedError(Exception):
 class _Work:
     """What the searches of a tuning share: where trials go, how far all are, and whether they are to stop."""
 
-    def __init__(self, store: TrialStore, table: TuneTable, tasks: int, tell: Callable[[str, float], None]) -> None:
+    def __init__(self, store: TrialStore, table: TuneTable, tasks: int, progress: Progress) -> None:
         self.stopped = threading.Event()
-        self._store, self._say = store, tell
+        self._store, self._progress = store, progress
         self._whole, self._done, self._lock = tasks * table.seeds * table.trials, 0, threading.Lock()
 
     def search(self, unit: _Unit) -> list[Trial]:
@@ -133,11 +135,11 @@ class _Work:
         name = f"{task.label}, seed {unit.seed}"
         known = self._store.known(name, identity_of(task.study, [task.name]))
         keep = partial(self._store.keep, name)
-        return Search(unit.evaluator, unit.seed, known, keep, lambda: self._told(task.label)).run(unit.starts)
+        return Search(unit.evaluator, unit.seed, known, keep, lambda: self._made(task.label)).run(unit.starts)
 
-    def _told(self, label: str) -> None:
+    def _made(self, label: str) -> None:
         if self.stopped.is_set():
             raise _StoppedError
         with self._lock:
             self._done += 1
-            self._say(label, min(self._done / self._whole, 1.0))
+            self._progress(label, min(self._done / self._whole, 1.0))

@@ -50,15 +50,16 @@ Keep = Callable[[str, Trial], None]
 
 
 class Search:
-    """One search. `known` are trials of it that were run before, by `key_of`; `keep` is told of every new one."""
+    """One search. `known` are trials of it that were run before, by `key_of`; `keep` is told of every new one,
+    `made` that there is one more."""
 
     def __init__(
-        self, evaluator: Evaluator, seed: int, known: Mapping[str, Trial], keep: Keep, tell: Callable[[], None]
+        self, evaluator: Evaluator, seed: int, known: Mapping[str, Trial], keep: Keep, made: Callable[[], None]
     ) -> None:
         self.evaluator, self.seed = evaluator, seed
         self.dimensions = evaluator.task.dimensions
         self.trials: list[Trial] = []
-        self._known, self._keep, self._tell = dict(known), keep, tell
+        self._known, self._keep, self._made = dict(known), keep, made
         self._by_key: dict[str, Trial] = {}
 
     def run(self, starts: Sequence[Point]) -> list[Trial]:
@@ -138,7 +139,7 @@ class Search:
             trial = self._rested(trial, key)
         self._by_key[key] = trial
         self.trials.append(trial)
-        self._tell()
+        self._made()
         return trial
 
     def _run(self, point: Point, level: Level, draws: int, key: str) -> Trial:

@@ -7,7 +7,7 @@ results.sqlite             the trials, while they are found: a row a trial
 study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ import pandas as pd
 
 from workbench.errors import UserError
 from workbench.parallel import workers
+from workbench.progress import Progress, silent
 from workbench.publish.folders import GrowingFolder, remove, write_whole
 from workbench.publish.pictures import save
 from workbench.publish.run_record import PACKAGES, ran_on
@@ -78,11 +79,11 @@ def write_tuning(
     *,
     began: float,
     jobs: int | None = None,
-    tell: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = silent,
 ) -> Written:
     """Write gains, results, trials, tables, figures and the page; run.json, which says that all are there, last.
 
-    `began`: when the tuning did (s since the epoch). `tell` is told what is being made, and how far all is.
+    `began`: when the tuning did (s since the epoch). `progress` is told what is being made, and how far all is.
     """
     for name in LAST:
         remove(folder / name)
@@ -95,7 +96,7 @@ def write_tuning(
     tables = tables_of(tuning)
     for name, table in tables.items():
         write_frame(name, table, folder / "tables")
-    tell("figures", 0.95)
+    progress("figures", 0.95)
     pictures = _pictures(tuning, jobs)
     for name, picture in {**pictures.shared, **pictures.own}.items():
         with figure_style():

@@ -30,12 +30,12 @@ def motor_in_words(motor: Motor) -> str:
 
 def _limits(motor: Motor) -> str:
     peak, voltage, speed = current_limit(motor), motor.motor_voltage_limit, motor.motor_speed_limit
-    said = [
+    known = [
         f"{motor.torque_constant * peak:.3g} N m ({peak:.3g} A) at most" if np.isfinite(peak) else "",
         f"{voltage:.3g} V" if np.isfinite(voltage) else "",
         f"{speed * RPM:.4g} rpm" if np.isfinite(speed) else "",
     ]
-    limits = ", ".join(item for item in said if item)
+    limits = ", ".join(item for item in known if item)
     nominal = motor.motor_nominal_torque
     rated = f"; {nominal:.3g} N m for ever" if np.isfinite(nominal) else ""
     return f"Its limits: {limits or 'none'}{rated}."

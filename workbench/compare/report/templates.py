@@ -1,79 +1,79 @@
 """How the page of a comparison is laid out, in Markdown and in HTML."""
 
 MARKDOWN = """\
-# {{ title }}
+# {{ page.title }}
 
-{{ question }}
+{{ page.question }}
 
-{% for line in answer -%}
+{% for line in page.answer -%}
 - {{ line }}
 {% endfor %}
-{{ scope }}
-{% for matrix in matrices %}
-## {{ matrix.machine | machine }}
+{{ page.scope }}
+{% for matrix in page.matrices %}
+## {{ matrix.title }}
 
 | |{% for reference in matrix.references %} {{ reference | plain }} |{% endfor %}
 |:--|{% for reference in matrix.references %}:--|{% endfor %}
-{%- for scenario, fields in matrix.rows.items() %}
-| {{ scenario | plain }} |
-{%- for field in fields %}{% if field %} **{{ field.word }}**{% if field.margin %}<br>{{ field.margin }}{% endif %}
+{%- for row in matrix.rows %}
+| {{ row.scenario | plain }} |
+{%- for field in row.fields %}{% if field %} **{{ field.word }}**{% if field.margin %}<br>{{ field.margin }}{% endif %}
 {%- if field.price %}<br>{{ field.price }}{% endif %}{% endif %} |{% endfor %}
 {%- endfor %}
 {% endfor %}
-{%- for word, _, meaning in key %}
-- **{{ word }}**: {{ meaning }}
+{%- for entry in page.key %}
+- **{{ entry.word }}**: {{ entry.meaning }}
 {%- endfor %}
 
-{{ notation }}
+{{ page.notation }}
 
 ## In words
-{% for line in overview %}
+{% for line in page.overview %}
 - {{ line }}
 {%- endfor %}
 
 ## Who was measured
 
-{{ finalists.to_markdown(index=False, disable_numparse=True) }}
-{% if changes %}
+{{ page.finalists.to_markdown(index=False, disable_numparse=True) }}
+{% if page.changes %}
 ## What changes the verdicts
-{% for line in changes %}
+{% for line in page.changes %}
 - {{ line }}
 {%- endfor %}
 {% endif %}
 ## How it is judged
-{% for line in rules %}
+{% for line in page.rules %}
 - {{ line }}
 {%- endfor %}
-{% if left_out %}
+{% if page.left_out %}
 ## Left out
-{% for line in left_out %}
+{% for line in page.left_out %}
 - {{ line }}
 {%- endfor %}
 {% endif %}
-{%- if assumptions %}
+{%- if page.assumptions %}
 ## Assumptions
-{% for line in assumptions %}
+{% for line in page.assumptions %}
 - {{ line }}
 {%- endfor %}
 {% endif %}
-{%- for scenario, lines in details.items() %}
-## {{ scenario | plain | capitalize }}
-{% if titles[scenario] %}
-{{ titles[scenario] }}.
+{%- for scenario in page.scenarios %}
+## {{ scenario.name | plain | capitalize }}
+{% if scenario.title %}
+{{ scenario.title }}.
 {% endif %}
-{%- for line in lines %}
+{%- for line in scenario.lines %}
 - {{ line }}
 {%- endfor %}
 {% endfor %}
 ## Figures
-{% for name, picture in pictures.items() %}
+{% for name, picture in page.pictures.items() %}
 ![{{ name | plain }}](figures/{{ name }}.png)
 
 *{{ picture.caption }}*
 {% endfor %}
-{%- for scenario in details %}
-## Tables of the draws of the choice: {{ scenario | plain }}
-{% for pivot in pivots if pivot.scenario == scenario %}
+{%- for scenario in page.scenarios %}
+## Tables of the draws of the choice: {{ scenario.name | plain }}
+{% for pivot in scenario.pivots %}
 **{{ pivot.title }}**
 
 {{ pivot.cells.to_markdown(index=False, disable_numparse=True) }}
@@ -82,6 +82,7 @@ MARKDOWN = """\
 
 HTML = """\
 {% extends "frame" %}
+{% block title %}{{ page.title }}{% endblock %}
 {% block style -%}
 body { max-width: 84em; }
 p, li { max-width: 60em; }
@@ -99,68 +100,68 @@ p, li { max-width: 60em; }
 .finalists td, .finalists th { text-align: left; }
 {% endblock %}
 {% block body -%}
-<h1>{{ title }}</h1>
-{% if question %}<p>{{ question }}</p>
-{% endif %}<ul class="answer">{% for line in answer %}<li>{{ line }}</li>
+<h1>{{ page.title }}</h1>
+{% if page.question %}<p>{{ page.question }}</p>
+{% endif %}<ul class="answer">{% for line in page.answer %}<li>{{ line }}</li>
 {% endfor %}</ul>
-<p>{{ scope }}</p>
+<p>{{ page.scope }}</p>
 <div class="matrices">
-{% for matrix in matrices %}
+{% for matrix in page.matrices %}
 <table>
-<caption>{{ matrix.machine | machine }}</caption>
+<caption>{{ matrix.title }}</caption>
 <tr><th></th>{% for reference in matrix.references %}<th>{{ reference | plain }}</th>{% endfor %}</tr>
-{% for scenario, fields in matrix.rows.items() %}<tr><th>{{ scenario | plain }}</th>
-{% for field in fields %}{% if field %}<td style="background: {{ field.colour }}"><b>{{ field.word }}</b>
+{% for row in matrix.rows %}<tr><th>{{ row.scenario | plain }}</th>
+{% for field in row.fields %}{% if field %}<td style="background: {{ field.colour }}"><b>{{ field.word }}</b>
 {% if field.margin %}<small>{{ field.margin }}</small>
 {% endif %}{% if field.price %}<small>{{ field.price }}</small>{% endif %}</td>{% else %}<td></td>{% endif %}
 {% endfor %}</tr>
 {% endfor %}</table>
 {% endfor %}
 </div>
-<ul class="key">{% for word, colour, meaning in key %}
-<li><span style="background: {{ colour }}">{{ word }}</span> {{ meaning }}</li>
+<ul class="key">{% for entry in page.key %}
+<li><span style="background: {{ entry.colour }}">{{ entry.word }}</span> {{ entry.meaning }}</li>
 {% endfor %}</ul>
-<p>{{ notation }}</p>
+<p>{{ page.notation }}</p>
 <h2>In words</h2>
-<ul>{% for line in overview %}<li>{{ line }}</li>
+<ul>{% for line in page.overview %}<li>{{ line }}</li>
 {% endfor %}</ul>
 <h2>Who was measured</h2>
 <div class="wide"><table class="finalists">
-<tr>{% for name in finalists.columns %}<th>{{ name }}</th>{% endfor %}</tr>
-{% for row in finalists.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+<tr>{% for name in page.finalists.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in page.finalists.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</table></div>
-{% if changes %}
+{% if page.changes %}
 <h2>What changes the verdicts</h2>
-<ul>{% for line in changes %}<li>{{ line }}</li>
+<ul>{% for line in page.changes %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% endif %}
 <h2>How it is judged</h2>
-<ul>{% for line in rules %}<li>{{ line }}</li>
+<ul>{% for line in page.rules %}<li>{{ line }}</li>
 {% endfor %}</ul>
-{% if left_out %}
+{% if page.left_out %}
 <h2>Left out</h2>
-<ul>{% for line in left_out %}<li>{{ line }}</li>
+<ul>{% for line in page.left_out %}<li>{{ line }}</li>
 {% endfor %}</ul>
-{% endif %}{% if assumptions %}
+{% endif %}{% if page.assumptions %}
 <h2>Assumptions</h2>
-<ul>{% for line in assumptions %}<li>{{ line }}</li>
+<ul>{% for line in page.assumptions %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% endif %}
-{% for scenario, lines in details.items() %}
-<h2>{{ scenario | plain | capitalize }}</h2>
-{% if titles[scenario] %}<p>{{ titles[scenario] }}.</p>{% endif %}
-<ul>{% for line in lines %}<li>{{ line }}</li>
+{% for scenario in page.scenarios %}
+<h2>{{ scenario.name | plain | capitalize }}</h2>
+{% if scenario.title %}<p>{{ scenario.title }}.</p>{% endif %}
+<ul>{% for line in scenario.lines %}<li>{{ line }}</li>
 {% endfor %}</ul>
 {% endfor %}
 <h2>Figures</h2>
-{% for name, picture in pictures.items() %}
+{% for name, picture in page.pictures.items() %}
 <figure><img src="figures/{{ name }}.png" alt="{{ name | plain }}">
 <figcaption>{{ picture.caption }}</figcaption></figure>
 {% endfor %}
 <h2 id="tables">Tables of the draws of the choice</h2>
-{% for scenario in details %}
-<details><summary>{{ scenario | plain | capitalize }}</summary>
-{% for pivot in pivots if pivot.scenario == scenario %}
+{% for scenario in page.scenarios %}
+<details><summary>{{ scenario.name | plain | capitalize }}</summary>
+{% for pivot in scenario.pivots %}
 <div class="wide"><table>
 <caption>{{ pivot.title }}</caption>
 <tr>{% for name in pivot.cells.columns %}<th>{{ name | plain }}</th>{% endfor %}</tr>

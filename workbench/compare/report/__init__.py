@@ -1,0 +1,1 @@
+"""A finished comparison as a page, tables and figures."""
