@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -32,7 +31,7 @@ from workbench.tune.report.history import history_picture
 from workbench.tune.report.importance import importance_picture
 from workbench.tune.report.page import page
 from workbench.tune.report.panels import Picture, Pictures
-from workbench.tune.report.rows import history, row_of
+from workbench.tune.report.rows import Row, result_row, trial_rows
 from workbench.tune.report.step import step_picture
 from workbench.tune.report.tables import Table, brief, tables_of
 from workbench.tune.report.traces import traces_of
@@ -47,8 +46,8 @@ MOST_DRAWN = 24
 LAST = (PAGE, RECORD)
 """What is there only where all is."""
 
-SAID = (GAINS, RESULTS, TRIALS, "tables", "figures")
-FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SAID, *LAST, DATABASE))
+SHOWN = (GAINS, RESULTS, TRIALS, "tables", "figures")
+FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SHOWN, *LAST, DATABASE))
 """What a tuning may write, and replace; the database, which marks the folder as its own, last."""
 
 
@@ -89,8 +88,8 @@ def write_tuning(
         remove(folder / name)
     (folder / STUDY_COPY).write_text(tuning.study.text, encoding="utf-8")
     _write_gains(tuning, folder / GAINS)
-    _write_frame([row for tuned in tuning.tuned for row in history(tuned)], folder / TRIALS)
-    results = _write_frame([row_of(tuned) for tuned in tuning.tuned], folder / RESULTS)
+    _write_rows([row for tuned in tuning.tuned for row in trial_rows(tuned)], folder / TRIALS)
+    results = _write_rows([result_row(tuned) for tuned in tuning.tuned], folder / RESULTS)
     for name in ("tables", "figures"):
         remove(folder / name)
     tables = tables_of(tuning)
@@ -119,8 +118,8 @@ def _write_gains(tuning: Tuning, folder: Path) -> None:
         write_whole(folder / name, partial(Path.write_text, data=gain_file_text(content), encoding="utf-8"))
 
 
-def _write_frame(rows: list[dict[str, Any]], path: Path) -> pd.DataFrame:
-    frame = pd.DataFrame(rows)
+def _write_rows(rows: Sequence[Row], path: Path) -> pd.DataFrame:
+    frame = pd.DataFrame([row.columns for row in rows])
     write_whole(path, lambda beside: frame.to_csv(beside, index=False, lineterminator="\n"))
     return frame
 
@@ -148,7 +147,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
     )
 
 
-def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, Any]:
+def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, object]:
     """What ran: as run.json of a study says it."""
     return {**tuning.provenance, **ran_on(began, jobs, (*PACKAGES, "optuna"))}
 
@@ -158,4 +157,4 @@ def say_tuning(written: Written) -> None:
     print("\n".join(written.lines))
     print(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n")
     print(f"wrote {written.folder / PAGE}")
-    print(f"results in {written.folder}: {', '.join(name for name in SAID if (written.folder / name).exists())}")
+    print(f"results in {written.folder}: {', '.join(name for name in SHOWN if (written.folder / name).exists())}")

@@ -3,13 +3,16 @@
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal, Protocol
 
+from workbench.linear.open_loop import Margins
 from workbench.study.resolve import ParsedCase
 from workbench.tune.objective import RunMetrics, Score
 from workbench.tune.result import TUNED, ControllerTuning, Quantile, Tuning, infeasible
 from workbench.tune.schema import tune_table
 from workbench.tune.space import RPM, Dimension
+from workbench.tune.trials import Trial
 
 AT_AN_END = 0.01
 """A gain within this share of its range from an end stands at that end; of the range's logarithm where it has one."""
@@ -19,6 +22,7 @@ NEAR = 0.05
 
 When = Literal["before", "after"]
 Basis = Literal["declared", "searched", "fresh"]
+End = Literal["", "lower", "upper"]
 
 
 def basis_of(tuning: Tuning) -> Basis:
@@ -52,7 +56,7 @@ def broken(score: Score) -> list[str]:
     return [name for name, beyond in score.violations.items() if beyond > 0.0]
 
 
-def end_of(dimension: Dimension, value: float) -> Literal["", "lower", "upper"]:
+def end_of(dimension: Dimension, value: float) -> End:
     """At which end of its range a gain stands, "" where it stands between them."""
     low, high, here = dimension.low, dimension.high, value
     if dimension.logarithmic:
@@ -82,42 +86,112 @@ def _better_but_broken(tuned: ControllerTuning, best: float) -> Mapping[str, int
     return {name: count for name, count in counts.items() if count}
 
 
-def row_of(tuned: ControllerTuning) -> dict[str, Any]:
-    """The row of a controller in results.csv (SI): objective, margins, quantiles, figures of each case.
+class Row(Protocol):
+    """A row of a table for programs."""
 
-    On draws `objective` and `objective_before` are quantiles over those of the search, and `..._declared` stand on the
-    declared machine.
+    @property
+    def columns(self) -> Mapping[str, object]:
+        """Its values by column, in order; None where a column does not apply."""
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What gains reach on the declared machine: the smallest margins, and the metrics of each case by its label."""
+
+    margins: Margins
+    cases: Mapping[str, Mapping[str, float | None]]
+
+    def columns(self, when: When) -> dict[str, float | None]:
+        """As columns of results.csv."""
+        margins = {f"gain_margin_dB_{when}": self.margins.gain_dB, f"phase_margin_deg_{when}": self.margins.phase_deg}
+        metrics = {
+            metric_column(name, label, when): value
+            for label, values in self.cases.items()
+            for name, value in values.items()
+        }
+        return {**margins, **metrics}
+
+
+@dataclass(frozen=True)
+class ResultRow:
+    """A controller in results.csv (SI): objectives, margins, metrics of each case, quantiles on plant samples.
+
+    On samples `objective` and `objective_before` are quantiles over those of the search, and `declared` holds J of both
+    on the declared machine; None where there are no samples. `searched` and `fresh` have the quantiles of the "start"
+    and of the "tuned" gains.
     """
+
+    controller: str
+    at: Mapping[str, object]
+    outcome: str
+    objective_before: float | None
+    objective: float | None
+    breaks_before: Sequence[str]
+    trials: int
+    best_trial: int | None
+    seeds_differ: float | None
+    declared: tuple[float, float | None] | None
+    searched: Mapping[str, Quantile]
+    fresh: Mapping[str, Quantile]
+    before: Reached
+    after: Reached | None
+
+    @property
+    def columns(self) -> dict[str, object]:
+        """Its values by column of results.csv."""
+        declared = {} if self.declared is None else dict(zip(_DECLARED, self.declared, strict=True))
+        quantiles = {
+            f"{when}_on_{kind}_{key}": value
+            for kind, known in (("searched", self.searched), ("fresh", self.fresh))
+            for when, each in known.items()
+            for key, value in (("value", each.value), ("low", each.low), ("high", each.high))
+        }
+        return {
+            "controller": self.controller,
+            **self.at,
+            "outcome": self.outcome,
+            "objective_before": self.objective_before,
+            "objective": self.objective,
+            "breaks_before": ", ".join(self.breaks_before),
+            "trials": self.trials,
+            "best_trial": self.best_trial,
+            "seeds_differ": self.seeds_differ,
+            **declared,
+            **quantiles,
+            **self.before.columns("before"),
+            **({} if self.after is None else self.after.columns("after")),
+        }
+
+
+_DECLARED = ("declared_before", "declared")
+
+
+def result_row(tuned: ControllerTuning) -> ResultRow:
+    """The row of a controller in results.csv."""
     draws = bool(tune_table(tuned.task.study).draws)
     basis: Basis = "searched" if draws else "declared"
     before, after = objective_of(tuned, "before", basis), objective_of(tuned, "after", basis)
-    row: dict[str, Any] = {
-        "controller": tuned.task.name,
-        **tuned.task.at,
-        "outcome": infeasible(tuned) if tuned.score is None else TUNED,
-        "objective_before": None if before is None else before.value,
-        "objective": None if after is None else after.value,
-        "breaks_before": ", ".join(broken(tuned.start)),
-        "trials": len(tuned.trials),
-        "best_trial": None if tuned.best is None else tuned.number,
-        "seeds_differ": tuned.seeds_differ,
-    }
-    if draws:
-        row |= {
-            "declared_before": tuned.start.nominal,
-            "declared": None if tuned.score is None else tuned.score.nominal,
-        }
-    for kind, quantiles in (("searched", tuned.on_searched), ("fresh", tuned.on_fresh)):
-        for when, quantile in quantiles.items():
-            row |= {f"{when}_on_{kind}_{key}": getattr(quantile, key) for key in ("value", "low", "high")}
+    return ResultRow(
+        controller=tuned.task.name,
+        at=tuned.task.at,
+        outcome=infeasible(tuned) if tuned.score is None else TUNED,
+        objective_before=None if before is None else before.value,
+        objective=None if after is None else after.value,
+        breaks_before=broken(tuned.start),
+        trials=len(tuned.trials),
+        best_trial=None if tuned.best is None else tuned.number,
+        seeds_differ=tuned.seeds_differ,
+        declared=(tuned.start.nominal, None if tuned.score is None else tuned.score.nominal) if draws else None,
+        searched=tuned.on_searched,
+        fresh=tuned.on_fresh,
+        before=_reached(tuned, tuned.start),
+        after=None if tuned.score is None else _reached(tuned, tuned.score),
+    )
+
+
+def _reached(tuned: ControllerTuning, score: Score) -> Reached:
     labels = case_labels(tuned.task.cases)
-    for when, score in (("before", tuned.start), ("after", tuned.score)):
-        if score is None:
-            continue
-        row |= {f"gain_margin_dB_{when}": score.margins.gain_dB, f"phase_margin_deg_{when}": score.margins.phase_deg}
-        for label, run in zip(labels, score.runs, strict=True):
-            row |= {metric_column(name, label, when): value for name, value in _metrics(run).items()}
-    return row
+    return Reached(score.margins, {label: _metrics(run) for label, run in zip(labels, score.runs, strict=True)})
 
 
 def metric_column(name: str, label: str, when: str) -> str:
@@ -130,24 +204,41 @@ def _metrics(run: RunMetrics) -> Mapping[str, float | None]:
     return dict.fromkeys(run.metrics) if run.broken else run.metrics
 
 
-def history(tuned: ControllerTuning) -> list[dict[str, Any]]:
-    """A row a trial: its seed, number, value, what it breaks, margins, and the point (SI; rpm in rpm)."""
-    draws = tune_table(tuned.task.study).draws
-    return [
-        {
-            "controller": tuned.task.name,
-            **tuned.task.at,
-            "trial": number,
+@dataclass(frozen=True)
+class TrialRow:
+    """A trial in trials.csv: whose it is, its number, and whether it could be chosen."""
+
+    controller: str
+    at: Mapping[str, object]
+    number: int
+    trial: Trial
+    candidate: bool
+
+    @property
+    def columns(self) -> dict[str, object]:
+        """Its values by column of trials.csv (SI; rpm in rpm)."""
+        trial = self.trial
+        return {
+            "controller": self.controller,
+            **self.at,
+            "trial": self.number,
             "seed": trial.seed,
             "value": trial.value,
             "draws": trial.draws,
             "feasible": trial.feasible,
-            "candidate": trial.feasible and trial.draws == draws,
+            "candidate": self.candidate,
             "breaks": ", ".join(name for name, beyond in trial.violations.items() if beyond > 0.0),
             "nominal": trial.nominal,
             "gain_margin_dB": trial.gain_margin_dB,
             "phase_margin_deg": trial.phase_margin_deg,
             **{name: value * 30.0 / math.pi if name == RPM else value for name, value in trial.point.items()},
         }
+
+
+def trial_rows(tuned: ControllerTuning) -> list[TrialRow]:
+    """A row a trial of a controller."""
+    draws = tune_table(tuned.task.study).draws
+    return [
+        TrialRow(tuned.task.name, tuned.task.at, number, trial, trial.feasible and trial.draws == draws)
         for number, trial in enumerate(tuned.trials)
     ]

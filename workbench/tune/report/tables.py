@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import pi
-from typing import Any
 
 import pandas as pd
 
@@ -12,10 +12,10 @@ from controllers.settings import settings_of
 from workbench.publish.tables import REMARK, Table, shown_number, with_unit
 from workbench.study.names import shown_factor, unit_of_column
 from workbench.tune.objective import Score
-from workbench.tune.report.rows import TUNED, Basis, When, broken, case_labels, end_of, objective_of
-from workbench.tune.result import ControllerTuning, Quantile, Tuning, interval
+from workbench.tune.report.rows import Basis, End, When, broken, case_labels, end_of, objective_of
+from workbench.tune.result import TUNED, ControllerTuning, Quantile, Tuning, interval
 from workbench.tune.schema import reference_controller, tune_table
-from workbench.tune.space import RPM, THRESHOLD, Dimension
+from workbench.tune.space import RPM, THRESHOLD, Dimension, Point
 
 DIGITS = 3
 
@@ -45,7 +45,7 @@ def tables_of(tuning: Tuning) -> dict[str, Table]:
 
 
 def brief(table: Table) -> pd.DataFrame:
-    """The columns of the result that fit a terminal: without the figures of each case where there are many."""
+    """The columns of the result that fit a terminal: without the metrics of each case where there are many."""
     if len(table.cells.columns) <= WIDEST:
         return table.cells
     kept = ("controller", "machine", "rpm", "objective", "gain margin", "phase margin", "seeds", "outcome")
@@ -78,7 +78,7 @@ def with_interval(quantile: Quantile, share: float) -> str:
 
 
 def result_table(tuning: Tuning) -> Table:
-    """controller | objective, quantiles, figures of each case, margins, before and after | seeds | outcome."""
+    """controller | objective, quantiles, metrics of each case, margins, before and after | seeds | outcome."""
     table = tune_table(tuning.study)
     cells = pd.DataFrame([_result(tuned, bool(table.draws), table.quantile) for tuned in tuning.tuned]).fillna("")
     notes = [
@@ -169,28 +169,52 @@ def plain(name: str) -> str:
 
 def gains_table(tuning: Tuning) -> Table:
     """controller | gain | unit | before | after | range | whether it stands at an end of it."""
-    lines = [_gain(tuned, dimension) for tuned in tuning.tuned for dimension in tuned.task.dimensions]
+    lines = [_gain_line(row) for row in gain_rows(tuning)]
     notes = ["Before: what the study says, or where that lies outside the range the end next to it."]
     if any(tuned.task.rotates for tuned in tuning.tuned):
         notes.append("Of a rotation that is tuned it is the end of the range from which the search begins.")
     return Table("Tuned gains", pd.DataFrame(lines), notes)
 
 
-def _gain(tuned: ControllerTuning, dimension: Dimension) -> Line:
-    unit, scale = shown_unit(dimension)
+@dataclass(frozen=True)
+class GainRow:
+    """A gain of a controller (SI): before and after tuning (None: nothing was found), its range and scale by its
+    dimension, and at which end of its range it stands.
+    """
+
+    controller: str
+    at: Mapping[str, object]
+    dimension: Dimension
+    before: float
+    after: float | None
+    end: End
+
+
+def gain_rows(tuning: Tuning) -> list[GainRow]:
+    """A row a gain that was tuned."""
+    return [_gain(tuned, dimension) for tuned in tuning.tuned for dimension in tuned.task.dimensions]
+
+
+def _gain(tuned: ControllerTuning, dimension: Dimension) -> GainRow:
     after = None if tuned.best is None else tuned.best[dimension.name]
-    end = "" if after is None else end_of(dimension, after)
+    end: End = "" if after is None else end_of(dimension, after)
+    return GainRow(tuned.task.name, tuned.task.at, dimension, tuned.task.start[dimension.name], after, end)
+
+
+def _gain_line(row: GainRow) -> Line:
+    dimension = row.dimension
+    unit, scale = shown_unit(dimension)
     return {
-        "controller": tuned.task.name,
-        **{axis: str(value) for axis, value in tuned.task.at.items()},
+        "controller": row.controller,
+        **{axis: str(value) for axis, value in row.at.items()},
         "gain": dimension.name,
         "unit": "" if unit == "1" else unit,
-        "before": number(scale * tuned.task.start[dimension.name], 4),
-        "after": "" if after is None else number(scale * after, 4),
+        "before": number(scale * row.before, 4),
+        "after": "" if row.after is None else number(scale * row.after, 4),
         "min": number(scale * dimension.low, 4),
         "max": number(scale * dimension.high, 4),
         "scale": "logarithmic" if dimension.logarithmic else "linear",
-        "at an end": end,
+        "at an end": row.end,
     }
 
 
@@ -202,16 +226,41 @@ def shown_unit(dimension: Dimension) -> tuple[str, float]:
 # --- classic tunings ---
 
 
+@dataclass(frozen=True)
+class PidRow:
+    """A PID controller by its gains (SI, by name), how it came by them, and its score on the declared machine."""
+
+    controller: str
+    method: str
+    gains: Mapping[str, float]
+    score: Score
+    remark: str = ""
+
+
+def pid_rows(tuning: Tuning) -> list[PidRow]:
+    """The classic tunings, and where there are any the tuned PID controllers behind them."""
+    classic = [
+        PidRow(each.point.name, each.point.method, each.point.settings, each.score, each.point.note)
+        for each in tuning.classics
+    ]
+    tuned = [
+        _tuned_pid(each, each.best, each.score)
+        for each in tuning.tuned
+        if is_pid(each) and each.best is not None and each.score is not None
+    ]
+    return [*classic, *tuned] if classic else []
+
+
+def _tuned_pid(tuned: ControllerTuning, best: Point, score: Score) -> PidRow:
+    settings = tuned.task.settings_at(best)
+    return PidRow(tuned.task.name, "tuned here", {gain: getattr(settings, gain) for gain in PID_GAINS}, score)
+
+
 def classic_table(tuning: Tuning) -> Table:
     """controller | method | gains | objective | margins | what it breaks | remark; the tuned PID controllers below."""
     first = tuning.tuned[0].task
     command = first.declared(first.start)[0].setup.plant.command_unit
-    lines = [
-        _tuning(point.name, point.method, point.settings, score, command, point.note)
-        for point, score in ((each.point, each.score) for each in tuning.classics)
-    ]
-    if lines:
-        lines += [_tuned_pid(tuned, command) for tuned in tuning.tuned if is_pid(tuned) and tuned.best is not None]
+    lines = [_pid_line(row, command) for row in pid_rows(tuning)]
     notes = [
         "All on the declared machine, by the same objective and constraints. A classic tuning was searched for "
         "nothing: it is what its method gives."
@@ -224,29 +273,22 @@ def is_pid(tuned: ControllerTuning) -> bool:
     return tuned.task.cases[0].controller.type == PID.name
 
 
-def _tuned_pid(tuned: ControllerTuning, command: str) -> Line:
-    assert tuned.best is not None
-    assert tuned.score is not None
-    return _tuning(
-        tuned.task.name, "tuned here", tuned.task.settings_at(tuned.best)._asdict(), tuned.score, command, ""
-    )
-
-
-def _tuning(name: str, method: str, settings: Mapping[str, Any], score: Score, command: str, note: str) -> Line:
+def _pid_line(row: PidRow, command: str) -> Line:
     declared = settings_of(PID.Settings)
     gains = {
-        f"{gain} ({declared[gain].unit.replace('command', command)})": number(float(settings.get(gain, 0.0)) or None, 4)
+        f"{gain} ({declared[gain].unit.replace('command', command)})": number(row.gains.get(gain, 0.0) or None, 4)
         for gain in PID_GAINS
     }
+    score = row.score
     return {
-        "controller": name,
-        "method": method,
+        "controller": row.controller,
+        "method": row.method,
         **gains,
         "objective": number(score.nominal),
         "gain margin (dB)": margin(score.margins.gain_dB),
         "phase margin (deg)": margin(score.margins.phase_deg),
         "breaks": ", ".join(broken(score)),
-        REMARK: note,
+        REMARK: row.remark,
     }
 
 
