@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import pandas as pd
 
@@ -96,7 +96,7 @@ class CandidateResult:
             return "fails"
         return "meets" if self.low > table.probability else "open"
 
-    def to_json(self, table: DecideTable) -> dict[str, Any]:
+    def to_json(self, table: DecideTable) -> dict[str, object]:
         """As JSON holds it, under the names of results.csv; what is not finite is None."""
         numbers = {
             "probability": self.probability,

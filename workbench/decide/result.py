@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import pandas as pd
 
@@ -94,7 +93,7 @@ class Cell:
         nearest = max(told_not, key=lambda row: row.probability) if told_not else ordered(self.rows, self.table)[0]
         return Answer(None, nearest, told_not, not told_not and not unmeasured)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What suffices there, and every candidate, as JSON holds it."""
         answer = self.answer()
         return {
@@ -135,7 +134,7 @@ class Decision:
         return self.at(speed, spread).answer()
 
     @property
-    def provenance(self) -> dict[str, Any]:
+    def provenance(self) -> dict[str, object]:
         """What was asked, and of which machines, as JSON holds it."""
         file = self.plan.study.file
         return {
@@ -146,6 +145,6 @@ class Decision:
             "runs": len(self.draws),
         }
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What was asked, and under `cells` what suffices at each speed and spread, as JSON holds it."""
         return {**self.provenance, "cells": [cell.to_json() for cell in self.cells]}

@@ -9,7 +9,6 @@ taken on each, over the reference controller's metrics on the declared machine, 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -70,7 +69,7 @@ class Score:
         """Whether all constraints are kept."""
         return all(beyond <= 0.0 for beyond in self.violations.values())
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As JSON holds it: what is infinite is None."""
         return {
             "objective": finite(self.value),
@@ -139,7 +138,7 @@ def hold(cases: Sequence[Resolved], constraints: ConstraintsTable) -> list[Resol
     if resting or not constraints.limit_cycle:
         return []
     level = constraints.hold_level or HOLD_SHARE * max(largest_level(case) for case in cases)
-    held_cases: dict[tuple[Any, ...], Resolved] = {}
+    held_cases: dict[tuple[object, ...], Resolved] = {}
     for case in cases:
         machine = (case.setup.parameters, case.setup.rotation_speed)
         held_cases.setdefault(machine, held(case, level, constraints.hold_duration))

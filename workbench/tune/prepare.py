@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from workbench.errors import UserError, nearest
 from workbench.study.names import in_words, matches
@@ -25,25 +24,25 @@ PLACED = "pole_placement"
 """What the names of classic tunings by their poles begin with."""
 
 
-def combinations(study: Study, cases: Sequence[Case]) -> list[dict[str, Any]]:
+def combinations(study: Study, cases: Sequence[Case]) -> list[dict[str, object]]:
     """The combinations of values on the axes that [tune] per names, in order; one that is empty where it names none.
 
     Raises:
         UserError: an axis that the study does not have.
     """
-    table, places = tune_table(study), dict[str, dict[str, Any]]()
+    table, places = tune_table(study), dict[str, dict[str, object]]()
     for case in cases:
         columns = case.columns
         for axis in table.per:
             if axis not in columns:
                 raise study.error(("tune", "per"), f'the study has no axis "{axis}"; give it one under [axes]')
         if matches({key: value for key, value in columns.items() if key != "controller"}, table.where):
-            place: dict[str, Any] = {axis: columns[axis] for axis in table.per}
+            place: dict[str, object] = {axis: columns[axis] for axis in table.per}
             places.setdefault(repr(place), place)
     return list(places.values()) or [{}]
 
 
-def cases_for(study: Study, cases: Sequence[Case], name: str, at: Mapping[str, Any]) -> list[Case]:
+def cases_for(study: Study, cases: Sequence[Case], name: str, at: Mapping[str, object]) -> list[Case]:
     """The cases on which a controller is tuned: those that `where` and `at` choose, each once, with this controller.
 
     Raises:
@@ -86,7 +85,7 @@ def task_for(study: Study, name: str, *, tuned: bool = True) -> Task:
     return _task(study, cases, name, combinations(study, cases)[0], tuned=tuned)
 
 
-def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, Any], *, tuned: bool = True) -> Task:
+def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, object], *, tuned: bool = True) -> Task:
     table = tune_table(study)
     chosen = cases_for(study, all_cases, name, at)
     cases = [parse_case(study, case) for case in chosen]

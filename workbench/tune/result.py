@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from workbench.metrics.statistics import quantile, quantile_interval
 from workbench.study.study import Study
@@ -68,7 +67,7 @@ class ControllerTuning:
         low, high = min(known), max(known)
         return 0.0 if low == high else high / low - 1.0 if low else float("inf")
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What was reached, as JSON holds it: what is infinite is None, settings stand with their units."""
         return {
             "controller": self.task.name,
@@ -130,16 +129,16 @@ class Tuning:
     tuned: Sequence[ControllerTuning]
     classics: Sequence[ClassicTuning]
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """How it was made, and under `tunings` what each controller reached, as JSON holds it."""
         return {**self.provenance, "tunings": [each.to_json() for each in self.tuned]}
 
     @property
-    def provenance(self) -> dict[str, Any]:
+    def provenance(self) -> dict[str, object]:
         """How it was made, as JSON holds it: all that the gains depend on."""
         table, uncertainty = tune_table(self.study), self.study.file.uncertainty
         controllers = list(dict.fromkeys(each.task.name for each in self.tuned))
-        seeds: dict[str, Any] = {"search": list(range(table.seed, table.seed + table.seeds))}
+        seeds: dict[str, object] = {"search": list(range(table.seed, table.seed + table.seeds))}
         return {
             "title": self.study.file.title,
             **identity_of(self.study, controllers),

@@ -12,12 +12,12 @@ way again without running anything twice.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Literal
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
 import optuna
-from optuna.distributions import FloatDistribution
+from optuna.distributions import BaseDistribution, FloatDistribution
 from optuna.samplers import TPESampler
 from optuna.trial import FrozenTrial, TrialState, create_trial
 
@@ -231,7 +231,7 @@ def distributions_of(dimensions: Sequence[Dimension]) -> dict[str, FloatDistribu
     return {each.name: FloatDistribution(each.low, each.high, log=each.logarithmic) for each in dimensions}
 
 
-def as_optuna(trial: Trial, distributions: Mapping[str, Any]) -> FrozenTrial:
+def as_optuna(trial: Trial, distributions: Mapping[str, BaseDistribution]) -> FrozenTrial:
     """A trial as optuna knows them."""
     return create_trial(
         state=TrialState.COMPLETE,

@@ -34,7 +34,7 @@ class Task:
     cases: Sequence[ParsedCase]
     dimensions: Sequence[Dimension]
     uncertainty: UncertaintyTable
-    at: Mapping[str, Any] = field(default_factory=dict)
+    at: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def label(self) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from plants.equation import source_hash
 from workbench.errors import UserError
@@ -55,7 +54,7 @@ def key_of(point: Point, draws: int, level: str) -> str:
     return json.dumps([level, draws, sorted(point.items())])
 
 
-def identity_of(study: Study, names: Sequence[str]) -> dict[str, Any]:
+def identity_of(study: Study, names: Sequence[str]) -> dict[str, object]:
     """What stored trials of these controllers must agree in: the study but for controllers that do not matter, [tune]
     without the number of trials and of seeds, draws, code.
     """
@@ -77,7 +76,7 @@ class TrialStore:
         self._connection, self._folder = connection, folder
         self._lock = threading.Lock()
 
-    def known(self, search: str, identity: Mapping[str, Any]) -> dict[str, Trial]:
+    def known(self, search: str, identity: Mapping[str, object]) -> dict[str, Trial]:
         """The trials of a search, by `key_of`; empty for a new one.
 
         Raises:

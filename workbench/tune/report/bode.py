@@ -100,7 +100,7 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
         note = data.curves[list(data.curves)[-1]].margins.note
         return f"No loop of {data.label}: at {1e3 * data.speed:.3g} mm/s {note}."
     with figure_style():
-        figure, panels = grid(2, 1, f"{data.label}: loop before and after", 2.3, sharex=True)
+        figure, panels = grid(2, 1, f"{data.label}: loop before and after", 2.3, sharex="all")
         amplitude, phase = panels[:, 0]
         for when, curve in data.curves.items():
             _draw(amplitude, phase, curve, dict(SIDES[when]))

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Any
 
 import control
 import numpy as np
@@ -111,9 +110,9 @@ def _margins(task: Task, best: Point) -> MarginsTable:
     )
 
 
-def _draws(tuned: ControllerTuning) -> dict[str, Any]:
+def _draws(tuned: ControllerTuning) -> dict[str, object]:
     """The quantiles on the plant samples of the search and on fresh ones, with their intervals."""
-    tables: dict[str, Any] = {}
+    tables: dict[str, object] = {}
     for kind, quantiles in (("searched", tuned.on_searched), ("fresh", tuned.on_fresh)):
         if (reached := quantiles.get("tuned")) is not None:
             tables[f"on_{kind}_draws"] = {

@@ -87,8 +87,7 @@ def history_picture(tuning: Tuning) -> Picture:
     """Objective of each trial over its number, a panel a controller."""
     data = histories(tuning)
     with figure_style():
-        options: dict[str, Any] = {"sharex": True, "sharey": True}
-        figure, panels = small_multiples(len(data.panels), "Objective of every trial", **options)
+        figure, panels = small_multiples(len(data.panels), "Objective of every trial", sharex="all", sharey="all")
         for axes, panel in zip(panels, data.panels, strict=True):
             _draw(axes, panel, data.top)
             axes.set_title(panel.label, fontsize="small")

@@ -50,7 +50,7 @@ def importance_picture(tuning: Tuning) -> Picture | str:
         why = "; ".join(f"{tuned.task.label}: {each}" for tuned, each in zip(tuning.tuned, shares, strict=True))
         return f"The importance of gains is not told. {why}."
     with figure_style():
-        figure, panels = small_multiples(len(shares), "Which gains mattered", 1.5, sharex=True)
+        figure, panels = small_multiples(len(shares), "Which gains mattered", 1.5, sharex="all")
         for axes, tuned, each in zip(panels, tuning.tuned, shares, strict=True):
             axes.set_title(tuned.task.label, fontsize="small")
             axes.set_xlim(0.0, 100.0)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,18 +37,26 @@ class Pictures:
     missing: Sequence[str]
 
 
-def grid(rows: int, columns: int, title: str, height: float = HEIGHT, **options: Any) -> tuple[Figure, np.ndarray]:
+Shared = Literal["none", "all", "row", "col"]
+"""Which panels have one axis."""
+
+
+def grid(
+    rows: int, columns: int, title: str, height: float = HEIGHT, *, sharex: Shared = "none", sharey: Shared = "none"
+) -> tuple[Figure, np.ndarray]:
     """A figure of panels."""
     figure = Figure(figsize=(WIDE * columns / 2.0 if columns != 1 else 0.8 * WIDE, height * rows + 0.9))
     FigureCanvasAgg(figure)
     figure.suptitle(title)
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    return figure, figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey)
 
 
-def small_multiples(count: int, title: str, height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
+def small_multiples(
+    count: int, title: str, height: float = HEIGHT, *, sharex: Shared = "none", sharey: Shared = "none"
+) -> tuple[Figure, list[Axes]]:
     """A panel for each of `count`, two side by side, the place left over empty."""
     columns = min(count, 2)
-    figure, panels = grid(-(-count // columns), columns, title, height, **options)
+    figure, panels = grid(-(-count // columns), columns, title, height, sharex=sharex, sharey=sharey)
     axes = list(panels.ravel())
     for left in axes[count:]:
         left.set_visible(False)
