@@ -6,14 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import fails, workbench, write
-from made_up_comparison import SPEC, STEPS, Errors, case, cell, compared, made_up_study, verdict, whole
+from made_up_comparison import SPEC, Errors, case, cell, compared, verdict, whole
 
 from workbench.compare.agreement import agreement, agreement_words
-from workbench.compare.comparison import compare
 from workbench.compare.finalists import finalists
 from workbench.compare.report.matrix import matrices
 from workbench.compare.report.overview import change_sentence, overview, pump
-from workbench.compare.report.page import write_comparison
 from workbench.compare.report.tables import pivots
 from workbench.compare.report.words import sentences
 from workbench.compare.result import Comparison, Kind
@@ -116,40 +114,6 @@ def test_what_tuning_and_draws_change_is_told() -> None:
     assert told[2].startswith("With the draws from which the best were chosen, 1 of 1 verdicts")
     assert not {"p_before", "lugre_before"} & {finalist.controller for finalist in finalists(spec, frame)}
     assert compared(frame[frame["draw"] == 1]).changes == []
-
-
-def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path: Path) -> None:
-    frame = whole(draws=range(1, 4))
-    comparison = compare(made_up_study("A < B", "which?"), SPEC, frame)
-    texts = []
-    for name in ("one", "two"):
-        markdown, html = write_comparison(comparison, tmp_path / name)
-        texts.append((markdown.read_bytes(), html.read_bytes()))
-        pictures = {picture.stem for picture in (tmp_path / name / "figures").glob("*.png")}
-        assert pictures == {
-            "error_against_rpm_nominal",
-            "error_against_rpm_soft",
-            "error_against_power_nominal",
-            "error_against_power_soft",
-            "hunting_map",
-        }
-    assert texts[0] == texts[1]
-    html = texts[0][1].decode()
-    assert "A &lt; B" in html
-    assert html.index("matrices") < html.index("In words") < html.index("Left out") < html.index("<h2>Nominal")
-    assert "360 cases: 2 machine(s), 5 controllers" in html
-
-
-def test_a_comparison_of_steps_alone_makes_its_page(tmp_path: Path) -> None:
-    frame = cell({("p", 0.0): 9e-4, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, place=STEPS)
-    assert len(write_comparison(compared(frame), tmp_path)) == 2
-
-
-def test_pivots_rank_nothing_and_show_small_numbers_as_such() -> None:
-    frame = cell({("p", 0.0): 1e-17, ("lugre", 0.0): 5e-4, ("p", 10.0): 3e-4}, [1])
-    made = {pivot.name: pivot.cells for pivot in pivots(compared(frame))}
-    assert made["rig_nominal_sine_rms_error_m"]["p"].iloc[0] == "< 0.0001"
-    assert made["rig_nominal_sine_phase_lag_deg"]["p"].tolist() == ["1", "1"]
 
 
 def test_two_results_agree_or_not() -> None:

@@ -25,27 +25,27 @@ class Reader:
 
     def who(self, name: str, rpm: str | None, real: str | None = None) -> tuple[str, float]:
         """The candidate that is named; its real speed is told exactly where it is another."""
-        one = (name.replace(" ", "_"), float(rpm or 0.0))
-        turned = self.rows.of(self.rows.fresh, self.cell, *one)["rotation_speed_mean_rpm"].mean()
-        off = one[1] > 0 and abs(turned - one[1]) > 0.02 * one[1]
+        candidate = (name.replace(" ", "_"), float(rpm or 0.0))
+        turned = self.rows.of(self.rows.fresh, self.cell, *candidate)["rotation_speed_mean_rpm"].mean()
+        off = candidate[1] > 0 and abs(turned - candidate[1]) > 0.02 * candidate[1]
         assert bool(real) == off
         assert real is None or same(real, turned)
-        return one
+        return candidate
 
-    def sized(self, found: tuple[str, ...]) -> tuple[str, float]:
+    def sized(self, groups: tuple[str, ...]) -> tuple[str, float]:
         """A candidate with its error and interval."""
-        name, rpm, real, mean, low, high = found
-        one = self.who(name, rpm, real)
-        errors = 1e3 * self.rows.errors(self.rows.fresh, self.cell, *one)
+        name, rpm, real, mean, low, high = groups
+        candidate = self.who(name, rpm, real)
+        errors = 1e3 * self.rows.errors(self.rows.fresh, self.cell, *candidate)
         assert same(mean, errors.mean())
         for text, value in zip((low, high), interval(errors), strict=True):
             assert same(text, value)
-        return one
+        return candidate
 
-    def margin(self, one: tuple[str, float], other: tuple[str, float], found: tuple[str, ...], pairs: int) -> None:
+    def margin(self, first: tuple[str, float], second: tuple[str, float], groups: tuple[str, ...], pairs: int) -> None:
         """Ratio and difference with their intervals."""
-        a, b = (self.rows.errors(self.rows.fresh, self.cell, *who) for who in (one, other))
-        ratio, *ends, difference, low, high, _ = found
+        a, b = (self.rows.errors(self.rows.fresh, self.cell, *who) for who in (first, second))
+        ratio, *ends, difference, low, high, _ = groups
         assert same(ratio, float(np.exp(np.mean(np.log(b / a)))))
         for text, value in zip(ends, np.exp(interval(np.log(b / a), pairs)), strict=True):
             assert same(text, float(value))
@@ -53,50 +53,50 @@ class Reader:
         for text, value in zip((low, high), interval(1e3 * (b - a), pairs), strict=True):
             assert same(text, value)
 
-    def verdict(self, *found: str) -> None:
-        kind, *rest = found
+    def verdict(self, *groups: str) -> None:
+        kind, *rest = groups
         assert kind.lower() == self.rows.kind(self.cell)
-        one, other = self.sized(tuple(rest[:6])), self.sized(tuple(rest[7:13]))
-        assert rest[6] == self.rows.word(self.cell, one, other)
+        named, rival = self.sized(tuple(rest[:6])), self.sized(tuple(rest[7:13]))
+        assert rest[6] == self.rows.word(self.cell, named, rival)
         held = self.rows.stands(self.cell)
-        assert held[class_of(*one)] == one
-        assert held[class_of(*other)] == other
-        self.margin(one, other, tuple(rest[13:]), 6)
+        assert held[class_of(*named)] == named
+        assert held[class_of(*rival)] == rival
+        self.margin(named, rival, tuple(rest[13:]), 6)
         if kind in ("Compensate", "Avoid", "Both"):
-            assert class_of(*one) == kind.lower()
+            assert class_of(*named) == kind.lower()
             assert rest[6] == "beats"
 
-    def rarely(self, strictly: str, otherwise: str, *found: str) -> None:
+    def rarely(self, strictly: str, otherwise: str, *groups: str) -> None:
         assert (strictly, otherwise) == self.rows.both_ways(self.cell)
         assert strictly != otherwise
-        one = self.sized(found[:6])
-        assert list(self.rows.rare(self.cell).values()) == [one]
-        count, draws = self.rows.hunting(self.cell, *one)
-        assert found[6:8] == (str(count), str(draws))
-        for text, value in zip(found[8:], share_interval(count, draws), strict=True):
+        candidate = self.sized(groups[:6])
+        assert list(self.rows.rare(self.cell).values()) == [candidate]
+        count, draws = self.rows.hunting(self.cell, *candidate)
+        assert groups[6:8] == (str(count), str(draws))
+        for text, value in zip(groups[8:], share_interval(count, draws), strict=True):
             assert same(text, 100.0 * value)
 
-    def in_front(self, side: str, *found: str) -> None:
-        one = self.sized(found[:6])
-        assert self.rows.rare(self.cell)[class_of(*one)] == one
-        assert SIDES[class_of(*one)] == side
-        assert found[6:8] == tuple(map(str, self.rows.hunting(self.cell, *one)))
+    def in_front(self, side: str, *groups: str) -> None:
+        candidate = self.sized(groups[:6])
+        assert self.rows.rare(self.cell)[class_of(*candidate)] == candidate
+        assert SIDES[class_of(*candidate)] == side
+        assert groups[6:8] == tuple(map(str, self.rows.hunting(self.cell, *candidate)))
         assert len(set(self.rows.both_ways(self.cell))) == 1
 
-    def against(self, *found: str) -> None:
-        bare, rest = self.sized(found[:6]), found[6]
+    def against(self, *groups: str) -> None:
+        bare, rest = self.sized(groups[:6]), groups[6]
         held = self.rows.stands(self.cell)
         assert held["nothing"] == bare
         told = {}
         for part in rest.split("; "):
             side, name, rpm, real, word = re.fullmatch(rf"([a-z ]+), {CANDIDATE}, {WORD} it", part).groups()
-            one = self.who(name, rpm, real)
-            assert word == self.rows.word(self.cell, one, bare)
-            told[side] = one
-        assert told == {SIDES[kind]: one for kind, one in held.items() if kind != "nothing"}
+            candidate = self.who(name, rpm, real)
+            assert word == self.rows.word(self.cell, candidate, bare)
+            told[side] = candidate
+        assert told == {SIDES[kind]: candidate for kind, candidate in held.items() if kind != "nothing"}
 
-    def together(self, *found: str) -> None:
-        both, (word, sign, paid, kilo), rest = self.sized(found[:6]), found[6:10], found[10:]
+    def together(self, *groups: str) -> None:
+        both, (word, sign, paid, kilo), rest = self.sized(groups[:6]), groups[6:10], groups[10:]
         held = self.rows.stands(self.cell)
         named = held[self.rows.kind(self.cell)]
         assert (held["both"], word) == (both, self.rows.word(self.cell, both, named))
@@ -104,8 +104,8 @@ class Reader:
         assert same(f"{sign}{paid}", (cost[0] - cost[1]) / (1e3 if kilo else 1.0), 2)
         self.margin(both, named, rest, 6)
 
-    def price(self, *found: str) -> None:
-        name, rpm, real, motor, mk, loss, lk, paid, pk, pump, uk, still, sk, other, other_rpm, _, torque = found
+    def price(self, *groups: str) -> None:
+        name, rpm, real, motor, mk, loss, lk, paid, pk, pump, uk, still, sk, other, other_rpm, _, torque = groups
         rows = self.rows.of(self.rows.fresh, self.cell, *self.who(name, rpm, real))
         rest = self.rows.of(self.rows.fresh, self.cell, *self.who(other, other_rpm))
         for text, kilo, column, part in (
@@ -120,28 +120,28 @@ class Reader:
         assert (torque is not None) == (mean > 8.0)
         assert torque is None or same(torque, mean, 2)
 
-    def cheapest(self, *found: str) -> None:
-        one = self.sized(found[:6])
+    def cheapest(self, *groups: str) -> None:
+        candidate = self.sized(groups[:6])
         held = self.rows.stands(self.cell)["both" if self.rows.kind(self.cell) == "both" else "avoid"]
-        assert self.rows.word(self.cell, one, held, 1) in ("is level with", "beats")
-        paid = [self.rows.of(self.rows.fresh, self.cell, *who)["paid_power_W"].mean() for who in (one, held)]
+        assert self.rows.word(self.cell, candidate, held, 1) in ("is level with", "beats")
+        paid = [self.rows.of(self.rows.fresh, self.cell, *who)["paid_power_W"].mean() for who in (candidate, held)]
         assert paid[0] < paid[1]
 
-    def model(self, *found: str) -> None:
-        said, *rest = found
+    def model(self, *groups: str) -> None:
+        start, *rest = groups
         pressure, model, word = self.sized(tuple(rest[:6])), self.sized(tuple(rest[7:13])), rest[6]
         ranked = self.rows.ranked(self.cell, "compensate")
-        assert pressure == next(one for one in ranked if one[0] in PRESSURE)
-        assert model == next(one for one in ranked if one[0] not in PRESSURE)
+        assert pressure == next(candidate for candidate in ranked if candidate[0] in PRESSURE)
+        assert model == next(candidate for candidate in ranked if candidate[0] not in PRESSURE)
         assert word == self.rows.word(self.cell, pressure, model, 1)
         needed = {"loses to": "A friction model is worth having", "cannot be told from": "Whether a friction model"}
-        assert said.startswith(needed.get(word, "No friction model is needed"))
+        assert start.startswith(needed.get(word, "No friction model is needed"))
         self.margin(pressure, model, tuple(rest[13:]), 1)
 
-    def within(self, *found: str) -> None:
-        one = self.sized(found[1:])
-        assert self.rows.stands(self.cell)["nothing"] == one
-        assert interval(self.rows.errors(self.rows.fresh, self.cell, *one))[1] <= 1e-6
+    def within(self, *groups: str) -> None:
+        candidate = self.sized(groups[1:])
+        assert self.rows.stands(self.cell)["nothing"] == candidate
+        assert interval(self.rows.errors(self.rows.fresh, self.cell, *candidate))[1] <= 1e-6
 
     def flawed(self, side: str, name: str, rpm: str | None, real: str | None, count: str, draws: str) -> None:
         kind = next(kind for kind, called in SIDES.items() if called == side)

@@ -42,8 +42,8 @@ class Rows:
 
     def of(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> pd.DataFrame:
         """The rows of a candidate, by draw."""
-        found = frame.query("machine == @cell.machine and scenario == @cell.scenario and reference == @cell.reference")
-        return found[(found["controller"] == controller) & (found["rpm"] == rpm)].sort_values("draw")
+        rows = frame.query("machine == @cell.machine and scenario == @cell.scenario and reference == @cell.reference")
+        return rows[(rows["controller"] == controller) & (rows["rpm"] == rpm)].sort_values("draw")
 
     def errors(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> np.ndarray:
         """Its errors (m)."""
@@ -53,51 +53,58 @@ class Rows:
     def hunting(self, cell: Key, controller: str, rpm: float) -> tuple[int, int]:
         """On how many draws it swings, and of how many: of the fresh draws, where it was measured there."""
         for frame in (self.fresh, self.search):
-            found = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
-            found = found[(found["controller"] == controller) & (found["rpm"] == rpm) & found["limit_cycle"].notna()]
-            if not found.empty:
-                swings = found[found["limit_cycle"].isin(["sustained", "too_short"])]
-                return swings["draw"].nunique(), found["draw"].nunique()
+            rows = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
+            rows = rows[(rows["controller"] == controller) & (rows["rpm"] == rpm) & rows["limit_cycle"].notna()]
+            if not rows.empty:
+                swings = rows[rows["limit_cycle"].isin(["sustained", "too_short"])]
+                return swings["draw"].nunique(), rows["draw"].nunique()
         raise AssertionError("nobody held still")
 
     def rare(self, cell: Key) -> dict[str, tuple[str, float]]:
         """Of each class the best that may hunt on no more than 5 % of the machines, if it is in front of who stands."""
-        found = {}
+        rarely = {}
         for kind in CLASSES:
-            for one in self.ranked(cell, kind):
-                if one == self.stands(cell).get(kind):
+            for candidate in self.ranked(cell, kind):
+                if candidate == self.stands(cell).get(kind):
                     break
-                count, of = self.hunting(cell, *one)
+                count, of = self.hunting(cell, *candidate)
                 if stats.beta.ppf(0.025, count, of - count + 1) <= 0.05:
-                    found.setdefault(kind, one)
-        return found
+                    rarely.setdefault(kind, candidate)
+        return rarely
 
     def hunts(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> bool:
         """Whether it swings in any draw of its machine and scenario."""
-        found = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
-        found = found[(found["controller"] == controller) & (found["rpm"] == rpm)]
-        return bool(found["limit_cycle"].isin(["sustained", "too_short"]).any())
+        rows = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
+        rows = rows[(rows["controller"] == controller) & (rows["rpm"] == rpm)]
+        return bool(rows["limit_cycle"].isin(["sustained", "too_short"]).any())
 
     def ranked(self, cell: Key, kind: str) -> list[tuple[str, float]]:
         """The candidates of a class that hold in the search and were measured again, the best first."""
         part = self.search[(self.search["machine"] == cell.machine) & (self.search["scenario"] == cell.scenario)]
         part = part[part["reference"] == cell.reference]
         named = {(str(c), float(r)) for c, r in part[["controller", "rpm"]].drop_duplicates().itertuples(index=False)}
-        own = [one for one in named if class_of(*one) == kind and not self.hunts(self.search, cell, *one)]
-        own = [one for one in own if not self.of(self.fresh, cell, *one).empty]
-        return sorted(own, key=lambda one: stats.gmean(self.errors(self.search, cell, *one)))
+        own = [
+            candidate
+            for candidate in named
+            if class_of(*candidate) == kind and not self.hunts(self.search, cell, *candidate)
+        ]
+        own = [candidate for candidate in own if not self.of(self.fresh, cell, *candidate).empty]
+        return sorted(own, key=lambda candidate: stats.gmean(self.errors(self.search, cell, *candidate)))
 
     def stands(self, cell: Key) -> dict[str, tuple[str, float]]:
         """Who stands for each class."""
         if cell not in self.held:
             ranked = {kind: self.ranked(cell, kind) for kind in CLASSES}
-            sound = {kind: [one for one in of if not self.hunts(self.fresh, cell, *one)] for kind, of in ranked.items()}
+            sound = {
+                kind: [candidate for candidate in of if not self.hunts(self.fresh, cell, *candidate)]
+                for kind, of in ranked.items()
+            }
             self.held[cell] = {kind: of[0] for kind, of in sound.items() if of}
         return self.held[cell]
 
-    def word(self, cell: Key, one: tuple[str, float], other: tuple[str, float], pairs: int = PAIRS) -> str:
+    def word(self, cell: Key, first: tuple[str, float], second: tuple[str, float], pairs: int = PAIRS) -> str:
         """How one candidate does against another on the fresh draws."""
-        a, b = (self.errors(self.fresh, cell, *who) for who in (one, other))
+        a, b = (self.errors(self.fresh, cell, *who) for who in (first, second))
         floor, bound = NEGLIGIBLE / 0.05, -math.log(0.95)
         low, high = interval(np.log(b + floor) - np.log(a + floor), pairs)
         if low > bound:
@@ -119,11 +126,11 @@ class Rows:
     def kind_among(self, cell: Key, held: dict[str, tuple[str, float]]) -> str:
         """The verdict if these stand for the classes."""
         words = {
-            (a, b): self.word(cell, held[a], held[b]) for one in combinations(held, 2) for a, b in (one, one[::-1])
+            (a, b): self.word(cell, held[a], held[b]) for pair in combinations(held, 2) for a, b in (pair, pair[::-1])
         }
 
-        def wins(one: str, *others: str) -> bool:
-            return one in held and all(words.get((one, other), "beats") == "beats" for other in others)
+        def wins(side: str, *others: str) -> bool:
+            return side in held and all(words.get((side, other), "beats") == "beats" for other in others)
 
         if "nothing" in held:
             beaten = [words["nothing", kind] for kind in held if kind != "nothing"]
@@ -149,8 +156,8 @@ def class_of(controller: str, rpm: float) -> str:
 
 def interval(values: np.ndarray, pairs: int = 1) -> tuple[float, float]:
     """Student's interval of a mean, by SciPy's test."""
-    found = stats.ttest_1samp(values, 0.0).confidence_interval(1.0 - 0.05 / pairs)
-    return float(found.low), float(found.high)
+    ends = stats.ttest_1samp(values, 0.0).confidence_interval(1.0 - 0.05 / pairs)
+    return float(ends.low), float(ends.high)
 
 
 def same(text: str, value: float, digits: int = 3) -> bool:

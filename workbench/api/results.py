@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from workbench.api.faces import shown_as
 from workbench.api.signals import UNITS, plot_signals
 from workbench.errors import UserError, nearest
 from workbench.study import study as studies
@@ -20,6 +21,7 @@ from workbench.study.store import STUDY_COPY, read_results, trajectory_path
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from workbench.api.faces.comparison import ShownComparison
     from workbench.publish.notebook import NotebookFigure
 
 SHOWN = ("outcome", "phase_lag_deg", "steady_state_error_m", "rms_error_m", "limit_cycle", "paid_power_W")
@@ -109,6 +111,19 @@ class StudyResults:
     def figures(self) -> list[str]:
         """Names of the figures that the study asks for."""
         return [spec.name for spec in self.study.file.figures]
+
+    @property
+    def comparison(self) -> "ShownComparison":
+        """What a study with a table [comparison] says of compensation against rotation: `verdicts` by machine, scenario
+        and reference, the candidates that they rest on, and what would change them.
+
+        Raises:
+            UserError: the study has no such table.
+        """
+        from workbench.api.faces.comparison import ShownComparison
+        from workbench.compare.comparison import comparison_of
+
+        return shown_as(ShownComparison, comparison_of(self.study, self.frame, self.folder))
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the study, as text ready to be read; or the axes with one column of the results, as numbers.

@@ -36,7 +36,15 @@ def comparison_in(folder: Path) -> Comparison:
         UserError: it holds no results, or its study has no [comparison].
     """
     frame = read_results(folder)
-    study = read_study(folder / STUDY_COPY)
+    return comparison_of(read_study(folder / STUDY_COPY), frame, folder)
+
+
+def comparison_of(study: Study, frame: pd.DataFrame, folder: Path) -> Comparison:
+    """The comparison that a study asks for, of its results as read from a folder.
+
+    Raises:
+        UserError: it has no [comparison].
+    """
     table = study.section(ComparisonTable)
     if table is None:
         raise UserError(f"{folder}: its study has no [comparison], so it has no verdicts")
