@@ -123,7 +123,7 @@ def drawn(
     row: CandidateResult, probability: float, draws: int, sure: float, generator: np.random.Generator
 ) -> CandidateResult:
     """The same candidate on draws that it meets with a probability that is known."""
-    passed = tuple(bool(one) for one in generator.random(draws) < probability)
+    passed = tuple(bool(each) for each in generator.random(draws) < probability)
     low, high = share_interval(sum(passed), draws, sure)
     return replace(row, passed=passed, low=low, high=high, sure=sure)
 
@@ -207,9 +207,9 @@ def test_what_fails_is_told_by_draw() -> None:
         | {"supply_power_W": 3.0, "motor_electric_power_W": None, "rotation_speed_mean_rpm": None}
         for i, (outcome, accurate, within, hunts) in enumerate(draws)
     ]
-    (found,) = candidate_results(pd.DataFrame(rows), TABLE)
-    assert found.failures == {"stuck": 1, "torque-limited": 1, "accuracy": 2, "power": 1, "hunting": 1}
-    assert (found.met, found.hunting, found.main_failure, found.error) == (1, 1, "hunting", math.inf)
-    assert found.outcome == "5 completed, 1 stuck, 1 torque-limited"
-    assert found.mean_power == pytest.approx((3.0 + 6.0 + 7.0 + 8.0 + 9.0) / 5.0)
-    assert pd.isna(results([Cell(8e-3, 1.0, TABLE, [found])])["error_quantile_m"][0])
+    (result,) = candidate_results(pd.DataFrame(rows), TABLE)
+    assert result.failures == {"stuck": 1, "torque-limited": 1, "accuracy": 2, "power": 1, "hunting": 1}
+    assert (result.met, result.hunting, result.main_failure, result.error) == (1, 1, "hunting", math.inf)
+    assert result.outcome == "5 completed, 1 stuck, 1 torque-limited"
+    assert result.mean_power == pytest.approx((3.0 + 6.0 + 7.0 + 8.0 + 9.0) / 5.0)
+    assert pd.isna(results([Cell(8e-3, 1.0, TABLE, [result])])["error_quantile_m"][0])

@@ -77,16 +77,16 @@ def test_machines_are_the_same_for_all_and_nested_over_the_spread(tmp_path: Path
 
 
 def test_a_large_accuracy_takes_plain_control(tmp_path: Path) -> None:
-    found = decided(tmp_path)
-    given = found.answer(0.02, 1.0)
+    decision = decided(tmp_path)
+    given = decision.answer(0.02, 1.0)
     assert (given.kind, given.best.controller, given.best.rpm, given.best.met) == ("plain", "feed", 0.0, 60)
-    assert paragraph(found).startswith("Plain control suffices: feed without rotation on 60 of 60 fresh machines")
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert paragraph(decision).startswith("Plain control suffices: feed without rotation on 60 of 60 fresh machines")
+    content = json.loads(json.dumps(decision.to_json(), allow_nan=False))
     (cell,) = content["cells"]
     assert (cell["kind"], cell["settled"], cell["best"]["controller"]) == ("plain", True, "feed")
     assert (cell["best"]["met"], cell["best"]["standing"]) == (60, "meets")
     assert len(cell["candidates"]) == 4
-    assert content["runs"] == len(found.draws)
+    assert content["runs"] == len(decision.draws)
 
 
 def test_friction_without_a_compensator_takes_rotation(tmp_path: Path) -> None:
@@ -95,12 +95,12 @@ def test_friction_without_a_compensator_takes_rotation(tmp_path: Path) -> None:
     text = changed("[simulation]", "scale = { coulomb = 4, stribeck = 4 }\n[simulation]", text)
     text = changed('power = "2 kW"', 'power = "20 kW"', text)
     text = changed('speed = "20 mm/s"', 'speed = "5 mm/s"', text)
-    found = decided(tmp_path, text)
-    given = found.answer(found.table.speed, 1.0)
+    decision = decided(tmp_path, text)
+    given = decision.answer(decision.table.speed, 1.0)
     assert (given.kind, given.best.rpm, given.best.met) == ("rotation", 125.0, 60)
-    still = next(row for row in found.asked.rows if row.rpm == 0)
+    still = next(row for row in decision.asked.rows if row.rpm == 0)
     assert (still.met, still.accurate, still.within_power) == (0, 0.0, 1.0)
-    assert "Only rotation suffices: feed at 125 rpm" in paragraph(found)
+    assert "Only rotation suffices: feed at 125 rpm" in paragraph(decision)
 
     poor = decided(tmp_path, changed('power = "20 kW"', 'power = "30 W"', text))
     assert poor.answer(poor.table.speed, 1.0).kind is None
@@ -109,10 +109,10 @@ def test_friction_without_a_compensator_takes_rotation(tmp_path: Path) -> None:
 
 
 def test_a_nanometre_is_met_by_nothing_and_the_miss_is_told(tmp_path: Path) -> None:
-    found = decided(tmp_path, changed('accuracy = "1 mm"', 'accuracy = "1 nm"', STUDY))
-    given = found.answer(0.02, 1.0)
-    assert (given.kind, given.best.met, given.best.error) == (None, 0, min(row.error for row in found.asked.rows))
-    words = paragraph(found)
+    decision = decided(tmp_path, changed('accuracy = "1 mm"', 'accuracy = "1 nm"', STUDY))
+    given = decision.answer(0.02, 1.0)
+    assert (given.kind, given.best.met, given.best.error) == (None, 0, min(row.error for row in decision.asked.rows))
+    words = paragraph(decision)
     assert words.startswith("Nothing that was tried suffices. Nearest is ")
     assert f"at the 90 % quantile it misses the accuracy by {millimetres(given.best.error - 1e-9)} (" in words
 
@@ -155,10 +155,10 @@ def test_the_same_bytes_whatever_the_number_of_jobs(tmp_path: Path) -> None:
 
 def test_without_uncertainty_there_is_one_machine(tmp_path: Path) -> None:
     head, rest = STUDY[: STUDY.index("[uncertainty]")], STUDY[STUDY.index("[decide]") :]
-    found = decided(tmp_path, head + rest + "spread = 0\n")
-    assert [row.draws for row in found.asked.rows] == [1] * 4
-    assert "on the declared machine" in question(found)
-    assert "machines" not in paragraph(found)
+    decision = decided(tmp_path, head + rest + "spread = 0\n")
+    assert [row.draws for row in decision.asked.rows] == [1] * 4
+    assert "on the declared machine" in question(decision)
+    assert "machines" not in paragraph(decision)
     fails(
         workbench("decide", write(tmp_path, head + rest), "--out", tmp_path / "out"),
         ":",
@@ -202,24 +202,24 @@ def test_tuned_gains_are_taken_from_their_file(tmp_path: Path) -> None:
     )
     write(tmp_path, gains, "feed.toml")
     text = changed('type = "pid"\nkp = "500 V/m"\nfeedforward = 1', 'gains = "feed.toml"', STUDY)
-    found = decided(tmp_path, text)
-    assert [found.plan.loops["feed", rpm].gains.proportional for rpm in (0.0, 125.0)] == [300.0, 200.0]
-    assert "Tuned gains: feed; all others as the study gives them." in " ".join(assumptions(found))
+    decision = decided(tmp_path, text)
+    assert [decision.plan.loops["feed", rpm].gains.proportional for rpm in (0.0, 125.0)] == [300.0, 200.0]
+    assert "Tuned gains: feed; all others as the study gives them." in " ".join(assumptions(decision))
 
 
 def test_rotating_does_not_change_what_the_pump_pays(tmp_path: Path) -> None:
     """The pump pays supply pressure times the flow that the motion takes: P_s A 2/pi v for a sine of peak speed v."""
-    found = decided(tmp_path, changed("draws = 3", 'draws = 2\nspread = 0\nmachine = "thesis_simulation"', STUDY))
-    rows = found.draws[found.draws["stage"] == "search"]
+    decision = decided(tmp_path, changed("draws = 3", 'draws = 2\nspread = 0\nmachine = "thesis_simulation"', STUDY))
+    rows = decision.draws[decision.draws["stage"] == "search"]
     still, turning = (rows[rows["rpm"] == rpm] for rpm in (0, 125))
     assert turning["supply_power_W"].mean() == pytest.approx(still["supply_power_W"].mean(), rel=0.05)
     assert still["motor_electric_power_W"].isna().all()
     added = turning["power_W"].mean() - turning["supply_power_W"].mean()
-    words = price(found)
+    words = price(decision)
     assert added == pytest.approx(turning["motor_electric_power_W"].mean())
     assert words.startswith(f"Rotating adds {watts(added)} at 125 rpm at the motor's terminals.")
     assert "rotating does not change what the pump pays" in words
-    assert question(found).startswith("Asked of the thesis simulation: an rms error")
+    assert question(decision).startswith("Asked of the thesis simulation: an rms error")
 
 
 def test_the_number_of_draws_is_told_before_and_a_machine_is_chosen(tmp_path: Path) -> None:
@@ -241,11 +241,13 @@ def test_the_number_of_draws_is_told_before_and_a_machine_is_chosen(tmp_path: Pa
 def test_the_interval_holds_what_further_machines_do(tmp_path: Path) -> None:
     """A small run of benchmarks/decide_coverage.py: the choice on 300 machines that it has not met."""
     text = changed('accuracy = "1 mm"', 'accuracy = "0.12 mm"\nprobability = 0.5', STUDY)
-    found = decided(tmp_path, text)
-    named = found.asked.answer().best
+    decision = decided(tmp_path, text)
+    named = decision.asked.answer().best
     assert named.stage == "fresh"
     wanted = [(named.candidate, named.speed, named.spread)]
-    (later,) = candidate_results(run_batches(found.plan, batches("fresh", wanted, range(60, 360)), 2), found.table)
+    (later,) = candidate_results(
+        run_batches(decision.plan, batches("fresh", wanted, range(60, 360)), 2), decision.table
+    )
     assert named.low <= later.probability <= named.high
 
 

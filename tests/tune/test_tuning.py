@@ -32,7 +32,7 @@ from workbench.tune.starts import classic_points
 
 def outcome(tuning: Tuning) -> list[object]:
     """All that has to be the same."""
-    return [(one.task.label, one.best, one.number, one.seeds, one.trials) for one in tuning.tuned]
+    return [(each.task.label, each.best, each.number, each.seeds, each.trials) for each in tuning.tuned]
 
 
 # --- the same gains whatever happens ---
@@ -41,12 +41,12 @@ def outcome(tuning: Tuning) -> list[object]:
 @pytest.mark.parametrize("text", [STUDY, robust()], ids=["declared", "drawn"])
 def test_jobs_do_not_change_the_gains(tmp_path: Path, text: str) -> None:
     several = text.replace("seeds = 1", "seeds = 2")
-    one = tuned(tmp_path / "one", several, ("p", "lugre"), trials=24, jobs=1)
-    two = tuned(tmp_path / "two", several, ("p", "lugre"), trials=24, jobs=2)
-    assert outcome(one) == outcome(two)
-    assert [found.task.name for found in one.tuned] == ["p", "lugre"]
-    assert len(one.tuned[1].trials) <= 2 * 24
-    assert list(one.tuned[1].seeds) == [1, 2]
+    serial = tuned(tmp_path / "one", several, ("p", "lugre"), trials=24, jobs=1)
+    parallel = tuned(tmp_path / "two", several, ("p", "lugre"), trials=24, jobs=2)
+    assert outcome(serial) == outcome(parallel)
+    assert [each.task.name for each in serial.tuned] == ["p", "lugre"]
+    assert len(serial.tuned[1].trials) <= 2 * 24
+    assert list(serial.tuned[1].seeds) == [1, 2]
 
 
 def test_going_on_does_not_change_the_gains(tmp_path: Path) -> None:
@@ -116,8 +116,8 @@ def test_all_meet_the_same_machines(tmp_path: Path) -> None:
     tasks = [task_for(study, name) for name in names]
     for number in range(3):
         machines = [task.sampled(task.start, number)[0].setup for task in tasks]
-        assert len({to_array(one.parameters).tobytes() for one in machines}) == 1
-        assert len({one.seed for one in machines}) == 1
+        assert len({to_array(each.parameters).tobytes() for each in machines}) == 1
+        assert len({each.seed for each in machines}) == 1
     first, second = (to_array(tasks[0].sampled(tasks[0].start, number)[0].setup.parameters) for number in range(2))
     assert not np.array_equal(first, second)
 
@@ -130,7 +130,7 @@ def test_a_pd_is_always_among_them(tmp_path: Path) -> None:
     p = task_for(study, "p")
     (placed,) = [point for point in classic_points(p, p.start) if point.name == "pole_placement_pd"]
     assert (added.settings.kp, added.settings.kd) == (placed.settings["kp"], placed.settings["kd"])
-    assert {one.name for one in added.dimensions} == {"kp", "kd", "velocity_time_constant"}
+    assert {each.name for each in added.dimensions} == {"kp", "kd", "velocity_time_constant"}
     assert ready(tmp_path, STUDY, "all")[1] == ["p", "pd", "lugre"]
     assert ready(tmp_path, without, "p")[1] == ["p"]
 
@@ -154,29 +154,29 @@ def test_every_controller_documents_ranges_about_its_defaults() -> None:
 
 def test_a_hunting_loop_is_never_returned(tmp_path: Path) -> None:
     """K_i 1000 V/(m s) hunts on soft hoses and 500 does not; the error falls with K_i all the way."""
-    found = tuned(tmp_path, HUNTING, "pi", jobs=2).tuned[0]
-    hunting = [trial for trial in found.trials if trial.violations["limit cycle"] > 0.0]
-    assert min(found.trials, key=lambda trial: trial.value) in hunting
+    result = tuned(tmp_path, HUNTING, "pi", jobs=2).tuned[0]
+    hunting = [trial for trial in result.trials if trial.violations["limit cycle"] > 0.0]
+    assert min(result.trials, key=lambda trial: trial.value) in hunting
     assert all(trial.point["ki"] > 500.0 for trial in hunting)
-    assert found.best is not None
-    assert found.best["ki"] <= 1000.0
-    assert found.trials[found.number] not in hunting
+    assert result.best is not None
+    assert result.best["ki"] <= 1000.0
+    assert result.trials[result.number] not in hunting
     assert not any(trial.feasible for trial in hunting)
 
 
 def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> None:
     text = STUDY + "[tune.constraints]\nphase_margin_deg = 89\n"
-    found = tuned(tmp_path, text, "p").tuned[0]
-    assert found.best is None
-    most, count = max(trial.phase_margin_deg for trial in found.trials), len(found.trials)
-    assert infeasible(found) == (
+    result = tuned(tmp_path, text, "p").tuned[0]
+    assert result.best is None
+    most, count = max(trial.phase_margin_deg for trial in result.trials), len(result.trials)
+    assert infeasible(result) == (
         f"no trial keeps all constraints; most often broken: phase margin, in {count} of {count} trials; "
         "the nearest has "
         f"{most:.1f} deg, 89 deg are asked for"
     )
     hunting, rest = {"phase margin": -0.5, "limit cycle": 1.0}, {"phase margin": 0.2, "limit cycle": -1.0}
-    apart = [replace(found.trials[0], violations=one) for one in (hunting, rest, rest)]
-    assert infeasible(replace(found, trials=apart)) == (
+    apart = [replace(result.trials[0], violations=each) for each in (hunting, rest, rest)]
+    assert infeasible(replace(result, trials=apart)) == (
         "no trial keeps all constraints; of 3 trials broken: phase margin in 2, limit cycle in 1"
     )
 
@@ -184,8 +184,8 @@ def test_an_infeasible_set_says_what_fails_and_by_how_much(tmp_path: Path) -> No
 def test_a_gain_file_carries_the_margins_of_its_loop(tmp_path: Path) -> None:
     """Read again, the gains give the margins; those of a P also come from the plant's own transfer function."""
     tuning = tuned(tmp_path, STUDY, "all", trials=8, jobs=2)
-    for found in tuning.tuned:
-        path = write(tmp_path, gain_file_text(gain_file([found])), f"{found.task.name}.toml")
+    for result in tuning.tuned:
+        path = write(tmp_path, gain_file_text(gain_file([result])), f"{result.task.name}.toml")
         (kept,) = read_gain_file(path).at
         using = STUDY.replace("[controllers]\n", f'[controllers]\nagain = {{ gains = "{path.name}" }}\n')
         using = using.replace('controller = ["p", "pd", "lugre"]', 'controller = ["again"]')
@@ -203,15 +203,15 @@ def test_a_gain_file_carries_the_margins_of_its_loop(tmp_path: Path) -> None:
 
 
 def test_a_study_runs_with_a_gain_file_as_with_its_numbers(tmp_path: Path) -> None:
-    found = tuned(tmp_path, STUDY, "lugre").tuned[0]
-    assert found.best is not None
-    write(tmp_path, gain_file_text(gain_file([found])), "lugre.toml")
+    result = tuned(tmp_path, STUDY, "lugre").tuned[0]
+    assert result.best is not None
+    write(tmp_path, gain_file_text(gain_file([result])), "lugre.toml")
     using = STUDY.replace(
         'lugre = { type = "lugre", law = "valve_inversion" }', 'lugre = { gains = "lugre.toml", injection = 0.2 }'
     )
     study = read_study(write(tmp_path, using, "using.toml"))
     resolved = resolve(study, unfold(study)[2])
-    assert resolved.settings == found.task.settings_at(found.best)._replace(injection=0.2)
+    assert resolved.settings == result.task.settings_at(result.best)._replace(injection=0.2)
     answer = workbench("check", tmp_path / "lugre.toml")
     assert "tuned gains of lugre, in order\n  any speed: law valve_inversion" in answer.out
     lost = workbench("check", write(tmp_path, using.replace("lugre.toml", "lugres.toml"), "lost.toml"))
@@ -231,18 +231,18 @@ def test_the_quantile_is_the_draw_of_that_rank() -> None:
 
 def test_the_interval_of_a_quantile_has_its_probability() -> None:
     """200 draws: between ranks of which the binomial distribution says at least 95 %, and no narrower one does."""
-    found = interval([float(rank) for rank in range(1, 201)], 0.9)
-    low, high = int(found.low), int(found.high)
-    assert (found.value, low, high) == (180.0, 171, 189)
+    result = interval([float(rank) for rank in range(1, 201)], 0.9)
+    low, high = int(result.low), int(result.high)
+    assert (result.value, low, high) == (180.0, 171, 189)
     assert binom.cdf(high - 1, 200, 0.9) - binom.cdf(low - 1, 200, 0.9) >= 0.95
     few = interval([1.0, 2.0, 3.0, 4.0], 0.9)
     assert (few.value, few.high) == (4.0, math.inf)
 
 
 def test_the_gains_are_measured_on_machines_that_the_search_has_not_met(tmp_path: Path) -> None:
-    found = tuned(tmp_path, robust(), "pd").tuned[0]
-    assert found.score is not None
-    assert found.on_searched["tuned"].value == found.score.value == found.trials[found.number].value
-    assert (found.on_searched["tuned"].draws, found.on_fresh["tuned"].draws) == (8, 12)
-    assert found.on_fresh["tuned"].value != found.on_searched["tuned"].value
-    assert found.on_fresh["tuned"].low <= found.on_fresh["tuned"].value <= found.on_fresh["tuned"].high
+    result = tuned(tmp_path, robust(), "pd").tuned[0]
+    assert result.score is not None
+    assert result.on_searched["tuned"].value == result.score.value == result.trials[result.number].value
+    assert (result.on_searched["tuned"].draws, result.on_fresh["tuned"].draws) == (8, 12)
+    assert result.on_fresh["tuned"].value != result.on_searched["tuned"].value
+    assert result.on_fresh["tuned"].low <= result.on_fresh["tuned"].value <= result.on_fresh["tuned"].high

@@ -60,32 +60,32 @@ def test_relay_on_an_integrator_with_a_delay(speed: float) -> None:
     T is the delay, the mass's 0.1 ms, and the half sample that the relay is late.
     """
     delay = 20e-3 + 1e-4 + 0.5e-4
-    found = relay_test(integrator(20e-3), 1e4, speed)
-    assert found.note == ""
-    assert found.ultimate_period == pytest.approx(4.0 * delay, rel=0.01)
-    assert found.amplitude == pytest.approx(delay, rel=0.01)
-    assert found.bias == pytest.approx(1e4 * speed, abs=500.0)
-    assert found.ultimate_gain == pytest.approx(8.0 / np.pi**2 * 1e4 * np.pi / (2.0 * delay), rel=0.01)
+    result = relay_test(integrator(20e-3), 1e4, speed)
+    assert result.note == ""
+    assert result.ultimate_period == pytest.approx(4.0 * delay, rel=0.01)
+    assert result.amplitude == pytest.approx(delay, rel=0.01)
+    assert result.bias == pytest.approx(1e4 * speed, abs=500.0)
+    assert result.ultimate_gain == pytest.approx(8.0 / np.pi**2 * 1e4 * np.pi / (2.0 * delay), rel=0.01)
 
 
 def test_hysteresis_of_the_relay_is_accounted_for() -> None:
     """With eps the triangle is d T + eps high; the gain by sqrt(a^2 - eps^2) stays within the describing function's."""
-    found = relay_test(integrator(20e-3), 1e4, 0.0, hysteresis=4e-3)
-    assert found.amplitude == pytest.approx(20.15e-3 + 4e-3, rel=0.01)
-    assert found.ultimate_gain == pytest.approx(4e4 / np.pi / np.sqrt(24.15e-3**2 - 4e-3**2), rel=0.01)
+    result = relay_test(integrator(20e-3), 1e4, 0.0, hysteresis=4e-3)
+    assert result.amplitude == pytest.approx(20.15e-3 + 4e-3, rel=0.01)
+    assert result.ultimate_gain == pytest.approx(4e4 / np.pi / np.sqrt(24.15e-3**2 - 4e-3**2), rel=0.01)
 
 
 @pytest.mark.parametrize("plant", ["non_rotating", "rotating_helical"])
 def test_relay_finds_the_sliding_loops_ultimate_gain(plant: str) -> None:
     """Within 20 % of the margins' gain, from below: describing function, and a switch up to a sample of 20 late."""
     setup = registered(plant, rpm=460.0 if "rotating" in plant else 0.0, duration=1.0)
-    found = margins(under(setup, kp=500.0), SPEED)
-    ultimate = 500.0 * 10.0 ** (found.gain_dB / 20.0)
+    relay = margins(under(setup, kp=500.0), SPEED)
+    ultimate = 500.0 * 10.0 ** (relay.gain_dB / 20.0)
     for amplitude, speed in ((0.3, SPEED), (1.0, SPEED), (1.0, -SPEED)):
         result = relay_test(setup, amplitude, speed)
         assert result.note == ""
         assert 0.8 * ultimate < result.ultimate_gain < ultimate
-        assert result.ultimate_period == pytest.approx(2.0 * np.pi / found.gain_frequency + H, rel=0.1)
+        assert result.ultimate_period == pytest.approx(2.0 * np.pi / relay.gain_frequency + H, rel=0.1)
         assert result.amplitude * 2.0 * np.pi / result.ultimate_period < SPEED  # never back: friction keeps its side
         assert result.bias == pytest.approx(0.49 * np.sign(speed), abs=0.06)
 
@@ -102,34 +102,34 @@ def test_relay_says_why_nothing_came() -> None:
 
 def test_ziegler_nichols_table() -> None:
     """K_u 10, T_u 2 s, by the rows of the table."""
-    found = ziegler_nichols(10.0, 2.0)
-    assert found["p"] == {"kp": 5.0, "ki": 0.0, "kd": 0.0}
-    assert found["pi"] == pytest.approx({"kp": 4.5, "ki": 4.5 / (2.0 / 1.2), "kd": 0.0})
-    assert found["pd"] == pytest.approx({"kp": 8.0, "ki": 0.0, "kd": 8.0 * 0.25})
-    assert found["pid"] == pytest.approx({"kp": 6.0, "ki": 6.0, "kd": 6.0 * 0.25})
+    result = ziegler_nichols(10.0, 2.0)
+    assert result["p"] == {"kp": 5.0, "ki": 0.0, "kd": 0.0}
+    assert result["pi"] == pytest.approx({"kp": 4.5, "ki": 4.5 / (2.0 / 1.2), "kd": 0.0})
+    assert result["pd"] == pytest.approx({"kp": 8.0, "ki": 0.0, "kd": 8.0 * 0.25})
+    assert result["pid"] == pytest.approx({"kp": 6.0, "ki": 6.0, "kd": 6.0 * 0.25})
     with pytest.raises(UserError, match="ultimate period is nan, expected a value above 0"):
         ziegler_nichols(10.0, np.nan)
 
 
 def test_slow_model_of_a_mass_is_the_mass() -> None:
     """(s^2 + c s + k) / 1 of a linear plant comes back: 1 kg, 3 N s/m; k = 0, since a slide on a spring is none."""
-    found = slow_model(start(OSCILLATOR, damping=3.0, loop=under(start(OSCILLATOR), kp=100.0, kd=20.0).loop), 0.5)
-    assert (found.a0, found.a1, found.b) == pytest.approx((0.0, 3.0, 1.0), abs=1e-9)
+    result = slow_model(start(OSCILLATOR, damping=3.0, loop=under(start(OSCILLATOR), kp=100.0, kd=20.0).loop), 0.5)
+    assert (result.a0, result.a1, result.b) == pytest.approx((0.0, 3.0, 1.0), abs=1e-9)
 
 
 def test_slow_model_of_the_valve_is_integrator_and_lag() -> None:
     """Its velocity gain b/a1 is K_q corrected for load pressure and friction's slope, as in the phase margin's test."""
     setup = registered("non_rotating", duration=1.0)
-    found = slow_model(setup, SPEED)
+    result = slow_model(setup, SPEED)
     f, h = setup.parameters.friction.positive, setup.parameters.hydraulics
     bump = f.stribeck * np.exp(-((SPEED / f.stribeck_velocity) ** 2))
     pressure = (f.coulomb + bump + f.viscous * SPEED) / h.piston_area_1
     slope = (f.viscous - 2.0 * bump * SPEED / f.stribeck_velocity**2) / h.piston_area_1
     drop = h.supply_pressure - pressure
     gain = NO_LOAD_GAIN * np.sqrt(drop / h.supply_pressure) / (1.0 + 0.5 * SPEED * slope / drop)
-    assert found.a0 == pytest.approx(0.0, abs=1e-9)
-    assert found.b / found.a1 == pytest.approx(gain, rel=1e-6)
-    assert 1.0 / found.a1 == pytest.approx(12e-3, rel=0.025)  # the valve's, and what mass and friction add
+    assert result.a0 == pytest.approx(0.0, abs=1e-9)
+    assert result.b / result.a1 == pytest.approx(gain, rel=1e-6)
+    assert 1.0 / result.a1 == pytest.approx(12e-3, rel=0.025)  # the valve's, and what mass and friction add
 
 
 def test_slow_model_of_a_drive_has_frictions_slope() -> None:
@@ -139,9 +139,9 @@ def test_slow_model_of_a_drive_has_frictions_slope() -> None:
     for speed in (0.03, 0.15):
         bump = f.stribeck * np.exp(-((speed / f.stribeck_velocity) ** 2))
         slope = f.viscous - 2.0 * bump * speed / f.stribeck_velocity**2
-        found = slow_model(setup, speed)
-        assert found.a1 / found.b == pytest.approx(slope / FORCE_GAIN["force_gain"], rel=1e-6)
-    assert found.b == pytest.approx(FORCE_GAIN["force_gain"] / 34.0, rel=1e-3)
+        result = slow_model(setup, speed)
+        assert result.a1 / result.b == pytest.approx(slope / FORCE_GAIN["force_gain"], rel=1e-6)
+    assert result.b == pytest.approx(FORCE_GAIN["force_gain"] / 34.0, rel=1e-3)
 
 
 def registered_drive() -> Setup:
@@ -159,9 +159,9 @@ def test_poles_are_where_they_are_asked_for(damping: float) -> None:
     assert pd["ki"] == 0.0
     assert [VALVE.a1 + VALVE.b * pd["kd"], VALVE.b * pd["kp"]] == pytest.approx([2.0 * damping * w, w * w], rel=1e-6)
     pid = pole_placement(VALVE, w, damping, integral_pole=p)
-    found = [1.0, VALVE.a1 + VALVE.b * pid["kd"], VALVE.b * pid["kp"], VALVE.b * pid["ki"]]
+    result = [1.0, VALVE.a1 + VALVE.b * pid["kd"], VALVE.b * pid["kp"], VALVE.b * pid["ki"]]
     wanted = np.polymul([1.0, 2.0 * damping * w, w * w], [1.0, p])
-    np.testing.assert_allclose(found, wanted, rtol=1e-6)
+    np.testing.assert_allclose(result, wanted, rtol=1e-6)
 
 
 def test_poles_slower_than_the_plants_own_are_refused() -> None:
@@ -175,23 +175,23 @@ def test_poles_slower_than_the_plants_own_are_refused() -> None:
 def test_lqr_of_a_double_integrator() -> None:
     """x'' = b u: K_p = u_m / e_m, K_d = sqrt(2 K_p / b), the solution of its algebraic Riccati equation by hand."""
     b, error, command = 3.0, 2e-3, 10.0
-    found = lqr(SlowModel(0.0, 0.0, b), error, command)
-    assert found["kp"] == pytest.approx(command / error, rel=1e-8)
-    assert found["kd"] == pytest.approx(np.sqrt(2.0 * command / error / b), rel=1e-8)
-    assert found["ki"] == 0.0
+    result = lqr(SlowModel(0.0, 0.0, b), error, command)
+    assert result["kp"] == pytest.approx(command / error, rel=1e-8)
+    assert result["kd"] == pytest.approx(np.sqrt(2.0 * command / error / b), rel=1e-8)
+    assert result["ki"] == 0.0
 
 
 def test_lqr_with_integral_solves_the_spectral_factorisation() -> None:
     """p(s) p(-s) = d(s) d(-s) + (b u_m/e_m)^2 (-s^2 + 1/T^2), d = s^2 (s + a1), and K_i = u_m / (e_m T)."""
     error, command, time = 2e-3, 10.0, 0.1
-    found = lqr(VALVE, error, command, time)
-    closed = np.array([1.0, VALVE.a1 + VALVE.b * found["kd"], VALVE.b * found["kp"], VALVE.b * found["ki"]])
+    result = lqr(VALVE, error, command, time)
+    closed = np.array([1.0, VALVE.a1 + VALVE.b * result["kd"], VALVE.b * result["kp"], VALVE.b * result["ki"]])
     signs = np.array([-1.0, 1.0, -1.0, 1.0])
     opened = np.array([1.0, VALVE.a1, 0.0, 0.0])
     weight = (VALVE.b * command / error) ** 2
     wanted = np.polyadd(np.polymul(opened, signs * opened), weight * np.array([-1.0, 0.0, 1.0 / time**2]))
     np.testing.assert_allclose(np.polymul(closed, signs * closed), wanted, rtol=1e-7, atol=1e-7 * weight)
-    assert found["ki"] == pytest.approx(command / (error * time), rel=1e-8)
+    assert result["ki"] == pytest.approx(command / (error * time), rel=1e-8)
     with pytest.raises(UserError, match="expected finite values above 0"):
         lqr(VALVE, error, np.inf)
 
@@ -205,14 +205,14 @@ def test_starting_points_are_stable_or_say_that_they_are_not(plant: str) -> None
     assert list(points) == by_relay + by_model
     for point in points.values():
         assert point.controller == "pid"
-        found = margins(under(setup, **point.settings), SPEED)
-        assert found == point.margins
-        assert found.stable != ("not stable at 0.03 m/s on the believed plant" in point.note)
+        result = margins(under(setup, **point.settings), SPEED)
+        assert result == point.margins
+        assert result.stable != ("not stable at 0.03 m/s on the believed plant" in point.note)
     for name in by_model:
-        found = points[name].margins
-        assert found is not None
-        assert found.gain_dB >= 6.0
-        assert 45.0 <= found.phase_deg < 55.0
+        result = points[name].margins
+        assert result is not None
+        assert result.gain_dB >= 6.0
+        assert 45.0 <= result.phase_deg < 55.0
     assert points["ziegler_nichols_p"].margins.gain_dB == pytest.approx(6.0, abs=2.0)
     assert not points["ziegler_nichols_pi"].margins.stable  # PI of this rule on a plant that integrates
 

@@ -46,7 +46,7 @@ def test_a_descent_ends_on_the_bound_of_a_constraint() -> None:
 
     descend(tried, np.array([0.1, 0.2]), 0.1, 40)
     assert len(met) <= 40
-    value, _, at = min((one for one in met if one[1] <= 0.0), key=lambda one: one[0])
+    value, _, at = min((each for each in met if each[1] <= 0.0), key=lambda each: each[0])
     assert at == pytest.approx([0.45, 0.55], abs=0.01)
     assert value == pytest.approx(math.exp(0.245), rel=2e-3)
 
@@ -74,11 +74,11 @@ def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_pat
     def lacking(kp: float) -> float:
         return margins_of(task.declared({"kp": kp}), tune_table(study).constraints).phase_deg - 45.0
 
-    found = tuned(tmp_path, STUDY.replace("seeds = 1", "seeds = 3"), "p", trials=40).tuned[0]
-    assert found.best is not None
-    assert found.best["kp"] == pytest.approx(brentq(lacking, 500.0, 4000.0), rel=5e-3)
-    assert found.seeds_differ is not None
-    assert found.seeds_differ < 0.02
+    result = tuned(tmp_path, STUDY.replace("seeds = 1", "seeds = 3"), "p", trials=40).tuned[0]
+    assert result.best is not None
+    assert result.best["kp"] == pytest.approx(brentq(lacking, 500.0, 4000.0), rel=5e-3)
+    assert result.seeds_differ is not None
+    assert result.seeds_differ < 0.02
 
 
 # --- where they are used ---
@@ -87,10 +87,10 @@ def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_pat
 def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
     """The same controller on the same belief has other gains on another machine; a file has an entry a speed."""
     tuning = tuned(tmp_path, PLACES, "p", trials=16)
-    assert [one.task.label for one in tuning.tuned] == [
+    assert [each.task.label for each in tuning.tuned] == [
         f"p, machine {machine}, rpm {rpm}" for machine in ("light", "heavy") for rpm in ("0", "60 rpm")
     ]
-    assert len({repr(one.best) for one in tuning.tuned}) > 1
+    assert len({repr(each.best) for each in tuning.tuned}) > 1
     texts = {name: gain_file_text(content) for name, content in gain_files(tuning.tuned).items()}
     assert list(texts) == ["light/p.toml", "heavy/p.toml"]
     assert max(map(len, texts.values())) < 4000
@@ -101,9 +101,9 @@ def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
     using = PLACES.replace('p = { type = "pid", kp = "500 V/m" }', 'p = { gains = "{machine}/p.toml" }')
     study = read_study(write(tmp_path, using, "using.toml"))
     cases = [case for case in unfold(study) if case.axes["controller"] == "p"]
-    for case, one in zip(cases, tuning.tuned, strict=True):
-        assert one.best is not None
-        assert resolve(study, case).settings.kp == pytest.approx(one.best["kp"], rel=1e-9)
+    for case, each in zip(cases, tuning.tuned, strict=True):
+        assert each.best is not None
+        assert resolve(study, case).settings.kp == pytest.approx(each.best["kp"], rel=1e-9)
 
 
 def test_gains_for_another_speed_are_refused_in_words(tmp_path: Path) -> None:
@@ -115,16 +115,16 @@ def test_gains_for_another_speed_are_refused_in_words(tmp_path: Path) -> None:
     answer = workbench("check", write(tmp_path, using, "using.toml"))
     assert answer.code == 2
     assert "was not tuned at 25 rpm, only at 0, 60 rpm; tune it there too, or take one of these speeds" in answer.err
-    found = read_gain_file(path)
-    assert entry_at(replace_rpm(found, None), 25.0).rpm is None
+    result = read_gain_file(path)
+    assert entry_at(replace_rpm(result, None), 25.0).rpm is None
     lost = using.replace("light/p.toml", "{machine}/p.toml").replace('machine = ["light"]\n', "")
     answer = workbench("check", write(tmp_path, lost, "lost.toml"))
     assert "goes by machine, and this case has none; give the study an axis machine" in answer.err
 
 
-def replace_rpm(found, rpm):
+def replace_rpm(result, rpm):
     """A gain file with its first entry alone, for this speed."""
-    return found.model_copy(update={"at": [found.at[0].model_copy(update={"rpm": rpm})]})
+    return result.model_copy(update={"at": [result.at[0].model_copy(update={"rpm": rpm})]})
 
 
 def test_entries_for_the_same_speed_are_refused(tmp_path: Path) -> None:
@@ -152,25 +152,25 @@ def test_each_place_is_told_for_itself(tmp_path: Path) -> None:
     tuning = tuned(tmp_path, PLACES.replace("seeds = 1", "seeds = 2"), ("p", "pd"), trials=6)
     lines = place_lines(tuning, "declared")
     assert len(lines) == 4
-    for line, one in zip(lines, tuning.tuned, strict=False):
-        assert one.score is not None
-        assert line.startswith(one.task.label.removeprefix("p, ") + ": objective of ")
-        assert f"p {number(one.score.nominal)}" in line
+    for line, each in zip(lines, tuning.tuned, strict=False):
+        assert each.score is not None
+        assert line.startswith(each.task.label.removeprefix("p, ") + ": objective of ")
+        assert f"p {number(each.score.nominal)}" in line
     assert seeds_line(tuning)[0].startswith(("Searches from other seeds differ by ", "A seed found no gains"))
 
 
 @pytest.mark.parametrize("rpm", [10, 25])
 def test_a_servo_is_taken_to_hold_its_speed(tmp_path: Path, rpm: int) -> None:
     """Margins on the falling slope, where a voltage that is held would run away, are those with an imposed speed."""
-    found = []
+    result = []
     for rotation in ("servo", "ideal"):
         text = PLACES.replace('"isotropic"', f'"isotropic"\nrotation = "{rotation}"').replace(
             '[0, "60 rpm"]', f"[{rpm}]"
         )
         study, _ = ready(tmp_path, text, "p")
         task = task_for(study, "p")
-        found.append(margins_of(task.declared(task.start), tune_table(study).constraints))
-    servo, ideal = found
+        result.append(margins_of(task.declared(task.start), tune_table(study).constraints))
+    servo, ideal = result
     assert servo.stable
     assert (servo.gain_dB, servo.phase_deg) == pytest.approx((ideal.gain_dB, ideal.phase_deg), rel=0.005)
 

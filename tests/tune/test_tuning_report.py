@@ -121,7 +121,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Answer]:
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> Tuning:
+def tuning(tmp_path_factory: pytest.TempPathFactory) -> Tuning:
     folder = tmp_path_factory.mktemp("found")
     study, names = prepared(read_study(write(folder, STUDY)), ["all"], 16)
     return tune_all(study, names, folder / "trials.sqlite")
@@ -168,12 +168,12 @@ def test_run_json_says_what_ran(folder: Path, answer: Answer) -> None:
     assert {"optuna", "numpy", "python"} <= set(record["versions"])
 
 
-def test_the_result_is_json(found: Tuning) -> None:
+def test_the_result_is_json(tuning: Tuning) -> None:
     """What the folder says of how it was made, and of each controller what stands in results.csv."""
-    content = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    content = json.loads(json.dumps(tuning.to_json(), allow_nan=False))
     assert content["controllers"] == ["p", "pd"]
     assert {"title", "study", "tune", "program", "trials", "seeds"} <= set(content)
-    for kept, tuned in zip(content["tunings"], found.tuned, strict=True):
+    for kept, tuned in zip(content["tunings"], tuning.tuned, strict=True):
         assert tuned.score is not None
         assert (kept["controller"], kept["outcome"]) == (tuned.task.name, "tuned")
         assert kept["after"]["objective"] == tuned.score.value
@@ -182,7 +182,7 @@ def test_the_result_is_json(found: Tuning) -> None:
         assert set(kept["objective_of_each_seed"]) == {"1", "2"}
 
 
-def test_a_kill_leaves_neither_page_nor_record(found: Tuning, tmp_path: Path) -> None:
+def test_a_kill_leaves_neither_page_nor_record(tuning: Tuning, tmp_path: Path) -> None:
     """Where they stand from an earlier tuning, they go first."""
     for name in report.LAST:
         write(tmp_path, "old", name)
@@ -190,7 +190,7 @@ def test_a_kill_leaves_neither_page_nor_record(found: Tuning, tmp_path: Path) ->
         mock.patch.object(report, "traces_of", side_effect=KeyboardInterrupt),
         pytest.raises(KeyboardInterrupt),
     ):
-        report.write_tuning(found, tmp_path, began=0.0)
+        report.write_tuning(tuning, tmp_path, began=0.0)
     assert not any((tmp_path / name).exists() for name in report.LAST)
 
 
@@ -261,16 +261,16 @@ def test_the_sentences_hold_the_numbers_of_the_table(folder: Path, answer: Answe
     assert "It left that of p as it was." in text
 
 
-def test_a_smaller_objective_of_the_table_is_explained(found: Tuning) -> None:
+def test_a_smaller_objective_of_the_table_is_explained(tuning: Tuning) -> None:
     """Gains of the study that break a constraint stand in the table with a smaller objective than the best's."""
-    p, pd_ = found.tuned
+    p, pd_ = tuning.tuned
     assert p.score is not None
     assert pd_.score is not None
     least = min(p.score.nominal, pd_.score.nominal)
     start = replace(pd_.start, nominal=0.5 * least, violations={**pd_.start.violations, "phase margin": 12.0})
-    said = first_lines(replace(found, tuned=[p, replace(pd_, start=start)]))
-    assert said[1] == f"The gains of the study give pd less ({number(0.5 * least)}), but they break phase margin."
-    assert not any("give" in line for line in first_lines(found))
+    lines = first_lines(replace(tuning, tuned=[p, replace(pd_, start=start)]))
+    assert lines[1] == f"The gains of the study give pd less ({number(0.5 * least)}), but they break phase margin."
+    assert not any("give" in line for line in first_lines(tuning))
 
 
 def test_the_command_says_what_the_page_says(folder: Path, answer: Answer) -> None:
@@ -370,24 +370,24 @@ def test_a_loop_without_crossings_has_an_axis() -> None:
     assert lowest_frequency([none], 1e-3) == pytest.approx(0.002 * math.pi * 1e3)
 
 
-def test_the_best_so_far_falls_to_the_best(found: Tuning) -> None:
-    axes = history_picture(found).figure.axes[1]
+def test_the_best_so_far_falls_to_the_best(tuning: Tuning) -> None:
+    axes = history_picture(tuning).figure.axes[1]
     (line,) = [line for line in axes.lines if line.get_label() == "best so far"]
     heights = np.asarray(line.get_ydata(), dtype=float)
     assert np.all(np.diff(heights) <= 0.0)
-    one = found.tuned[1]
-    assert heights[-1] == pytest.approx(one.trials[one.number].value)
+    each = tuning.tuned[1]
+    assert heights[-1] == pytest.approx(each.trials[each.number].value)
 
 
-def test_importance_is_told_of_enough_feasible_trials(found: Tuning) -> None:
+def test_importance_is_told_of_enough_feasible_trials(tuning: Tuning) -> None:
     """The same trials give the same shares, which make a whole."""
-    assert importance(found.tuned[0]) == "kp is the only gain"
+    assert importance(tuning.tuned[0]) == "kp is the only gain"
     with mock.patch("workbench.tune.report.importance.FEWEST", 4):
-        shares = importance(found.tuned[1])
+        shares = importance(tuning.tuned[1])
         assert isinstance(shares, dict)
         assert sum(shares.values()) == pytest.approx(1.0)
-        assert shares == importance(found.tuned[1])
-        assert not isinstance(importance_picture(found), str)
+        assert shares == importance(tuning.tuned[1])
+        assert not isinstance(importance_picture(tuning), str)
 
 
 def test_before_and_after_differ_in_more_than_colour() -> None:

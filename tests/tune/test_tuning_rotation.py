@@ -45,11 +45,11 @@ def test_the_threshold_of_a_scheduled_rotation_is_tuned(tmp_path: Path) -> None:
             '[tune.rotation]\nminimum_helical_speed = { min = "5 mm/s", max = "60 mm/s" }\n[tune.objective]\n',
         )
     )
-    found = tuned(tmp_path, text, "p", trials=12, jobs=2).tuned[0]
-    assert found.best is not None
-    judged = [trial for trial in found.trials if trial.feasible]
+    result = tuned(tmp_path, text, "p", trials=12, jobs=2).tuned[0]
+    assert result.best is not None
+    judged = [trial for trial in result.trials if trial.feasible]
     thresholds = [trial.point["minimum_helical_speed"] for trial in judged]
     assert max(thresholds) > 2.0 * min(thresholds)
-    assert found.best["minimum_helical_speed"] == min(thresholds)
-    kept = read_gain_file(write(tmp_path, gain_file_text(gain_file([found])), "p.toml"))
-    assert kept.at[0].rotation == {"minimum_helical_speed": f"{found.best['minimum_helical_speed']:.12g} m/s"}
+    assert result.best["minimum_helical_speed"] == min(thresholds)
+    kept = read_gain_file(write(tmp_path, gain_file_text(gain_file([result])), "p.toml"))
+    assert kept.at[0].rotation == {"minimum_helical_speed": f"{result.best['minimum_helical_speed']:.12g} m/s"}

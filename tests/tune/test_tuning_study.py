@@ -14,7 +14,7 @@ from workbench.tune.run import tune_all
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ("[tune.objective]\nrms_error = 1", "", "tune.objective: is missing"),
         ("rms_error = 1", "rms_error = 0", "all weights are 0; give at least one of rms_error, "),
@@ -54,14 +54,14 @@ from workbench.tune.run import tune_all
         ("rms_error = 1", "steady_state_error = 1", "steady_state_error_m does not apply to any of the cases"),
     ],
 )
-def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_mistakes_are_told_in_a_line(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert STUDY.count(old) == 1
     text = STUDY.replace(old, new)
     if "steps" in new:  # a P leaves nothing there
         text = text.replace("rms_error = 1", "steady_state_error = 1")
     answer = workbench("tune", write(tmp_path, text), "--controller", "p", "--out", tmp_path / "out")
     assert answer.code == 2
-    assert said in answer.err
+    assert message in answer.err
     assert "Traceback" not in answer.err
     assert answer.err.count("\n") == 1
 
@@ -78,16 +78,16 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
 ) -> None:
     """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
     study, names = prepared(read_study(STUDIES / "tuning.toml"), [name], 24)
-    found = tune_all(study, names, tmp_path / "results.sqlite", 2).tuned[0]
-    assert found.score is not None
-    errors = [run.metrics["rms_error_m"] for run in found.score.runs]
+    result = tune_all(study, names, tmp_path / "results.sqlite", 2).tuned[0]
+    assert result.score is not None
+    errors = [run.metrics["rms_error_m"] for run in result.score.runs]
     assert errors[0] < fast
     assert errors[1] < slow
-    assert min(found.score.margins.gain_dB / 6.0, found.score.margins.phase_deg / 45.0) >= 1.0
+    assert min(result.score.margins.gain_dB / 6.0, result.score.margins.phase_deg / 45.0) >= 1.0
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         (STUDY.replace("trials = 20", "trials = 20\ndraws = 8"), "tune.draws: needs [uncertainty], which says what"),
         (
@@ -103,11 +103,11 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
     ],
     ids=["no_uncertainty", "unknown_parameter", "two_speeds"],
 )
-def test_what_cannot_be_drawn_or_turned_leaves_no_folder(tmp_path: Path, text: str, said: str) -> None:
+def test_what_cannot_be_drawn_or_turned_leaves_no_folder(tmp_path: Path, text: str, message: str) -> None:
     study, out = write(tmp_path, text), tmp_path / "out"
     for answer in (workbench("tune", study, "--out", out), workbench("check", study)):
         assert answer.code == 2
-        assert said in answer.err
+        assert message in answer.err
     assert not out.exists()
 
 
