@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.decide.batches import SampleRun, runs_frame
 from workbench.decide.candidate import CandidateResult, Kind, candidate_results
 from workbench.decide.order import non_dominated, ordered
 from workbench.decide.report.rows import results
@@ -191,7 +192,6 @@ def test_what_hunts_never_wins() -> None:
 
 def test_what_fails_is_told_by_draw() -> None:
     """Three of five complete; one of these is too inexact, one takes too much power, one hunts at rest."""
-    place = {"controller": "feed", "rpm": 0.0, "speed_m_per_s": 8e-3, "spread": 1.0, "stage": "search"}
     draws = [
         ("completed", True, True, False),
         ("stuck", False, False, False),
@@ -202,12 +202,15 @@ def test_what_fails_is_told_by_draw() -> None:
         ("completed", False, True, False),
     ]
     rows = [
-        {**place, "draw": i, "outcome": outcome, "error_m": 1e-6, "power_W": 3.0 + i}
-        | {"meets_accuracy": accurate, "meets_power": within, "hunts": hunts}
-        | {"supply_power_W": 3.0, "motor_electric_power_W": None, "rotation_speed_mean_rpm": None}
+        SampleRun(
+            *("search", "feed", 0.0, 8e-3, 1.0, i, outcome, 1e-6, 3.0 + i, 3.0, None, None),
+            accurate=accurate,
+            within_power=within,
+            hunts=hunts,
+        )
         for i, (outcome, accurate, within, hunts) in enumerate(draws)
     ]
-    (result,) = candidate_results(pd.DataFrame(rows), TABLE)
+    (result,) = candidate_results(runs_frame(rows), TABLE)
     assert result.failures == {"stuck": 1, "torque-limited": 1, "accuracy": 2, "power": 1, "hunting": 1}
     assert (result.met, result.hunting, result.main_failure, result.error) == (1, 1, "hunting", math.inf)
     assert result.outcome == "5 completed, 1 stuck, 1 torque-limited"

@@ -77,7 +77,13 @@ def test_machines_are_the_same_for_all_and_nested_over_the_spread(tmp_path: Path
 
 
 def test_a_large_accuracy_takes_plain_control(tmp_path: Path) -> None:
-    decision = decided(tmp_path)
+    progress: list[tuple[str, float | None]] = []
+    decision = decide(planned(tmp_path), 2, lambda doing, done=None, /: progress.append((doing, done)))
+    shares = [done for _, done in progress if done is not None]
+    assert progress[0][0] == "search: 2 of 12 runs"
+    assert progress[-1][0] == "fresh draws, round 4: 60 of 60 runs"
+    assert len(shares) == len(progress)
+    assert max(shares) < 1.0
     given = decision.answer(0.02, 1.0)
     assert (given.kind, given.best.controller, given.best.rpm, given.best.met) == ("plain", "feed", 0.0, 60)
     assert paragraph(decision).startswith("Plain control suffices: feed without rotation on 60 of 60 fresh machines")

@@ -1,5 +1,6 @@
 """Candidates on plant samples: the runs of a decision, a row each."""
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, replace
@@ -37,6 +38,51 @@ class Batch:
         return sum(map(len, self.speeds.values()))
 
 
+@dataclass(frozen=True)
+class SampleRun:
+    """A candidate on a plant sample (number): its `error` (m) and `power` (W) as [decide] chooses them, NaN where the
+    run has none, the mean power (W) of pump and of the motor's terminals, the real speed (rpm), None where there is
+    none, whether a run that completed keeps to the limits, and whether the loop hunts while a step is held.
+    """
+
+    stage: Stage
+    controller: str
+    rpm: float
+    speed: float
+    spread: float
+    number: int
+    outcome: str
+    error: float
+    power: float
+    pump: float | None
+    motor: float | None
+    real_rpm: float | None
+    accurate: bool
+    within_power: bool
+    hunts: bool
+
+    @property
+    def columns(self) -> dict[str, object]:
+        """Its values by column of draws.parquet."""
+        return {
+            "stage": self.stage,
+            "controller": self.controller,
+            "rpm": self.rpm,
+            "speed_m_per_s": self.speed,
+            "spread": self.spread,
+            "draw": self.number,
+            "outcome": self.outcome,
+            "error_m": self.error,
+            "power_W": self.power,
+            PUMP: self.pump,
+            MOTOR: self.motor,
+            REAL_SPEED: self.real_rpm,
+            "meets_accuracy": self.accurate,
+            "meets_power": self.within_power,
+            "hunts": self.hunts,
+        }
+
+
 def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numbers: Sequence[int]) -> list[Batch]:
     """The candidates at their speeds and spreads on plant samples of these numbers, those of one sample together."""
     grouped: dict[tuple[float, float], dict[str, list[float]]] = {}
@@ -54,18 +100,21 @@ def run_batches(
 ) -> pd.DataFrame:
     """Run everything: a row a run, by controller, rpm, speed, spread and draw, whatever the number of `jobs`.
 
-    `error_m` and `power_W` are the figures that [decide] chooses, NaN where a run has none; `meets_accuracy` and
-    `meets_power` say whether a run that completed keeps to the limits, `hunts` whether the loop does on that machine
-    while a step is held. `progress` is told what is being done, and the share of these runs that is.
+    `progress` is told what is being done, and the share of these runs that is.
     """
-    rows: list[dict[str, object]] = []
+    rows: list[SampleRun] = []
     runs = sum(batch.runs for batch in wanted)
     with workers(jobs) as executor:
-        futures: list[Future[list[dict[str, object]]]] = [executor.submit(_run, plan, batch) for batch in wanted]
+        futures: list[Future[list[SampleRun]]] = [executor.submit(_run, plan, batch) for batch in wanted]
         for future in as_completed(futures):
             rows += future.result()
             progress(f"{doing}: {len(rows)} of {runs} runs", len(rows) / runs)
-    return in_order(plan, pd.DataFrame(rows))
+    return in_order(plan, runs_frame(rows))
+
+
+def runs_frame(rows: Sequence[SampleRun]) -> pd.DataFrame:
+    """Runs as a table."""
+    return pd.DataFrame([row.columns for row in rows])
 
 
 def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
@@ -76,7 +125,7 @@ def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
+def _run(plan: Plan, batch: Batch) -> list[SampleRun]:
     """All controllers on one plant sample, built once a speed: they differ in nothing but their loop."""
     rows, first = [], next(iter(batch.speeds))
     built = {
@@ -88,10 +137,7 @@ def _run(plan: Plan, batch: Batch) -> list[dict[str, object]]:
         for speed in speeds:
             resolved = replace(built[speed], setup=replace(built[speed].setup, loop=loop))
             hunts = _hunts(plan, resolved) if hunts is None else hunts
-            where = {"controller": name, "rpm": batch.rpm, "speed_m_per_s": speed, "spread": batch.spread}
-            rows.append(
-                {"stage": batch.stage, **where, "draw": batch.number, **_metrics(plan, resolved), "hunts": hunts}
-            )
+            rows.append(_measured(plan, batch, name, speed, resolved, hunts))
     return rows
 
 
@@ -103,21 +149,30 @@ def _hunts(plan: Plan, resolved: Resolved) -> bool:
     return run.diverged or evaluated(case, run, ("limit_cycle",))["limit_cycle"] in HUNTING
 
 
-def _metrics(plan: Plan, resolved: Resolved) -> dict[str, object]:
-    """What is kept of a run."""
+def _measured(plan: Plan, batch: Batch, name: str, speed: float, resolved: Resolved, hunts: bool) -> SampleRun:
+    """Run a controller at a speed (m/s), and keep what counts."""
     error, powers = ERRORS[plan.table.figure], POWERS[plan.table.power_figure]
     run = simulate(resolved.setup)
-    kept = (PUMP, MOTOR, REAL_SPEED)
-    metrics = evaluate(run, resolved.signal, resolved.transient, resolved.band, (error, *powers, *kept))
-    watts = [value for name in powers if isinstance(value := metrics[name], float)]
-    value, power = metrics[error], sum(watts) if watts else float("nan")
-    size = value if isinstance(value, float) else float("nan")
+    wanted = (error, *powers, PUMP, MOTOR, REAL_SPEED)
+    metrics = evaluate(run, resolved.signal, resolved.transient, resolved.band, wanted)
+    numbers = {column: value if isinstance(value, float) else None for column, value in metrics.items()}
+    watts = [value for column in powers if (value := numbers[column]) is not None]
+    size, power = numbers[error], sum(watts) if watts else math.nan
     completed = run.outcome == COMPLETED
-    return {
-        "outcome": run.outcome,
-        "error_m": size,
-        "power_W": power,
-        **{name: metrics[name] for name in kept},
-        "meets_accuracy": completed and size <= plan.table.accuracy,
-        "meets_power": completed and power <= plan.table.power,
-    }
+    return SampleRun(
+        stage=batch.stage,
+        controller=name,
+        rpm=batch.rpm,
+        speed=speed,
+        spread=batch.spread,
+        number=batch.number,
+        outcome=run.outcome,
+        error=math.nan if size is None else size,
+        power=power,
+        pump=numbers[PUMP],
+        motor=numbers[MOTOR],
+        real_rpm=numbers[REAL_SPEED],
+        accurate=completed and size is not None and size <= plan.table.accuracy,
+        within_power=completed and power <= plan.table.power,
+        hunts=hunts,
+    )
