@@ -6,10 +6,11 @@ The speed of rotation is measured (`Measurement.rotation_speed`), low-pass filte
 surface. Without it, or where none is measured, all of this is the friction of a rod that only slides.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers.belief import Anisotropic, HasFriction, HasMotor
 from controllers.settings import About, Needs
 from plants.anisotropic import Film, Guide, Levels, anisotropic_levels
 from plants.equation import Scalar, equation, select
@@ -42,24 +43,23 @@ class Turning(NamedTuple):
     guide: Guide
 
 
-def believed_turning(belief: Any, rotation: str = "measured") -> Turning:
+def believed_turning(belief: HasFriction, rotation: str = "measured") -> Turning:
     """What a believed plant says of a rod that turns; nothing (radius 0) if it does not turn or that is ignored."""
-    motor = getattr(belief, "motor", None)
-    radius = motor.piston_radius if motor is not None and rotation == "measured" else 0.0
-    if hasattr(belief, "rotary"):
+    radius = belief.motor.piston_radius if isinstance(belief, HasMotor) and rotation == "measured" else 0.0
+    if isinstance(belief, Anisotropic):
         return Turning(radius, 1.0, belief.rotary, belief.film, belief.guide)
     return Turning(radius, 0.0, belief.friction.positive, Film(), Guide())
 
 
-def rotation_gain(settings: Any, sample_time: float) -> float:
+def rotation_gain(rotation_time_constant: float, sample_time: float) -> float:
     """1 - exp(-h/T): the share of a new reading that the low-pass of the speed of rotation takes.
 
     Raises:
         ValueError: a time constant that is not above 0.
     """
-    if settings.rotation_time_constant <= 0.0:
-        raise ValueError(f"rotation_time_constant is {settings.rotation_time_constant:g}, expected a value above 0")
-    return low_pass_gain(settings.rotation_time_constant, sample_time)
+    if rotation_time_constant <= 0.0:
+        raise ValueError(f"rotation_time_constant is {rotation_time_constant:g}, expected a value above 0")
+    return low_pass_gain(rotation_time_constant, sample_time)
 
 
 def low_pass_gain(time_constant: float, sample_time: float) -> float:

@@ -2,11 +2,12 @@
 
 import functools
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from controllers import compensation_laws as laws
+from controllers.belief import HasFriction, Hydraulic, Sliding
 from controllers.believed_friction import (
     FILTER_TIME,
     RotationTimeConstant,
@@ -18,6 +19,7 @@ from controllers.believed_friction import (
     rotation_gain,
 )
 from controllers.compensation_laws import (
+    Law,
     LawGains,
     LawState,
     Wanted,
@@ -26,8 +28,8 @@ from controllers.compensation_laws import (
     valve_inversion,
 )
 from controllers.estimators import ESTIMATORS, ORACLE, without_use
-from controllers.friction_observer import Belief, Memory, Seen
-from controllers.interface import Controller, Reference
+from controllers.friction_observer import Belief, Estimate, Memory, Seen
+from controllers.interface import Controller, Reference, Step
 from controllers.settings import About, Needs, Tuned
 from controllers.tafazoli import fit_map
 from controllers.velocity import (
@@ -45,7 +47,7 @@ from plants.equation import Scalar, equation
 from plants.hydraulics import no_load_velocity_gain, oil_volume, piston_area
 from plants.interface import Measurement
 
-LAWS: dict[str, Callable[..., Any]] = {
+LAWS: dict[str, Law] = {
     "acceleration_feedback": acceleration_feedback,
     "valve_inversion": valve_inversion,
     "force_source": force_source,
@@ -119,6 +121,13 @@ class State(NamedTuple):
     rotation_speed: Annotated[float, "rad/s"]
 
 
+Applied: TypeAlias = Callable[[Measurement, Scalar, Gains], Scalar]
+"""How a rig knows the force (N) on the mass, from what is measured and what was realised last."""
+
+Gauge: TypeAlias = Callable[[Measurement], Scalar]
+"""The friction (N) that is read, of the rod itself."""
+
+
 @equation
 def pressure_force(measurement: Measurement, realised: Scalar, gains: Gains) -> Scalar:
     """Force (N) on the mass as a hydraulic rig measures it: A1 P1 - A2 P2."""
@@ -143,9 +152,7 @@ def true_friction(measurement: Measurement) -> Scalar:
     return measurement.friction
 
 
-def combine(
-    estimate: Callable[..., Any], law: Callable[..., Any], applied: Callable[..., Any], gauge: Callable[..., Any]
-) -> Callable[..., Any]:
+def combine(estimate: Estimate, law: Law, applied: Applied, gauge: Gauge) -> Step[State, Gains]:
     """The step of a controller made of an estimator, a law, how a rig knows the force, and what gauge there is."""
 
     @equation
@@ -180,7 +187,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(at_rest(measurement.position), Memory(0.0, 0.0, 1.0, 0.0, 0.0), LawState(0.0), 0.0, 0.0, rotation)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: Sliding, sample_time: float) -> Gains:
     """Gains from settings and the believed plant; the Tustin map is fitted to the believed friction."""
     estimator = design_estimator(settings, sample_time)
     tustin, _ = fit_map(belief.friction)
@@ -197,17 +204,17 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
         settings.adaptation,
         low_pass_gain(settings.pressure_time_constant, sample_time),
     )
-    h = getattr(belief, "hydraulics", None)
+    h = belief.hydraulics if isinstance(belief, Hydraulic) else None
     area_1, area_2 = (h.piston_area_1, h.piston_area_2) if h is not None else (0.0, 0.0)
-    turning = rotation_gain(settings, sample_time)
+    turning = rotation_gain(settings.rotation_time_constant, sample_time)
     return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate, turning)
 
 
-def law_gains(settings: Any, belief: Any) -> LawGains:
+def law_gains(settings: Any, belief: Sliding) -> LawGains:
     """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
-    h = getattr(belief, "hydraulics", None)
-    if h is None:
+    if not isinstance(belief, Hydraulic):
         return LawGains(settings.kp, settings.kd, settings.ka, *(0.0,) * 6, belief.body.mass, *(0.0,) * 7)
+    h = belief.hydraulics
     area = float(piston_area(h))
     return LawGains(
         settings.kp,
@@ -247,30 +254,22 @@ def _compensator(name: str, law: str, hydraulic: bool, unused: frozenset[str]) -
     estimator = ESTIMATORS[name]
     applied = pressure_force if hydraulic else commanded_force
     gauge = name == ORACLE
+    step = combine(estimator.estimate, LAWS[law], applied, true_friction if gauge else no_gauge)
+    summary = f"friction compensation: {estimator.summary}"
+    chosen = functools.partial(choose, name)
     return Controller(
-        name=name,
-        summary=f"friction compensation: {estimator.summary}",
-        Settings=Settings,
-        Gains=Gains,
-        State=State,
-        design=design,
-        step=combine(estimator.estimate, LAWS[law], applied, true_friction if gauge else no_gauge),
-        commit=commit,
-        start=start,
-        choose=functools.partial(choose, name),
-        unused=unused,
-        gauge=gauge,
+        name, summary, Settings, Gains, State, design, step, commit, start, chosen, unused=unused, gauge=gauge
     )
 
 
-def choose(name: str, settings: Settings, belief: Any) -> Controller:
+def choose(name: str, settings: Settings, belief: object) -> Controller:
     """The compensator for the law that the settings name and the plant that is believed in.
 
     Raises:
         ValueError: a law that the plant or the estimator has no use for.
     """
-    hydraulic = hasattr(belief, "hydraulics")
-    drive = hasattr(belief, "friction") and not hydraulic  # what has neither is told so when the gains are designed
+    hydraulic = isinstance(belief, Hydraulic)
+    drive = isinstance(belief, HasFriction) and not hydraulic  # what has neither is told so when the gains are designed
     if settings.law == "valve_inversion" and drive:
         raise ValueError('law = "valve_inversion" needs a valve; for a drive take law = "force_source"')
     if settings.law == "force_source" and hydraulic:

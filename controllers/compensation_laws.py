@@ -3,7 +3,8 @@
 A law is one equation, `law(wanted, friction, state, gains, sample_time) -> (command, state)`.
 """
 
-from typing import Annotated, NamedTuple
+from collections.abc import Callable
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -89,6 +90,10 @@ class LawGains(NamedTuple):
     flow_gain: Annotated[float, "m^2/(s Pa^0.5)"]
     position_gain: Annotated[float, "m/V"]
     time_constant: Annotated[float, "s"]
+
+
+Law: TypeAlias = Callable[[Wanted, Scalar, LawState, LawGains, Scalar], tuple[Scalar, LawState]]
+"""What makes a command of what is wanted and of the estimated friction (N)."""
 
 
 @equation

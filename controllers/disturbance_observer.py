@@ -4,10 +4,11 @@ The classic observer (Ohnishi 1987) d^ = Q (u - v^ / P_n), P_n the nominal plant
 of a valve-controlled piston. Friction, load, pressure drop and a wrong flow gain alike are one disturbance: a voltage.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers.belief import Hydraulic
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, ProportionalGain
 from controllers.settings import About, Tuned
@@ -107,13 +108,13 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, measurement.position, at_rest(0.0), 0.0)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """Gains from settings and the believed valve.
 
     Raises:
         ValueError: a plant whose belief has no velocity gain, or a time constant that is not above 0.
     """
-    if not hasattr(belief, "hydraulics"):
+    if not isinstance(belief, Hydraulic):
         raise ValueError("disturbance_observer needs a plant with a velocity gain (a hydraulic one)")
     if settings.observer_time_constant <= 0.0:
         raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
@@ -129,14 +130,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     )
 
 
-DISTURBANCE_OBSERVER = Controller(
-    name="disturbance_observer",
-    summary="P with feed-forward and a linear disturbance observer on the velocity",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "P with feed-forward and a linear disturbance observer on the velocity"
+
+DISTURBANCE_OBSERVER = Controller("disturbance_observer", SUMMARY, Settings, Gains, State, design, step, commit, start)

@@ -1,6 +1,6 @@
 """Dither: a fast periodic voltage on top of PID, so that the valve's spool and the contact never come to rest."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(pid.start(measurement, gains.pid), 0.0, 0.0)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """Gains from settings.
 
     Raises:
@@ -109,15 +109,6 @@ def forcing(gains: Gains) -> float:
     return gains.angular_frequency / TURN
 
 
-DITHER = Controller(
-    name="dither",
-    summary="PID with a fast sine or square wave on the command",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-    forcing=forcing,
-)
+SUMMARY = "PID with a fast sine or square wave on the command"
+
+DITHER = Controller("dither", SUMMARY, Settings, Gains, State, design, step, commit, start, forcing=forcing)

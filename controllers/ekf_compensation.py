@@ -1,10 +1,10 @@
 """Compensation with the velocity and the friction of the extended Kalman filter, by any law for a valve."""
 
 import functools
-from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 from controllers import compensation_laws as laws
+from controllers.belief import HydraulicSliding
 from controllers.believed_friction import (
     FILTER_TIME,
     RotationTimeConstant,
@@ -14,9 +14,9 @@ from controllers.believed_friction import (
     rotation_gain,
 )
 from controllers.compensation import LAWS, law_gains
-from controllers.compensation_laws import LawGains, LawState, Wanted
+from controllers.compensation_laws import Law, LawGains, LawState, Wanted
 from controllers.extended_kalman import EkfGains, EkfSettings, EkfState, design_ekf, ekf_at_rest, ekf_update
-from controllers.interface import Controller, Reference
+from controllers.interface import Controller, Reference, Step
 from controllers.settings import About, Tuned
 from plants.equation import Scalar, equation
 from plants.interface import Measurement
@@ -70,7 +70,7 @@ class State(NamedTuple):
     rotation_speed: Annotated[float, "rad/s"]
 
 
-def combine(law: Callable[..., Any]) -> Callable[..., Any]:
+def combine(law: Law) -> Step[State, Gains]:
     """The step of a controller made of the filter and a law."""
 
     @equation
@@ -101,7 +101,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(ekf_at_rest(measurement, gains.ekf), LawState(0.0), 0.0, 0.0, rotation)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: HydraulicSliding, sample_time: float) -> Gains:
     """Gains from settings and the believed plant.
 
     Raises:
@@ -110,11 +110,11 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     noise = EkfSettings(*(getattr(settings, name) for name in EkfSettings._fields))
     ekf = design_ekf(belief, noise, sample_time, settings.rotation)
     h = belief.hydraulics
-    turning = rotation_gain(settings, sample_time)
+    turning = rotation_gain(settings.rotation_time_constant, sample_time)
     return Gains(ekf, law_gains(settings, belief), h.piston_area_1, h.piston_area_2, turning)
 
 
-def choose(settings: Settings, belief: Any) -> Controller:
+def choose(settings: Settings, belief: object) -> Controller:
     """The compensator for the law that the settings name."""
     return ekf_compensator(settings.law)
 
@@ -122,15 +122,6 @@ def choose(settings: Settings, belief: Any) -> Controller:
 @functools.cache
 def ekf_compensator(law: str = "valve_inversion") -> Controller:
     """The controller made of the filter and a law."""
-    return Controller(
-        name="ekf",
-        summary="friction compensation: extended Kalman filter of velocity, load pressure and bristle",
-        Settings=Settings,
-        Gains=Gains,
-        State=State,
-        design=design,
-        step=combine(LAWS[law]),
-        commit=commit,
-        start=start,
-        choose=choose,
-    )
+    summary = "friction compensation: extended Kalman filter of velocity, load pressure and bristle"
+    step = combine(LAWS[law])
+    return Controller("ekf", summary, Settings, Gains, State, design, step, commit, start, choose)

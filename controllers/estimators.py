@@ -1,9 +1,9 @@
 """The friction estimators by the type of the controller that is built on them, and which settings are whose."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from controllers.believed_friction import ROTATION_SETTINGS
+from controllers.friction_observer import Estimate
 from controllers.friedland_park import friedland_park
 from controllers.lugre_observer import friction_feedforward, lugre_adaptive, lugre_observer
 from controllers.measured_force import friction_gauge, load_pressure
@@ -14,7 +14,7 @@ from controllers.tafazoli import tafazoli
 class FrictionEstimator(NamedTuple):
     """An estimator, what it is, and the settings that are its own."""
 
-    estimate: Callable[..., Any]
+    estimate: Estimate
     summary: str
     settings: tuple[str, ...] = ()
 

@@ -11,10 +11,11 @@ thesis's simulations) or the valve's flow relax. Position follows as the integra
 with noise: it is advanced exactly through the believed lag with the voltage that the amplifier gave.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers.belief import Hydraulic, Sliding
 from controllers.believed_friction import Turning, believed_turning, contact, saturated_sign
 from controllers.kalman_algebra import (
     Column,
@@ -228,7 +229,7 @@ def ekf_update(
     return velocity, mean.p, friction, following
 
 
-def design_ekf(belief: Any, settings: EkfSettings, sample_time: float, rotation: str = "measured") -> EkfGains:
+def design_ekf(belief: Sliding, settings: EkfSettings, sample_time: float, rotation: str = "measured") -> EkfGains:
     """Numbers of the filter from the believed plant (hydraulics, body, friction) and the noise.
 
     `rotation` "ignored": the rod's surface speed counts for nothing.
@@ -236,7 +237,7 @@ def design_ekf(belief: Any, settings: EkfSettings, sample_time: float, rotation:
     Raises:
         ValueError: a standard deviation that is not above 0, or a belief without a valve.
     """
-    if not hasattr(belief, "hydraulics"):
+    if not isinstance(belief, Hydraulic):
         raise ValueError("the extended Kalman filter needs a hydraulic plant with measured pressures; take another one")
     for name, value in settings._asdict().items():
         if not value > 0.0:

@@ -5,9 +5,11 @@ memory and one belief, so that any of them goes with any law of `controllers.com
 """
 
 import math
-from typing import Annotated, NamedTuple
+from collections.abc import Callable
+from typing import Annotated, NamedTuple, TypeAlias
 
 from controllers.believed_friction import Turning
+from plants.equation import Scalar
 from plants.friction import Friction, Tustin
 
 
@@ -53,3 +55,7 @@ class Belief(NamedTuple):
     injection: Annotated[float, "1"]
     adaptation: Annotated[float, "1/J"]
     pressure_gain: Annotated[float, "1"]
+
+
+Estimate: TypeAlias = Callable[[Seen, Memory, Belief, Scalar], tuple[Scalar, Memory]]
+"""A friction estimator: the estimated force (N) and what it remembers."""

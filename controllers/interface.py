@@ -2,7 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeAlias, TypeVar
+
+from plants.equation import Scalar
+from plants.interface import Measurement
+
+StateT = TypeVar("StateT")
+GainsT = TypeVar("GainsT")
 
 
 class Reference(NamedTuple):
@@ -11,6 +17,10 @@ class Reference(NamedTuple):
     position: Annotated[float, "m"]
     velocity: Annotated[float, "m/s"]
     acceleration: Annotated[float, "m/s^2"]
+
+
+Step: TypeAlias = Callable[[Reference, Measurement, StateT, GainsT, Scalar], tuple[Scalar, StateT]]
+"""The equation of a controller with that state and these gains: see `Controller`."""
 
 
 @dataclass(frozen=True, eq=False)

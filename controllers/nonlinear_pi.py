@@ -6,7 +6,7 @@ is its kind: a PI controller whose integral is reshaped against stiction, with n
 its shape and its defaults are all [derived here].
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -139,7 +139,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, 0.0, 0.0, 0.0, 0.0, at_rest(measurement.position))
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """Gains from settings, with feed-forward and anti-windup of the PID family.
 
     Raises:
@@ -165,14 +165,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     )
 
 
-NONLINEAR_PI = Controller(
-    name="nonlinear_pi",
-    summary="PI whose integral fills at rest and lets go at reversals (after Sepehri; law derived here)",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "PI whose integral fills at rest and lets go at reversals (after Sepehri; law derived here)"
+
+NONLINEAR_PI = Controller("nonlinear_pi", SUMMARY, Settings, Gains, State, design, step, commit, start)

@@ -1,6 +1,6 @@
 """No feedback: the command comes from a recorded or generated input."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 from controllers.interface import Controller, Reference
 from controllers.settings import ANY, About
@@ -42,19 +42,11 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """No bias: the reference is fed to the plant's input."""
     return Gains(0.0)
 
 
-OPEN_LOOP = Controller(
-    name="open_loop",
-    summary="no feedback: a recorded or generated command",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "no feedback: a recorded or generated command"
+
+OPEN_LOOP = Controller("open_loop", SUMMARY, Settings, Gains, State, design, step, commit, start)

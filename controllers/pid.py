@@ -1,7 +1,8 @@
 """P, PI, PD, PID with velocity feed-forward and anti-windup: one law, each term optional."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
+from controllers.belief import Hydraulic
 from controllers.interface import Controller, Reference
 from controllers.settings import DECADES, SHARE, About, Needs
 from controllers.velocity import (
@@ -106,7 +107,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, 0.0, 0.0, at_rest(measurement.position))
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """Gains from settings, with K_ff = feedforward / K_q and T_l = lead tau.
 
     Raises:
@@ -114,7 +115,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     """
     feedforward, lead = 0.0, 0.0
     if settings.feedforward:
-        if not hasattr(belief, "hydraulics"):
+        if not isinstance(belief, Hydraulic):
             raise ValueError("feedforward needs a plant with a velocity gain (a hydraulic one); leave it out here")
         feedforward = settings.feedforward / float(no_load_velocity_gain(belief.hydraulics))
         lead = settings.lead * belief.hydraulics.valve_time_constant
@@ -126,14 +127,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, estimator, lead)
 
 
-PID = Controller(
-    name="pid",
-    summary="P, PI, PD, PID with velocity feed-forward and anti-windup",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "P, PI, PD, PID with velocity feed-forward and anti-windup"
+
+PID = Controller("pid", SUMMARY, Settings, Gains, State, design, step, commit, start)

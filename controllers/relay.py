@@ -4,7 +4,7 @@ The relay experiment of Astrom and Hagglund (Automatica 20(5), 1984) finds the g
 proportional loop would just oscillate, without ever making it unstable; `workbench.tune.relay_test` runs it.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(1.0)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     """The settings are the gains.
 
     Raises:
@@ -66,14 +66,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     return Gains(settings.amplitude, settings.hysteresis)
 
 
-RELAY = Controller(
-    name="relay",
-    summary="relay with hysteresis: makes the loop oscillate, to find its ultimate gain and period",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "relay with hysteresis: makes the loop oscillate, to find its ultimate gain and period"
+
+RELAY = Controller("relay", SUMMARY, Settings, Gains, State, design, step, commit, start)

@@ -7,12 +7,13 @@ or where the plant's surface speed is imposed, there.
 """
 
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
 from controllers import speed_servo
-from controllers.interface import Controller, Reference
+from controllers.belief import Turned
+from controllers.interface import Controller, Reference, Step
 from controllers.velocity import Estimator, EstimatorState, at_rest, estimate_velocity, filtered_differentiator
 from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
@@ -60,6 +61,10 @@ class State(NamedTuple):
     on: Annotated[float, "1"]
 
 
+Demand: TypeAlias = Callable[[Scalar, Scalar, Scalar, Gains], Scalar]
+"""The speed (rad/s) to ask for, of the wanted one, the velocity along, whether rotation is on, and the gains."""
+
+
 @equation
 def scheduled(speed: Scalar, velocity: Scalar, on: Scalar, gains: Gains) -> Scalar:
     """omega_s = sqrt(max((m omega_min)^2 - (v^/R)^2, 0)) (rad/s), omega_min = `speed`, m the `MARGIN` [derived here].
@@ -81,7 +86,7 @@ def switched(speed: Scalar, velocity: Scalar, on: Scalar, gains: Gains) -> Scala
     return select(np.abs(velocity) < threshold, speed, 0.0)
 
 
-def _steps(demand: Callable[..., Any]) -> dict[str, Callable[..., Any]]:
+def _steps(demand: Demand) -> dict[str, Step[State, Gains]]:
     """The steps that ask for a demand, by the input of the plant that they drive; `reference.position` is `speed`."""
 
     @equation
@@ -125,7 +130,7 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(speed_servo.start(measurement, gains.servo), at_rest(measurement.position), turning, 1.0)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: Turned, sample_time: float) -> Gains:
     """Gains from settings and the believed motor.
 
     Raises:
@@ -145,7 +150,7 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     )
 
 
-def _controllers(name: str, summary: str, demand: Callable[..., Any]) -> dict[str, Controller]:
+def _controllers(name: str, summary: str, demand: Demand) -> dict[str, Controller]:
     return {
         driven: Controller(f"{name}_{driven}", summary, Settings, Gains, State, design, step, commit, start)
         for driven, step in _steps(demand).items()

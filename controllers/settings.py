@@ -10,7 +10,7 @@ counts, and it is tuned only in a range that a study gives.
 import functools
 import typing
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Needs:
         self.name = name
         self.choices = choices
 
-    def met(self, settings: Any) -> bool:
+    def met(self, settings: NamedTuple) -> bool:
         """Whether these settings are such."""
         value = getattr(settings, self.name)
         return value in self.choices if self.choices else value != 0.0
@@ -105,7 +105,7 @@ class Setting(NamedTuple):
 
 
 @functools.cache
-def settings_of(cls: Any) -> dict[str, Setting]:
+def settings_of(cls: type[NamedTuple]) -> dict[str, Setting]:
     """The settings of a class by name.
 
     Raises:
@@ -119,14 +119,15 @@ def settings_of(cls: Any) -> dict[str, Setting]:
     return found
 
 
-def _setting(cls: Any, name: str, hint: Any) -> Setting:
-    words: tuple[str, ...] = tuple(item for item in getattr(hint, "__metadata__", ()) if isinstance(item, str))
-    if typing.get_origin(hint) is not typing.Annotated or hint.__origin__ not in (float, str) or not words:
+def _setting(cls: type[NamedTuple], name: str, hint: object) -> Setting:
+    kind, *said = typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (None,)
+    words = tuple(item for item in said if isinstance(item, str))
+    if kind not in (float, str) or not words:
         raise TypeError(f"Settings.{name}: expected Annotated[float, unit] or Annotated[str, choice, ...]")
-    about = next((item for item in hint.__metadata__ if isinstance(item, About)), About("", -np.inf))
-    needs = next((item for item in hint.__metadata__ if isinstance(item, Needs)), None)
-    tuned = next((item for item in hint.__metadata__ if isinstance(item, Tuned)), None)
-    number = hint.__origin__ is float
+    about = next((item for item in said if isinstance(item, About)), About("", -np.inf))
+    needs = next((item for item in said if isinstance(item, Needs)), None)
+    tuned = next((item for item in said if isinstance(item, Tuned)), None)
+    number = kind is float
     return Setting(
         name, words[0] if number else "", () if number else words, cls._field_defaults.get(name), about, needs, tuned
     )
@@ -138,7 +139,7 @@ def usable(controller: Controller) -> dict[str, Setting]:
     return {name: item for name, item in declared.items() if name not in controller.unused}
 
 
-def idle(controller: Controller, settings: Any) -> dict[str, str]:
+def idle(controller: Controller, settings: NamedTuple) -> dict[str, str]:
     """Of each setting that changes nothing under these settings: why."""
     declared = settings_of(controller.Settings)
     failed = {name: _unmet(controller, declared, name, settings) for name in declared}
@@ -159,7 +160,7 @@ def idle(controller: Controller, settings: Any) -> dict[str, str]:
 
 
 def _unmet(
-    controller: Controller, declared: dict[str, Setting], name: str, settings: Any
+    controller: Controller, declared: dict[str, Setting], name: str, settings: NamedTuple
 ) -> Needs | typing.Literal[""] | None:
     """What a setting lacks to count: a need, "" where nothing would help, None where it counts."""
     if name in controller.unused:

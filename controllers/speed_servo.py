@@ -3,10 +3,11 @@
 A current loop inside a speed loop, as a digital servo amplifier has them (the thesis's motor had one).
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers.belief import Anisotropic, HasFriction, Turned
 from controllers.interface import Controller, Reference
 from plants.equation import Scalar, equation, select
 from plants.friction import LuGre, blended
@@ -105,13 +106,15 @@ def start(measurement: Measurement, gains: Gains) -> State:
     return State(0.0, 0.0, 0.0, 0.0)
 
 
-def friction_around(belief: Any) -> LuGre:
+def friction_around(belief: HasFriction) -> LuGre:
     """The believed friction of a rod that turns without moving along, as forces and speeds at the surface."""
-    law: LuGre = belief.rotary if hasattr(belief, "rotary") else blended(0.0, 0.0, belief.friction)
+    if isinstance(belief, Anisotropic):
+        return belief.rotary
+    law: LuGre = blended(0.0, 0.0, belief.friction)
     return law
 
 
-def runaway_rate(belief: Any, speed: float) -> float:
+def runaway_rate(belief: Turned, speed: float) -> float:
     """Rate (1/s) at which the rod leaves a constant torque at `speed` (rad/s) or above; not above 0 where it stays.
 
     The friction falls at most by a1 (2 x / v_s) exp(-x^2) less a2, x = w / v_s, at x = 1/sqrt(2) or, if that is below
@@ -125,17 +128,17 @@ def runaway_rate(belief: Any, speed: float) -> float:
     return float(fall * motor.piston_radius**2 / motor.rotary_inertia)
 
 
-def speed_rate(belief: Any, speed: float, sample_time: float) -> float:
+def speed_rate(belief: Turned, speed: float, sample_time: float) -> float:
     """Rate (1/s) of the speed loop at `speed` (rad/s)."""
     return min(SAMPLED / sample_time, max(SLOWEST, NEEDED * runaway_rate(belief, speed)))
 
 
-def holds(belief: Any, speed: float, sample_time: float) -> bool:
+def holds(belief: Turned, speed: float, sample_time: float) -> bool:
     """Whether the servo holds a rod that turns at `speed` (rad/s) against the steepest fall of its friction."""
     return HELD * runaway_rate(belief, speed) <= speed_rate(belief, speed, sample_time)
 
 
-def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
+def design(settings: Settings, belief: Turned, sample_time: float) -> Gains:
     """The current loop in one sample (deadbeat), and around it
 
         K_p = lambda J / K_t,  K_i = mu K_p,  lambda = max(400 / s, 2 r) <= 0.7 / h,  mu = lambda / 10
@@ -161,14 +164,6 @@ def design(settings: Settings, belief: Any, sample_time: float) -> Gains:
     )
 
 
-SPEED_SERVO = Controller(
-    name="speed_servo",
-    summary="servo of the speed of rotation: a current loop inside a speed loop",
-    Settings=Settings,
-    Gains=Gains,
-    State=State,
-    design=design,
-    step=step,
-    commit=commit,
-    start=start,
-)
+SUMMARY = "servo of the speed of rotation: a current loop inside a speed loop"
+
+SPEED_SERVO = Controller("speed_servo", SUMMARY, Settings, Gains, State, design, step, commit, start)
