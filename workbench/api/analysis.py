@@ -1,13 +1,13 @@
 """Linear analysis of a loop, with python-control's objects: the plant at an operating point, the loop gain, margins."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plants.equation import fields
 from workbench.api.loops import LoopSetup
 from workbench.api.plain import Quantity
 from workbench.errors import UserError
-from workbench.simulation.simulate import Setup
+from workbench.simulation.setup import Numbers, Setup
 from workbench.toml.units import QuantityError, si
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ def linearise(
     setup: LoopSetup,
     *,
     speed: Quantity | None = None,
-    state: tuple[Any, ...] | None = None,
-    inputs: tuple[Any, ...] | None = None,
+    state: tuple[object, ...] | None = None,
+    inputs: tuple[object, ...] | None = None,
     outputs: Sequence[str] = ("position",),
 ) -> "control.StateSpace":
     """The plant of a loop for small deviations from an operating point: d(dx)/dt = A dx + B du, dy = C dx + D du.
@@ -136,7 +136,7 @@ def _metres_per_second(speed: Quantity) -> float:
         raise UserError(f"speed: {error}") from None
 
 
-def _at_rest(case: Setup) -> tuple[Any, Any]:
+def _at_rest(case: Setup) -> tuple[Numbers, Numbers]:
     """The equilibrium of the true plant where the setup starts, turning at the speed that it asks for."""
     plant, parameters = case.plant, case.parameters
     surface_speed = case.rotation_speed * parameters.motor.piston_radius if plant.rotary_command else 0.0
@@ -144,7 +144,7 @@ def _at_rest(case: Setup) -> tuple[Any, Any]:
     return state._replace(position=case.state.position), inputs
 
 
-def _check_equilibrium(case: Setup, state: Any, inputs: Any) -> None:
+def _check_equilibrium(case: Setup, state: Numbers, inputs: Numbers) -> None:
     """Raise UserError where the plant does not stay in this state."""
     from workbench.linear.equilibrium import changing
 

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -181,7 +181,7 @@ class StudyResults:
         own = {name: row[name] for name in names[: names.index("outcome")]}
         return CaseResult(row, own, trajectory_path(self.folder, int(str(row.name))))
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Title, units and rows as plain data, for JSON; null where a metric does not apply."""
         return {
             "title": self.study.file.title,

@@ -3,9 +3,12 @@
 import sys
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from workbench.progress import Progress
+
+if TYPE_CHECKING:
+    from workbench.study.study import Case
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
@@ -38,7 +41,7 @@ class ProgressBar:
         self._total = total
         self._bar: Any = None
 
-    def __enter__(self) -> Callable[[int, int, Any], None]:
+    def __enter__(self) -> Callable[[int, int, "Case"], None]:
         if not sys.stderr.isatty():
             return self._plain(Lines())
         from rich.console import Console
@@ -50,10 +53,10 @@ class ProgressBar:
         task = self._bar.add_task("", total=self._total)
         return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
 
-    def _plain(self, lines: Lines) -> Callable[[int, int, Any], None]:
+    def _plain(self, lines: Lines) -> Callable[[int, int, "Case"], None]:
         before: list[int] = []  # what an earlier run has done says nothing of the speed of this one
 
-        def told(count: int, total: int, case: Any) -> None:
+        def told(count: int, total: int, case: "Case") -> None:
             if not before:
                 before.append(count - 1)
             if count < total:

@@ -17,7 +17,7 @@ from workbench.records.friction import averaged
 from workbench.records.reading import Record
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
-from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
 from workbench.simulation.simulate import simulate
 
 FIT_RATE = 100.0
@@ -112,7 +112,7 @@ def _input(record: Record, values: np.ndarray) -> Sampled:
     return Sampled(record.time[known], values[known])
 
 
-def _start(experiment: Experiment, record: Record, parameters: Any) -> tuple[Any, Any]:
+def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple[Any, Any]:
     """The plant at rest (turning, where the record's rpm says so) where the record begins; fed inputs count from 0."""
     surface = 0.0
     if experiment.plant.rotary_command:

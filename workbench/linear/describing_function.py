@@ -16,7 +16,7 @@ valve's flow away from the closed spool, and the difference between directions (
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import control
 import numpy as np
@@ -24,9 +24,11 @@ from scipy.optimize import root
 from scipy.special import dawsn
 
 from controllers.pid import Gains
-from plants.friction import Friction, LuGre, stribeck_level
+from plants.equation import NEGATIVE, replaced
+from plants.friction import LuGre, stribeck_level
 from plants.interface import Plant
 from workbench.linear.linearise import linearise
+from workbench.simulation.setup import Numbers
 
 AMPLITUDES = np.logspace(-9, 3, 61)
 """m/s. Amplitudes of velocity among which intersections are looked for."""
@@ -41,8 +43,14 @@ SCALE = 1e6
 EXACT = 1e-9
 """|1 + H N| below which an intersection counts as found."""
 
+LEVELS = ("coulomb", "stribeck", "bristle_stiffness", "bristle_damping")
+"""Numbers of LuGre's friction without which it is viscous alone."""
+
 STILL = 1e-9
 """rad/s. A pole below it is one at 0."""
+
+
+Nonlinearity: TypeAlias = control.DescribingFunctionNonlinearity
 
 
 @dataclass(frozen=True)
@@ -104,7 +112,7 @@ class SteadyFriction(control.DescribingFunctionNonlinearity):
 class _Scaled(control.DescribingFunctionNonlinearity):
     """Another nonlinearity, divided by a constant."""
 
-    def __init__(self, nonlinearity: Any, divisor: float) -> None:
+    def __init__(self, nonlinearity: Nonlinearity, divisor: float) -> None:
         super().__init__()
         self._nonlinearity, self._divisor = nonlinearity, divisor
 
@@ -113,11 +121,11 @@ class _Scaled(control.DescribingFunctionNonlinearity):
         return _gain(self._nonlinearity, amplitude) / self._divisor
 
 
-def _gain(nonlinearity: Any, amplitude: float) -> complex:
+def _gain(nonlinearity: Nonlinearity, amplitude: float) -> complex:
     return complex(control.describing_function(nonlinearity, [amplitude])[0])
 
 
-def intersections(linear: control.StateSpace, nonlinearity: Any) -> list[Intersection]:
+def intersections(linear: control.StateSpace, nonlinearity: Nonlinearity) -> list[Intersection]:
     """All A and w with H(jw) N(A) = -1 for y = H u, u = -f(y): python-control's, each one refined.
 
     Intersections outside `AMPLITUDES` are not found, nor those beyond `BEYOND` times the poles' frequencies.
@@ -134,7 +142,9 @@ def intersections(linear: control.StateSpace, nonlinearity: Any) -> list[Interse
     return [found for found in refined if found is not None]
 
 
-def _refined(linear: control.StateSpace, nonlinearity: Any, amplitude: float, frequency: float) -> Intersection | None:
+def _refined(
+    linear: control.StateSpace, nonlinearity: Nonlinearity, amplitude: float, frequency: float
+) -> Intersection | None:
     """The root of 1 + H(jw) N(A) near a guess; None where there is none."""
 
     def residual(logarithms: np.ndarray) -> list[float]:
@@ -154,7 +164,7 @@ def _refined(linear: control.StateSpace, nonlinearity: Any, amplitude: float, fr
     return Intersection(a, w, growth.real < 0.0)
 
 
-def friction_loop(plant: Plant, parameters: Any, gains: Gains) -> control.StateSpace:
+def friction_loop(plant: Plant, parameters: Numbers, gains: Gains) -> control.StateSpace:
     """H(s): from a force (N) that pushes the piston to its velocity (m/s), PID loop closed, without friction levels.
 
     Viscous friction stays in. The PID is continuous: command = -(K_p + K_i / s) x - K_d v, with v itself.
@@ -172,10 +182,10 @@ def friction_loop(plant: Plant, parameters: Any, gains: Gains) -> control.StateS
     return control.ss(whole, -np.vstack([force, zero]), np.hstack([velocity, zero]), 0.0)
 
 
-def _without_levels(parameters: Any) -> Any:
-    """Parameters whose friction is viscous alone."""
-    none = {"coulomb": 0.0, "stribeck": 0.0, "bristle_stiffness": 0.0, "bristle_damping": 0.0}
-    return parameters._replace(friction=Friction(*(side._replace(**none) for side in parameters.friction)))
+def _without_levels(parameters: Numbers) -> Numbers:
+    """Parameters whose friction along the rod is viscous alone, in both directions."""
+    viscous: Numbers = replaced(parameters, {name: 0.0 for level in LEVELS for name in (level, f"{level}_{NEGATIVE}")})
+    return viscous
 
 
 def _influential(a: np.ndarray, c: np.ndarray) -> np.ndarray:

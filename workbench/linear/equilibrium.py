@@ -1,12 +1,11 @@
 """Whether a point of a plant is an equilibrium: nothing but the motion itself changes there."""
 
-from typing import Any
-
 import numpy as np
 
 from plants.equation import fields, to_array
 from plants.interface import Plant
 from workbench.linear.linearise import EVALUATION_TIME, jacobians
+from workbench.simulation.setup import Numbers
 
 STATIONARY = 1e-3
 """Share of the states' typical magnitudes by which a point may be off: a force or an opening that is known to three
@@ -16,7 +15,7 @@ MOTION = ("position",)
 """States whose rate is motion: they grow while all else is in equilibrium."""
 
 
-def changing(plant: Plant, parameters: Any, state: Any, inputs: Any) -> dict[str, float]:
+def changing(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers) -> dict[str, float]:
     """The states that do not stay, each with its rate (in its unit per second); none at an equilibrium or steady slide.
 
     A rate counts as none where displacing the states by `STATIONARY` of their typical magnitudes s changes it as much,

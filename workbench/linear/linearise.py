@@ -13,7 +13,6 @@ import functools
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import Lock
-from typing import Any
 
 import casadi
 import control
@@ -22,6 +21,7 @@ import numpy as np
 from plants.equation import fields, from_array, leaves, to_array
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
+from workbench.simulation.setup import Numbers
 
 _SWITCH = Lock()
 
@@ -29,7 +29,7 @@ EVALUATION_TIME = 0.0
 """s. The built-in plants do not depend on time; one that does is linearised at its start."""
 
 
-def jacobians(plant: Plant, parameters: Any, state: Any, inputs: Any) -> tuple[np.ndarray, np.ndarray]:
+def jacobians(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Exact partial derivatives of the plant's state equations dx/dt = f(x, u). Thesis (C.4) to (C.6).
 
     `state`, `inputs` and `parameters` are the plant's NamedTuples (SI). The point need not be an equilibrium.
@@ -45,7 +45,7 @@ def jacobians(plant: Plant, parameters: Any, state: Any, inputs: Any) -> tuple[n
 
 
 def output_jacobians(
-    plant: Plant, parameters: Any, state: Any, inputs: Any, outputs: Sequence[str]
+    plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers, outputs: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Exact partial derivatives of chosen signals y = s(x, u) of the plant at a point; arguments as `jacobians`.
 
@@ -60,7 +60,7 @@ def output_jacobians(
     return c[chosen], d[chosen]
 
 
-def measurement_jacobian(plant: Plant, parameters: Any, state: Any) -> np.ndarray:
+def measurement_jacobian(plant: Plant, parameters: Numbers, state: Numbers) -> np.ndarray:
     """Exact partial derivatives dy/dx of what the rig measures, y = measure(x, parameters), at a state.
 
     Returns:
@@ -72,9 +72,9 @@ def measurement_jacobian(plant: Plant, parameters: Any, state: Any) -> np.ndarra
 
 def linearise(
     plant: Plant,
-    parameters: Any,
-    state: Any = None,
-    inputs: Any = None,
+    parameters: Numbers,
+    state: Numbers | None = None,
+    inputs: Numbers | None = None,
     outputs: Sequence[str] = ("position",),
 ) -> control.StateSpace:
     """The plant for small deviations (dx, du) from an operating point (x0, u0), states, inputs, outputs by name:
@@ -106,7 +106,7 @@ def linearise(
 
 
 def nonlinear_system(
-    plant: Plant, parameters: Any, outputs: Sequence[str] = ("position",)
+    plant: Plant, parameters: Numbers, outputs: Sequence[str] = ("position",)
 ) -> control.NonlinearIOSystem:
     """The plant as python-control's dx/dt = f(t, x, u), y = s(t, x, u), with states, inputs and outputs by name.
 
@@ -119,11 +119,11 @@ def nonlinear_system(
     """
     chosen = _signal_indices(plant, outputs)
 
-    def update(time: float, state: np.ndarray, inputs: np.ndarray, _: Any) -> np.ndarray:
+    def update(time: float, state: np.ndarray, inputs: np.ndarray, _: object) -> np.ndarray:
         x, u = from_array(plant.State, state), from_array(plant.Inputs, np.atleast_1d(inputs))
         return to_array(plant.derivatives(time, x, u, parameters))
 
-    def output(time: float, state: np.ndarray, inputs: np.ndarray, _: Any) -> np.ndarray:
+    def output(time: float, state: np.ndarray, inputs: np.ndarray, _: object) -> np.ndarray:
         x, u = from_array(plant.State, state), from_array(plant.Inputs, np.atleast_1d(inputs))
         return to_array(plant.signals(time, x, u, parameters))[chosen]
 
@@ -145,7 +145,7 @@ def _signal_indices(plant: Plant, outputs: Sequence[str]) -> list[int]:
     return [known.index(name) for name in outputs]
 
 
-def _derivatives_at(plant: Plant, parameters: Any, state: Any, inputs: Any) -> list[np.ndarray]:
+def _derivatives_at(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers) -> list[np.ndarray]:
     values = (to_array(state), to_array(inputs), to_array(parameters))
     return [matrix.full() + 0.0 for matrix in _symbolic_jacobians(plant)(*values)]
 

@@ -5,7 +5,6 @@ Of a valve's actuator these are the integrator and the valve's lag, of a drive i
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from plants.interface import Plant
 from workbench.errors import UserError
 from workbench.linear.linearise import jacobians
 from workbench.linear.operating_point import slide, without_end_stops
-from workbench.simulation.setup import Loop, Setup
+from workbench.simulation.setup import Loop, Numbers, Setup
 
 RADIUS = 0.1
 """rad/s. Of the circle on which 1/G is sampled: far below all that moves a rod, far above rounding."""
@@ -78,7 +77,7 @@ def _loops(setup: Setup, speed: float) -> Iterator[Loop]:
             yield Loop(PID, PID.design(settings, setup.parameters, setup.sample_time))
 
 
-def _response(plant: Plant, parameters: Any, state: Any, inputs: Any, s: np.ndarray) -> np.ndarray:
+def _response(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers, s: np.ndarray) -> np.ndarray:
     """G(s) from the command to the position, in continuous time; shape of `s` (1-D, rad/s)."""
     a, b = jacobians(plant, parameters, state, inputs)
     names, scales = ([getattr(item, key) for item in fields(plant.State)] for key in ("name", "scale"))
@@ -89,7 +88,7 @@ def _response(plant: Plant, parameters: Any, state: Any, inputs: Any, s: np.ndar
     return np.asarray(solved[:, position, 0] * scales[position])
 
 
-def _two_poles(plant: Plant, parameters: Any, state: Any, inputs: Any) -> SlowModel:
+def _two_poles(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers) -> SlowModel:
     """The model by the first three coefficients of 1/G at 0, which are means over a circle about it (Cauchy)."""
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     response = _response(plant, parameters, state, inputs, RADIUS * circle)

@@ -137,7 +137,7 @@ def _parsed(path: Path, text: str) -> tuple[Mapping[str, float], Mapping[str, fl
     return MappingProxyType(values), MappingProxyType(deviations)
 
 
-def _deviation(value: Any, unit: str) -> float:
+def _deviation(value: object, unit: str) -> float:
     number = si(value, unit)
     if number < 0.0:
         raise UserError(f"std: got {value!r}, expected a value that is not negative")
@@ -159,7 +159,7 @@ def drawn(name: str, value: float, deviation: float, seed: int) -> float:
     return float(number)
 
 
-def parameter_value(name: str, value: Any) -> float:
+def parameter_value(name: str, value: object) -> float:
     """One parameter's value (SI) from text or number.
 
     Raises:
@@ -192,7 +192,7 @@ def check_range(name: str, number: float) -> None:
         raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
 
 
-def build(cls: Any, values: Mapping[str, float], flow: str = "derived") -> Any:
+def build(cls: type, values: Mapping[str, float], flow: str = "derived") -> Any:
     """The parameters of a plant class from values by canonical name; values that it does not know are left out.
 
     A `_negative` value that is not given is that of the positive direction, and so is a `_rotary` one.

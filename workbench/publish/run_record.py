@@ -4,7 +4,6 @@ import platform
 import time
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Any
 
 from workbench.parallel import job_count
 
@@ -12,7 +11,7 @@ PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
 """Packages on whose version results may depend."""
 
 
-def ran_on(began: float, jobs: int | str | None, packages: Sequence[str] = PACKAGES) -> dict[str, Any]:
+def ran_on(began: float, jobs: int | str | None, packages: Sequence[str] = PACKAGES) -> dict[str, object]:
     """How long it took since `began` (s since the epoch), on what, and with which versions of `packages`.
 
     `jobs` is how many ran at a time (None: one a core), or the address of a cluster.

@@ -5,7 +5,7 @@ import itertools
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numba import types
@@ -39,7 +39,15 @@ COMPILING = threading.Lock()
 """Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
 
 
-def compile_derivatives(plant: Plant) -> Any:
+class CFunction(Protocol):
+    """Compiled code, which lives as long as this object does."""
+
+    @property
+    def address(self) -> int:
+        """Where it stands."""
+
+
+def compile_derivatives(plant: Plant) -> CFunction:
     """The plant's derivatives as a C function of signature `DERIVATIVES`."""
     derivatives, state_class = plant.derivatives, plant.State
     inputs_class, parameters_class = plant.Inputs, plant.Parameters
@@ -54,7 +62,7 @@ def compile_derivatives(plant: Plant) -> Any:
     return entry
 
 
-def compile_measure(plant: Plant) -> Any:
+def compile_measure(plant: Plant) -> CFunction:
     """The plant's noise-free readings as a C function of signature `MEASURE`.
 
     A channel that its `measure` leaves to the default is absent from the compiled tuple: it is NaN.
@@ -74,7 +82,7 @@ def compile_measure(plant: Plant) -> Any:
     return entry
 
 
-def compile_step(controller: Controller) -> Any:
+def compile_step(controller: Controller) -> CFunction:
     """The controller's step as a C function of signature `STEP`."""
     step, state_class, gains_class = controller.step, controller.State, controller.Gains
     reference_class, measurement_class = Reference, Measurement
@@ -91,7 +99,7 @@ def compile_step(controller: Controller) -> Any:
     return entry
 
 
-def compile_commit(controller: Controller) -> Any:
+def compile_commit(controller: Controller) -> CFunction:
     """The controller's commit as a C function of signature `COMMIT`."""
     commit, state_class, gains_class = controller.commit, controller.State, controller.Gains
     source = fingerprint(commit)
@@ -128,14 +136,14 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
 
 
 @functools.cache
-def _compiled_plant(plant: Plant) -> tuple[Any, Any]:
+def _compiled_plant(plant: Plant) -> tuple[CFunction, CFunction]:
     """The plant's C functions; kept, since only their addresses go to the engine."""
     with _told("plant", plant.name):
         return compile_derivatives(plant), compile_measure(plant)
 
 
 @functools.cache
-def _compiled_controller(controller: Controller) -> tuple[Any, Any]:
+def _compiled_controller(controller: Controller) -> tuple[CFunction, CFunction]:
     with _told("controller", controller.name):
         return compile_step(controller), compile_commit(controller)
 

@@ -4,7 +4,8 @@ Compiled once for the C signatures of `workbench.simulation.compilation`; plants
 in as function pointers.
 """
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import numba
 import numpy as np
@@ -27,6 +28,9 @@ FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
 DIVERGENCE_BOUND = 1e6
 """A state beyond this many times its typical magnitude (and its initial value) has diverged."""
 
+Ended: TypeAlias = tuple[int, int, int]
+"""How a loop ended, the number of samples logged, the number of integration steps."""
+
 _vector = types.float64[::1]
 _table = types.float64[:, ::1]
 _number = types.float64
@@ -47,7 +51,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
 )
 
 
-def _scalar_loops(function: Any) -> Any:
+def _scalar_loops(function: Callable[..., Ended]) -> Callable[..., Ended]:
     """Compile for `_SIGNATURE` without vectorised loops: over a handful of states they cost more than they give."""
     vectorize = numba.config.LOOP_VECTORIZE
     numba.config.LOOP_VECTORIZE = 0
@@ -96,7 +100,7 @@ def run_loop(
     clock: Any,
     logs: Any,
     scratch: Any,
-) -> tuple[int, int, int]:
+) -> Ended:
     """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
 
     At sample k: the sensors deliver y(k h - delay), those of the motor's drive y(k h), with systematic error, noise and

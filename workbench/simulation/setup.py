@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
@@ -11,6 +11,9 @@ from plants.equation import fields
 from plants.interface import Plant
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors
+
+Numbers: TypeAlias = tuple[object, ...]
+"""A NamedTuple of numbers, possibly nested: some plant's state, inputs or parameters, SI."""
 
 Method = Literal["euler", "heun", "rk4", "dormand_prince"]
 """What an integration may be called."""

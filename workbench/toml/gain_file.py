@@ -66,7 +66,7 @@ class GainFile(Strict):
         return self
 
 
-def is_gain_file(data: Mapping[str, Any]) -> bool:
+def is_gain_file(data: Mapping[str, object]) -> bool:
     """Whether the content of a file looks like one."""
     return {"type", "at"} <= set(data)
 
@@ -102,12 +102,12 @@ def entry_at(content: GainFile, rpm: float) -> Entry:
 
 
 def with_gains(
-    table: Mapping[str, Any],
+    table: Mapping[str, object],
     folder: Path,
     rpm: float,
     machine: str | None,
     read: Callable[[Path], GainFile] = read_gain_file,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """A controller's table with what the gain file says that it names, relative to `folder`, for a speed (rpm) and a
     machine.
 

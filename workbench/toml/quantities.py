@@ -1,7 +1,7 @@
 """Types of quantities in a study file: read with their unit, kept in SI."""
 
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import BeforeValidator, StrictFloat
 
@@ -18,7 +18,7 @@ NewtonMetre = Annotated[float, BeforeValidator(partial(si, unit="N m"))]
 Radian = Annotated[float, BeforeValidator(partial(si, unit="rad"))]
 
 
-def rpm_si(value: Any) -> float:
+def rpm_si(value: object) -> float:
     """A speed of rotation in rad/s; unlike elsewhere a bare number is in rpm, the unit of the axis' name."""
     try:
         speed = si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")

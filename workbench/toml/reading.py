@@ -2,13 +2,16 @@
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from workbench.errors import UserError, nearest
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
 
 Key = tuple[str | int, ...]
 
@@ -39,7 +42,7 @@ def read_text(path: Path) -> str:
         raise UserError(f"{path}: cannot be read as text ({error})") from None
 
 
-def read_toml(path: Path) -> tuple[dict[str, Any], str]:
+def read_toml(path: Path) -> tuple[dict[str, object], str]:
     """The content of a TOML file, as a dictionary and as text.
 
     Raises:
@@ -49,7 +52,7 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     return parse_toml(path, text), text
 
 
-def parse_toml(path: Path, text: str) -> dict[str, Any]:
+def parse_toml(path: Path, text: str) -> dict[str, object]:
     """`text`, the content of the file at `path`, as a dictionary.
 
     Raises:
@@ -144,7 +147,7 @@ def _beside(one: SchemaError, other: SchemaError) -> bool:
     return one is not other and one.key[:-1] == other.key[:-1]
 
 
-def conform(model: type[ModelT], data: dict[str, Any]) -> ModelT:
+def conform(model: type[ModelT], data: Mapping[str, object]) -> ModelT:
     """`data` as an instance of `model`.
 
     Raises:
@@ -159,7 +162,7 @@ def conform(model: type[ModelT], data: dict[str, Any]) -> ModelT:
         raise together([_mistake(model, item) for item in [*unknown, *missing] or mistakes[:1]]) from None
 
 
-def _mistake(model: type[BaseModel], error: Any) -> SchemaError:
+def _mistake(model: type[BaseModel], error: "ErrorDetails") -> SchemaError:
     key = tuple(part for part in error["loc"] if not (isinstance(part, str) and part in _UNION_MEMBERS))
     return SchemaError(key, _message(model, error, key))
 
@@ -168,7 +171,7 @@ _UNION_MEMBERS = ("float", "str", "int", "list", "dict")
 """Pydantic names the member of a union in a mistake's place; the file has no such key."""
 
 
-def validate(model: type[ModelT], data: dict[str, Any], path: Path, text: str) -> ModelT:
+def validate(model: type[ModelT], data: Mapping[str, object], path: Path, text: str) -> ModelT:
     """`data`, the content of the file at `path`, as an instance of `model`.
 
     Raises:
@@ -180,7 +183,7 @@ def validate(model: type[ModelT], data: dict[str, Any], path: Path, text: str) -
         raise lines_of([at(path, text, each.key, each.message) for each in (error, *error.others)]) from None
 
 
-def _message(model: type[BaseModel], error: Any, key: Key) -> str:
+def _message(model: type[BaseModel], error: "ErrorDetails", key: Key) -> str:
     if error["type"] == "extra_forbidden":
         valid = _valid_keys(model, key[:-1])
         return f"unknown key; {nearest(str(key[-1]), valid)}"
@@ -196,17 +199,16 @@ def _message(model: type[BaseModel], error: Any, key: Key) -> str:
     return f"got {got if len(got) <= LONGEST else got[:LONGEST] + '...'}: {message[0].lower()}{message[1:]}"
 
 
-def _valid_keys(model: Any, key: Key) -> list[str]:
+def _valid_keys(model: type[BaseModel] | None, key: Key) -> list[str]:
     """Names of the fields of the model at `key` inside `model`; names and places in a container lead to its model."""
     for part in key:
-        known = getattr(model, "model_fields", {})
+        known = model.model_fields if model is not None else {}
         if part in known:
-            annotation = known[part].annotation
-            model = _model_in(annotation)
-    return list(getattr(model, "model_fields", {}))
+            model = _model_in(known[str(part)].annotation)
+    return list(model.model_fields) if model is not None else []
 
 
-def _model_in(annotation: Any) -> Any:
+def _model_in(annotation: object) -> type[BaseModel] | None:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):

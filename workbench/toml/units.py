@@ -4,9 +4,13 @@ import functools
 import math
 import re
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING
 
 from workbench.toml.kept import kept_with
+
+if TYPE_CHECKING:
+    import pint
+    from pint.facets.plain import PlainQuantity
 
 COMMAND = "command"
 """Stands for the unit of a plant's command in the units of controller gains."""
@@ -21,11 +25,11 @@ class _OtherDimensionError(Exception):
 
 
 @functools.cache
-def _registry() -> Any:
+def _registry() -> "pint.UnitRegistry[float]":
     """Pint and its units, which take half a second; what it has said once is kept."""
     import pint
 
-    registry: Any = pint.UnitRegistry(cache_folder=None)
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(cache_folder=None)
     registry.formatter.default_format = "~C"
     return registry
 
@@ -56,7 +60,7 @@ def _si(text: str, unit: str) -> float:
         raise QuantityError(f'got "{text}", which is not a number with a unit{hint}') from error
 
 
-def _base(number: float, named: str) -> Any:
+def _base(number: float, named: str) -> "PlainQuantity[float]":
     """A number of unit `named` in base units, which keep the radian: a frequency in Hz is no speed in rad/s."""
     registry = _registry()
     return registry.Quantity(number, registry.Unit(named)).to_base_units()
@@ -76,7 +80,7 @@ def _si_factor(named: str, unit: str) -> float | None:
     return float(one.magnitude) if _base(0.0, named).magnitude == 0.0 else None
 
 
-def unit_written(value: Any) -> str | None:
+def unit_written(value: object) -> str | None:
     """The unit that a quantity is written with, "" of a bare number, None of what is no quantity."""
     parts = _QUANTITY.fullmatch(str(value).strip())
     if parts is None:
@@ -109,7 +113,7 @@ def example(unit: str) -> str:
     return "a plain number" if unit == "1" else f'a quantity in {unit}, such as "1 {unit}"'
 
 
-def si(value: Any, unit: str, command: str = "V", *, infinite: bool = False) -> float:
+def si(value: object, unit: str, command: str = "V", *, infinite: bool = False) -> float:
     """A number (already SI) or text with a unit, as an SI float.
 
     Args:
