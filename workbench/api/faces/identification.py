@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from workbench.identify.report.figures import record_figures
+from workbench.identify.report.figures.every import record_figures
 from workbench.identify.report.folder import table_of
 from workbench.identify.result import Identification
 from workbench.publish.notebook import face

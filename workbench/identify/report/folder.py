@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.identify.report.figures import correlation_figure, record_figures, requested_figures
+from workbench.identify.report.figures.every import figures_of
 from workbench.identify.report.published import (
     SHOWN,
     published_notes,
@@ -49,9 +49,7 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     """All files, into an empty folder."""
     experiment, thesis = identification.experiment, identification.thesis
     frame, notes = table_of(identification), notes_of(identification)
-    figures = {**requested_figures(identification), **record_figures(identification)}
-    if identification.simulation is not None and len(identification.simulation.estimates) > 1:
-        figures["correlation"] = correlation_figure(identification.simulation)
+    figures = figures_of(identification)
     paths = [write_frame("identified", Table(experiment.title, frame, notes), folder / "tables")[1]]
     for spec in experiment.published:
         if thesis is None:

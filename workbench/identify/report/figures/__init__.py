@@ -1,0 +1,1 @@
+"""Figures of an identification: of each one function that makes its numbers, and one that draws them."""
