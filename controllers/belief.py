@@ -1,7 +1,7 @@
 """What a controller may ask of the plant that it believes in: parts of the plant's parameters, by name.
 
-A `design` whose belief is a protocol needs that part of every plant; one that takes any belief looks whether there is
-such a part with `isinstance`. What a belief lacks is told where gains are designed.
+A `design` whose belief is one of these needs that part of every plant; one that takes any belief looks with
+`isinstance` whether there is such a part. What a belief lacks is told where gains are designed.
 """
 
 from typing import Protocol, runtime_checkable
@@ -14,29 +14,25 @@ from plants.motor import Motor
 
 @runtime_checkable
 class Hydraulic(Protocol):
-    """A plant with a valve and a cylinder: its command has a velocity gain, and the force is measured as pressures."""
+    """A valve and a cylinder: the command has a velocity gain, and the force is measured as pressures."""
 
     @property
-    def hydraulics(self) -> Hydraulics:
-        """Supply, valve and cylinder."""
+    def hydraulics(self) -> Hydraulics: ...
 
 
 @runtime_checkable
 class HasFriction(Protocol):
-    """A plant with a contact that LuGre's numbers describe."""
+    """A contact along which something slides, with LuGre's numbers for either direction."""
 
     @property
-    def friction(self) -> Friction:
-        """Of either direction of motion along."""
+    def friction(self) -> Friction: ...
 
 
-@runtime_checkable
 class Sliding(HasFriction, Protocol):
     """A mass that slides with friction."""
 
     @property
-    def body(self) -> Mass:
-        """The mass and its load."""
+    def body(self) -> Mass: ...
 
 
 class HydraulicSliding(Hydraulic, Sliding, Protocol):
@@ -45,11 +41,10 @@ class HydraulicSliding(Hydraulic, Sliding, Protocol):
 
 @runtime_checkable
 class HasMotor(Protocol):
-    """A plant with a motor that may turn its rod."""
+    """A motor that can turn the rod."""
 
     @property
-    def motor(self) -> Motor:
-        """The motor and the rod that it turns."""
+    def motor(self) -> Motor: ...
 
 
 class Turned(HasFriction, HasMotor, Protocol):
@@ -58,16 +53,13 @@ class Turned(HasFriction, HasMotor, Protocol):
 
 @runtime_checkable
 class Anisotropic(Protocol):
-    """A plant whose friction around the rod differs from that along it."""
+    """Friction around the rod that differs from that along it, as forces and speeds at the rod's surface."""
 
     @property
-    def rotary(self) -> LuGre:
-        """Around the rod, as forces and speeds at the surface."""
+    def rotary(self) -> LuGre: ...
 
     @property
-    def film(self) -> Film:
-        """What turning leaves between the surfaces."""
+    def film(self) -> Film: ...
 
     @property
-    def guide(self) -> Guide:
-        """A guide that does not turn along."""
+    def guide(self) -> Guide: ...

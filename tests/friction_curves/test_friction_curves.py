@@ -12,7 +12,7 @@ from command import STUDIES
 from plants.anisotropic import Guide
 from workbench.errors import UserError
 from workbench.friction_curves.comparison import Comparison, compare
-from workbench.friction_curves.figures import curves_figure, static_figure
+from workbench.friction_curves.figures import curves_data, draw_curves, draw_reductions, static_data
 from workbench.friction_curves.folder import TABLES
 from workbench.friction_curves.measured import Curve, read_curves, without_rotation
 from workbench.friction_curves.power import power_table
@@ -188,8 +188,8 @@ def test_cells_and_headings_are_explained() -> None:
 
 
 def test_reductions_are_drawn_from_nought() -> None:
-    assert static_figure(compared()).axes[0].get_ylim()[0] == 0.0
-    titles = [axes.get_title() for axes in curves_figure(compared(), "forward").axes]
+    assert draw_reductions(static_data(compared())).axes[0].get_ylim()[0] == 0.0
+    titles = [axes.get_title() for axes in draw_curves(curves_data(compared(), "forward"), "forward").axes]
     assert titles[0] == "10 rpm (not used)"
 
 

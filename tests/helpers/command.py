@@ -2,7 +2,11 @@
 
 import contextlib
 import io
+import signal
+import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
@@ -81,6 +85,19 @@ def workbench(*arguments: str | Path) -> Answer:
         except SystemExit as ended:
             code = int(ended.code or 0)
     return Answer(code, out.getvalue(), err.getvalue())
+
+
+def killed(enough: Callable[[], bool], *arguments: str | Path) -> bytes:
+    """Run the command in a process of its own, kill it with SIGKILL once there is enough; what it complained of."""
+    command = [*PROCESS, *map(str, arguments)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    deadline = time.monotonic() + 120.0
+    while not enough() and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    _, complaints = process.communicate(timeout=60.0)
+    assert process.returncode == -signal.SIGKILL
+    return complaints
 
 
 def write(folder: Path, text: str, name: str = "study.toml") -> Path:

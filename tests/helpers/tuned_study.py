@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from command import write
+
 from workbench.study.reading import read_study
 from workbench.study.study import Study
 from workbench.tune.prepare import prepared
@@ -82,9 +84,7 @@ def robust(text: str = STUDY, draws: int = 8) -> str:
 def ready(folder: Path, text: str, name: str | Sequence[str], trials: int | None = None) -> tuple[Study, list[str]]:
     """A study file of this text in `folder`, and the controllers that are tuned."""
     folder.mkdir(exist_ok=True)
-    path = folder / "study.toml"
-    path.write_text(text, encoding="utf-8")
-    return prepared(read_study(path), [name] if isinstance(name, str) else name, trials)
+    return prepared(read_study(write(folder, text)), [name] if isinstance(name, str) else name, trials)
 
 
 def tuned(folder: Path, text: str, name: str, *, trials: int | None = None, jobs: int = 1) -> Tuning:

@@ -1,17 +1,14 @@
 """Tuning: the same budget and goal for all, gains that keep the constraints, the same gains whatever happens."""
 
 import math
-import signal
 import sqlite3
-import subprocess
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import control
 import numpy as np
 import pytest
-from command import PROCESS, workbench, write
+from command import killed, workbench, write
 from scipy.stats import binom
 from tuned_study import HUNTING, STUDY, ready, robust, tuned
 
@@ -57,26 +54,17 @@ def test_going_on_does_not_change_the_gains(tmp_path: Path) -> None:
 
 
 def test_a_killed_command_goes_on_to_the_same_gains(tmp_path: Path) -> None:
-    study, killed, whole = write(tmp_path, STUDY), tmp_path / "killed", tmp_path / "whole"
+    study, part, whole = write(tmp_path, STUDY), tmp_path / "killed", tmp_path / "whole"
     options = ("--controller", "lugre", "--trials", "24")
-    process = subprocess.Popen(
-        [*PROCESS, "tune", str(study), *options, "--out", str(killed), "--jobs", "1"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    deadline = time.monotonic() + 120.0
-    while stored(killed) < 6 and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.005)
-    process.send_signal(signal.SIGKILL)
-    process.wait(timeout=60.0)
-    assert 6 <= stored(killed) < 24
-    assert not (killed / "tuned").exists()
-    refused = workbench("tune", study, *options, "--out", killed)
+    killed(lambda: stored(part) >= 6, "tune", study, *options, "--out", part, "--jobs", "1")
+    assert 6 <= stored(part) < 24
+    assert not (part / "tuned").exists()
+    refused = workbench("tune", study, *options, "--out", part)
     assert "holds trials already; go on with --resume" in refused.err
-    assert workbench("tune", study, *options, "--out", killed, "--jobs", "2", "--resume").code == 0
+    assert workbench("tune", study, *options, "--out", part, "--jobs", "2", "--resume").code == 0
     assert workbench("tune", study, *options, "--out", whole, "--jobs", "1").code == 0
     for name in ("tuned/lugre.toml", "trials.csv", "results.csv"):
-        assert (killed / name).read_bytes() == (whole / name).read_bytes(), name
+        assert (part / name).read_bytes() == (whole / name).read_bytes(), name
 
 
 def stored(folder: Path) -> int:

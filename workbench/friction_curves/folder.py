@@ -8,7 +8,7 @@ import pandas as pd
 
 from workbench.friction_curves.checks import curves_of
 from workbench.friction_curves.comparison import Comparison, compare
-from workbench.friction_curves.figures import curves_figure, power_figure, static_figure
+from workbench.friction_curves.figures import curves_data, draw_curves, draw_reductions, power_data, static_data
 from workbench.friction_curves.power import power_table
 from workbench.friction_curves.schema import FrictionCurvesTable
 from workbench.friction_curves.tables import (
@@ -45,10 +45,10 @@ def write_friction_curves(spec: FrictionCurvesTable, study: Study, frame: pd.Dat
         shutil.copyfile(source, copy)
     found = compare(study, spec)
     for name, figure in {
-        "curves_forward": curves_figure(found, "forward"),
-        "curves_backward": curves_figure(found, "backward"),
-        "figure_5_10": static_figure(found),
-        "figure_5_21": power_figure(found),
+        "curves_forward": draw_curves(curves_data(found, "forward"), "forward"),
+        "curves_backward": draw_curves(curves_data(found, "backward"), "backward"),
+        "figure_5_10": draw_reductions(static_data(found)),
+        "figure_5_21": draw_reductions(power_data(found)),
     }.items():
         save(figure, name, folder / "figures")
     tables = {name: make(found) for name, make in TABLES.items()}
