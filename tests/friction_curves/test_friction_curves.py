@@ -188,7 +188,12 @@ def test_cells_and_headings_are_explained() -> None:
 
 
 def test_reductions_are_drawn_from_nought() -> None:
-    assert draw_reductions(static_data(compared())).axes[0].get_ylim()[0] == 0.0
+    reductions = static_data(compared())
+    before = sum(curve.static for curve in compared().at_rest)
+    left = [sum(curve.static for curve in compared().curves([rpm])) / before for rpm in reductions.rpm]
+    assert next(iter(reductions.lines)) == "measured"
+    assert reductions.lines["measured"] == pytest.approx([100.0 - 100.0 * share for share in left])
+    assert draw_reductions(reductions).axes[0].get_ylim()[0] == 0.0
     titles = [axes.get_title() for axes in draw_curves(curves_data(compared(), "forward"), "forward").axes]
     assert titles[0] == "10 rpm (not used)"
 
