@@ -6,24 +6,12 @@ from pathlib import Path
 
 import nbformat
 from command import write
-from experiments import CHANNELS, make_record
+from experiments import experiment_text, make_record
 
 import workbench as wb
 from workbench import api
 
-EXPERIMENT = f"""\
-title = "a simulated record"
-[plant]
-model = "non_rotating"
-parameters = "owen2001_experiment"
-[plant.scale]
-coulomb = 0.8
-viscous = 1.2
-[fit]
-free = ["coulomb", "viscous"]
-{CHANNELS}[[records]]
-file = "record.parquet"
-"""
+EXPERIMENT, _, _ = experiment_text({"coulomb": 0.8, "viscous": 1.2}, ["coulomb", "viscous"]).partition("[truth]")
 
 FACES = (
     *("run", "results", "wb.diagnose(experiment)", "identification", "tuning", "decision"),

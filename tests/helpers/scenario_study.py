@@ -11,7 +11,21 @@ from workbench.study.unfold import unfold
 FOLDER = STUDIES / "scenarios"
 FILE_HEAD = 'title = "t"\nsource = "s"\n'
 
-STUDY = """\
+INVERSE = """\
+[controllers.inverse]
+type = "lugre"
+law = "valve_inversion"
+[references.sine]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "5 Hz"
+[simulation]
+duration = "0.4 s"
+transient = "0.1 s"
+"""
+"""A compensator over two periods of a sine, beside what else a study has."""
+
+HEAD = """\
 title = "a study for tests"
 [plant]
 model = "non_rotating"
@@ -23,18 +37,9 @@ controller = ["p", "inverse"]
 type = "pid"
 kp = "500 V/m"
 feedforward = 1
-[controllers.inverse]
-type = "lugre"
-law = "valve_inversion"
-[references.sine]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "5 Hz"
-[simulation]
-duration = "0.4 s"
-transient = "0.1 s"
-seed = 3
 """
+
+STUDY = f"{HEAD}{INVERSE}seed = 3\n"
 
 
 def study_file(folder: Path, scenarios: list[str], extra: str = "", **beside: str) -> Path:

@@ -1,5 +1,6 @@
 """Small plants with known solutions, defined as another package would define its own, and how tests start them."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
@@ -82,22 +83,10 @@ def force_limit(p: Parameters) -> float:
     return p.force_limit
 
 
-def _plant(name: str, derivatives: Any) -> Plant:
-    return Plant(
-        name=name,
-        summary=f"{name}, for tests",
-        State=State,
-        Inputs=Inputs,
-        Parameters=Parameters,
-        Signals=State,
-        derivatives=derivatives,
-        signals=signals,
-        measure=measure,
-        equilibrium=equilibrium,
-        command_limit=force_limit,
-        command="force",
-        balances={"force": "velocity"},
-    )
+def _plant(name: str, derivatives: Callable[..., State]) -> Plant:
+    summary, balances = f"{name}, for tests", {"force": "velocity"}
+    classes = (State, Inputs, Parameters, State)
+    return Plant(name, summary, *classes, derivatives, signals, measure, equilibrium, force_limit, "force", balances)
 
 
 OSCILLATOR = _plant("oscillator", oscillator_derivatives)

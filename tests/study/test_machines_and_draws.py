@@ -6,13 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import workbench
+from scenario_study import INVERSE
 
 from plants.equation import to_array
 from workbench.errors import UserError
 from workbench.study.plan import again, plan
 from workbench.study.reading import read_study
 
-STUDY = """\
+HEAD = """\
 title = "a study for tests"
 [plant]
 model = "non_rotating"
@@ -37,19 +38,9 @@ controller = ["p", "inverse"]
 [controllers.p]
 type = "pid"
 kp = "500 V/m"
-[controllers.inverse]
-type = "lugre"
-law = "valve_inversion"
-[references.sine]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "5 Hz"
-[simulation]
-duration = "0.4 s"
-transient = "0.1 s"
-[uncertainty]
-scale.mass = { min = 0.5, max = 2 }
 """
+
+STUDY = f"{HEAD}{INVERSE}[uncertainty]\nscale.mass = {{ min = 0.5, max = 2 }}\n"
 
 
 def study_file(folder: Path, text: str = STUDY, draws: int = 0) -> Path:
