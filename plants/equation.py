@@ -34,7 +34,7 @@ Scalar: TypeAlias = Any
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-EQUATION_FOLDERS = ("plants", "plants/laws", "controllers", "workbench/simulation")
+EQUATION_FOLDERS = ("plants", "plants/laws", "controllers", "workbench/simulation", "workbench/simulation/integrators")
 """Folders of the source files that compiled code may be made of."""
 
 

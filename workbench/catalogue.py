@@ -78,9 +78,10 @@ def _effects() -> list[str]:
 
 
 def _integrators() -> list[str]:
-    from workbench.simulation.setup import METHODS
+    from workbench.simulation.integrators.registry import INTEGRATORS
 
-    return list(METHODS)
+    methods = INTEGRATORS.working().items()
+    return [*(f"{name:22} {method.summary}" for name, method in methods), *_broken(INTEGRATORS)]
 
 
 def _columns() -> list[str]:

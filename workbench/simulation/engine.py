@@ -16,8 +16,15 @@ from plants.compiled import address, njit, shift
 from plants.interface import Measurement
 from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
-from workbench.simulation.setup import DORMAND_PRINCE
-from workbench.simulation.steppers import OK, STEP_LIMIT, dormand_prince, fixed_step
+from workbench.simulation.steppers import (
+    FIXED_STEP,
+    OK,
+    STEP_LIMIT,
+    WRITTEN_OUT,
+    controlled,
+    dormand_prince,
+    fixed_step,
+)
 
 COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
 """How a loop ended."""
@@ -45,7 +52,8 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
     types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
-    types.Tuple((_number, _integer, _integer, _number)),  # sample time, method, steps a sample, tolerance
+    types.Tuple((_number, _integer, _number)),  # sample time, steps a sample, tolerance
+    types.Tuple((_integer, _integer, _number, _vector)),  # the method: `workbench.simulation.steppers.scheme`
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
     _vector,  # scratch, of `scratch_size`
 )
@@ -61,13 +69,15 @@ def _scalar_loops(function: Callable[..., Ended]) -> Callable[..., Ended]:
         numba.config.LOOP_VECTORIZE = vectorize
 
 
-def scratch_size(states: int, inputs: int, channels: int, delay_samples: int) -> int:
+def scratch_size(states: int, inputs: int, channels: int, delay_samples: int, slopes: int) -> int:
     """Numbers that the loop works on beside its arguments: with `states` those of the filters are counted.
+
+    `slopes` is how many the method takes in a step; beside them stand the states of a stage, and bounds.
 
     They come from the caller, who keeps them: the loop has pointers alone, and an array of its own would be freed after
     its last mention, before the last use of its memory.
     """
-    return 9 * states + 3 * inputs + (4 + delay_samples) * channels
+    return (slopes + 2) * states + 3 * inputs + (4 + delay_samples) * channels
 
 
 @register_jitable
@@ -98,6 +108,7 @@ def run_loop(
     sensors: Any,
     delay: Any,
     clock: Any,
+    method: Any,
     logs: Any,
     scratch: Any,
 ) -> Ended:
@@ -119,7 +130,8 @@ def run_loop(
     references, rotary_references, exogenous, linear = signals
     noise, resolution, cutoffs, errors = sensors
     delay_samples, delay_rest = delay
-    h, method, steps_a_sample, tolerance = clock
+    h, steps_a_sample, tolerance = clock
+    kind, slope_count, order, numbers = method
     log_states, log_inputs, log_measurements, log_control = logs
 
     plant_states = log_states.shape[1]
@@ -132,7 +144,7 @@ def run_loop(
     # From here on pointers: an array handed to a function costs a reference count, at every sample.
     p_y, p_base, p_scales, p_linear = address(y), address(base), address(scales), address(linear)
     p_work = address(scratch)
-    p_bounds = shift(p_work, 8 * n)
+    p_bounds = shift(p_work, (slope_count + 1) * n)
     p_now = shift(p_bounds, n)
     p_initial, p_slopes = shift(p_now, m), shift(p_now, 2 * m)
     p_readings = shift(p_now, 3 * m)
@@ -147,7 +159,7 @@ def run_loop(
     p_log_read, p_log_control = address(log_measurements), address(log_control)
     sizes = (n, plant_states, m, channel_count)
     system = (derivatives, measure, address(parameters), address(cutoffs), p_readings, sizes)
-    inputs = (p_now, p_initial, p_slopes)
+    inputs, tableau = (p_now, p_initial, p_slopes), (slope_count, order, address(numbers))
     ramped = erring = False
     for j in range(m):
         ramped = ramped or p_linear[j] > 0.0
@@ -210,14 +222,18 @@ def run_loop(
         middle = (k + 1) * h - delay_rest
         for part in range(2 if delay_rest > 0.0 else 1):
             interval = (k * h, middle) if part == 0 else (middle, (k + 1) * h)
-            if method == DORMAND_PRINCE:
-                ended, guess, tried = dormand_prince(
-                    system, interval, guess, tolerance, p_scales, p_y, (*inputs, k * h, ramped), p_work
+            driven = (*inputs, k * h, ramped)
+            if kind == WRITTEN_OUT:
+                ended, guess, tried = dormand_prince(system, interval, guess, tolerance, p_scales, p_y, driven, p_work)
+            elif kind == FIXED_STEP:
+                ended, tried = (
+                    fixed_step(system, interval, tableau, steps_a_sample, p_y, driven, p_work),
+                    steps_a_sample,
                 )
-                total_steps += tried
             else:
-                ended = fixed_step(system, interval, method, steps_a_sample, p_y, (*inputs, k * h, ramped), p_work)
-                total_steps += steps_a_sample
+                control = (guess, tolerance, p_scales)
+                ended, guess, tried = controlled(system, interval, tableau, control, p_y, driven, p_work)
+            total_steps += tried
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
             if part == 0 and delay_rest > 0.0:

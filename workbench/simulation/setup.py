@@ -1,31 +1,19 @@
 """Everything that a run depends on: plant, loops, reference, feeds, sensors, integrator. Made without a compiler."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
 from plants.equation import fields
 from plants.interface import Plant
+from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors
 
 Numbers: TypeAlias = tuple[object, ...]
 """A NamedTuple of numbers, possibly nested: some plant's state, inputs or parameters, SI."""
-
-Method = Literal["euler", "heun", "rk4", "dormand_prince"]
-"""What an integration may be called."""
-
-
-EULER, HEUN, RK4, DORMAND_PRINCE = 0, 1, 2, 3
-"""The methods as compiled code knows them."""
-
-FIXED_STEP: Mapping[str, int] = {"euler": EULER, "heun": HEUN, "rk4": RK4}
-"""Fixed-step methods, of order 1, 2 and 4."""
-
-METHODS: Mapping[str, int] = {**FIXED_STEP, "dormand_prince": DORMAND_PRINCE}
 
 DEFAULT_TOLERANCE = 1e-6
 """Of the typical magnitude of a state and its own: an estimated error of a step, well below what a rig resolves."""
@@ -44,7 +32,7 @@ class Integrator:
     A fixed step is shortened so that a whole number of steps makes one sample.
     """
 
-    method: str = "dormand_prince"
+    method: str = DORMAND_PRINCE.name
     step: float = 1e-4
     tolerance: float = DEFAULT_TOLERANCE
 

@@ -16,11 +16,13 @@ from plants.interface import Measurement
 from plants.motor import Motor
 from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, plant_addresses
+from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.run import COMPLETED, HARDLY_MOVES, STUCK_SPEED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
-from workbench.simulation.setup import DELAY_SLACK, METHODS, NO_LOOP, Feed, Integrator, Loop, Setup
+from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
+from workbench.simulation.steppers import scheme
 
 __all__ = [
     "COMPLETED",
@@ -73,6 +75,7 @@ def simulate(setup: Setup) -> Run:
     delay_samples = int(np.floor(setup.sensors.delay / h + DELAY_SLACK))
     delay_rest = setup.sensors.delay - delay_samples * h
     integrator = setup.integrator
+    method = INTEGRATORS.working()[integrator.method]
     limit = float(plant.command_limit(setup.parameters))
     ended, count, steps = engine.run_loop(
         plant_addresses(plant),
@@ -88,9 +91,10 @@ def simulate(setup: Setup) -> Run:
         (references, rotary_references, exogenous, linear),
         (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
         (delay_samples, delay_rest if delay_rest > DELAY_SLACK * h else 0.0),
-        (h, METHODS[integrator.method], int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
+        (h, int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
+        scheme(method),
         log,
-        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples)),
+        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count)),
     )
     states, realised, measurements, remembered = (table[:count] for table in log)
     run = Run(

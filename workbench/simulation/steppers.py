@@ -1,7 +1,8 @@
 """Explicit Runge-Kutta integration of a plant over one interval in which its inputs are constant or ramps.
 
-Compiled into the engine; every vector is a pointer to doubles. Beside the plant's states a vector `y` carries the
-states of the sensors' anti-alias filters, so that these are integrated as exactly as the plant.
+Any method goes by its tableau; the default, Dormand's and Prince's, has its sums written out, which is faster. Compiled
+into the engine; every vector is a pointer to doubles. Beside the plant's states a vector `y` carries the states of the
+sensors' anti-alias filters, so that these are integrated as exactly as the plant.
 """
 
 from typing import Any
@@ -11,6 +12,8 @@ from numba.extending import register_jitable
 
 from plants.compiled import shift
 from workbench.simulation.compilation import call_derivatives, call_measure
+from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
+from workbench.simulation.integrators.interface import IntegrationMethod
 
 OK, STEP_LIMIT, NOT_FINITE = 0, 1, 2
 """What an interval ended with."""
@@ -18,23 +21,29 @@ OK, STEP_LIMIT, NOT_FINITE = 0, 1, 2
 SMALLEST_STEP = 1e-9
 """s. An error control that asks for less has met an infinite slope."""
 
-# Dormand and Prince 1980, order 5 with an embedded order 4.
-_A21 = 1 / 5
-_A31, _A32 = 3 / 40, 9 / 40
-_A41, _A42, _A43 = 44 / 45, -56 / 15, 32 / 9
-_A51, _A52, _A53, _A54 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
-_A61, _A62, _A63, _A64, _A65 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
-_B1, _B3, _B4, _B5, _B6 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
-_E1, _E3, _E4 = 71 / 57600, -71 / 16695, 71 / 1920
-_E5, _E6, _E7 = -17253 / 339200, 22 / 525, -1 / 40
-_C2, _C3, _C4, _C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
+FIXED_STEP, CONTROLLED, WRITTEN_OUT = 0, 1, 2
+"""How a method takes its steps: of one length, or controlled by their error; and the latter without a tableau."""
 
-# Fixed-step methods by their number in `workbench.simulation.setup`: stages, nodes c, weights b.
-_STAGES = (1, 2, 4)
-_NODES = np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 1.0]])
-_WEIGHTS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0], [1 / 6, 1 / 3, 1 / 3, 1 / 6]])
-_PREVIOUS = np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.5, 0.5, 1.0]])
-"""These methods use only the stage before: A[i, i-1]."""
+_A = DORMAND_PRINCE.stages
+(_A21,), (_A31, _A32), (_A41, _A42, _A43), (_A51, _A52, _A53, _A54) = _A[0], _A[1], _A[2], _A[3]
+_A61, _A62, _A63, _A64, _A65 = _A[4]
+_B1, _, _B3, _B4, _B5, _B6, _ = DORMAND_PRINCE.weights
+_E1, _, _E3, _E4, _E5, _E6, _E7 = DORMAND_PRINCE.errors
+_C2, _C3, _C4, _C5, _, _ = DORMAND_PRINCE.nodes
+
+
+def scheme(method: IntegrationMethod) -> tuple[int, int, float, np.ndarray]:
+    """A method as the engine takes it: how it steps, its number of slopes, the order of its error, and its numbers.
+
+    The numbers are a_ij as a square, c_i, b_i and e_i, one behind another.
+    """
+    square = np.zeros((method.count, method.count))
+    for i, row in enumerate(method.stages, start=1):
+        square[i, :i] = row
+    kind = WRITTEN_OUT if method is DORMAND_PRINCE else CONTROLLED if method.errors else FIXED_STEP
+    errors = method.errors or (0.0,) * method.count
+    numbers = np.concatenate([square.ravel(), (0.0, *method.nodes), method.weights, errors])
+    return kind, method.count, float(max(method.order, 1)), numbers
 
 
 @register_jitable
@@ -60,26 +69,101 @@ def rates(system: Any, time: float, y: Any, inputs: Any, out: Any) -> None:
 
 
 @register_jitable
-def fixed_step(system: Any, interval: Any, method: int, steps: int, y: Any, inputs: Any, work: Any) -> int:
+def _combined(weights: Any, count: int, slopes: Any, n: int, j: int) -> float:
+    """The sum of w_i k_i in place `j`, of the first `count` slopes: vectors of `n` numbers one behind another."""
+    total = weights[0] * slopes[j]
+    for i in range(1, count):
+        total += weights[i] * slopes[i * n + j]
+    return total
+
+
+@register_jitable
+def _further_slopes(system: Any, tableau: Any, time: float, h: float, y: Any, inputs: Any, slopes: Any) -> None:
+    """The slopes of a step (s) behind the first, which is there; behind them the states of the last stage.
+
+    `tableau` is (number of slopes, order of the error, numbers) of `scheme`.
+    """
+    count, _, numbers = tableau
+    n = system[5][0]
+    trial = shift(slopes, count * n)
+    for i in range(1, count):
+        row, first = shift(numbers, i * count), 0
+        while row[first] == 0.0:  # most rows of classic methods have one number
+            first += 1
+        used, among = shift(row, first), shift(slopes, first * n)
+        if first == i - 1:
+            for j in range(n):
+                trial[j] = y[j] + h * used[0] * among[j]
+        else:
+            for j in range(n):
+                trial[j] = y[j] + h * _combined(used, i - first, among, n, j)
+        rates(system, time + numbers[count * count + i] * h, trial, inputs, shift(slopes, i * n))
+
+
+@register_jitable
+def fixed_step(system: Any, interval: Any, tableau: Any, steps: int, y: Any, inputs: Any, work: Any) -> int:
     """`steps` equal steps of a fixed-step method over `interval` (s); `y` is advanced in place."""
     start, end = interval
+    count, _, numbers = tableau
     h = (end - start) / steps
     n = system[5][0]
-    slope, trial, total = work, shift(work, n), shift(work, 2 * n)
+    weights = shift(numbers, (count + 1) * count)
     for i in range(steps):
         time = start + i * h
+        rates(system, time, y, inputs, work)
+        _further_slopes(system, tableau, time, h, y, inputs, work)
         for j in range(n):
-            total[j] = 0.0
-            slope[j] = 0.0
-        for stage in range(_STAGES[method]):
-            for j in range(n):
-                trial[j] = y[j] + h * _PREVIOUS[method, stage] * slope[j]
-            rates(system, time + _NODES[method, stage] * h, trial, inputs, slope)
-            for j in range(n):
-                total[j] += _WEIGHTS[method, stage] * slope[j]
-        for j in range(n):
-            y[j] += h * total[j]
+            y[j] += h * _combined(weights, count, work, n, j)
     return OK
+
+
+@register_jitable
+def _step_factor(worst: float, order: float) -> float:
+    """By what the next step is longer where the error of this one was `worst` times what is allowed."""
+    return 5.0 if worst < 1e-4 else min(5.0, max(0.1, 0.9 * worst ** (-1.0 / order)))
+
+
+@register_jitable
+def controlled(
+    system: Any, interval: Any, tableau: Any, control: Any, y: Any, inputs: Any, work: Any
+) -> tuple[int, float, int]:
+    """Error-controlled steps over `interval` (s) by any method; `y` is advanced in place.
+
+    `control` is (step to begin with, tolerance, scales). Each step's estimated error stays below `tolerance` times
+    (scale + |y|) in every state.
+
+    Returns:
+        how it ended, the step to begin the next interval with, and the number of steps tried.
+    """
+    time, end = interval
+    guess, tolerance, scales = control
+    count, order, numbers = tableau
+    n = system[5][0]
+    errors = shift(numbers, (count + 2) * count)
+    last_slope, trial = shift(work, (count - 1) * n), shift(work, count * n)
+    step, tried = guess, 0
+    rates(system, time, y, inputs, work)
+    while time < end:
+        left = end - time
+        last = step >= left * (1.0 - 1e-9)
+        h = left if last else min(step, 0.5 * left)
+        tried += 1
+        _further_slopes(system, tableau, time, h, y, inputs, work)
+        worst = 0.0
+        for j in range(n):
+            error = h * _combined(errors, count, work, n, j)
+            ratio = abs(error) / (tolerance * (scales[j] + max(abs(y[j]), abs(trial[j]))))
+            worst = max(worst, ratio) if np.isfinite(ratio) else np.inf
+        finite = np.isfinite(worst)
+        step = max(step, h * _step_factor(worst, order)) if last and worst <= 1.0 else h * _step_factor(worst, order)
+        if worst <= 1.0:
+            time = end if last else time + h
+            for j in range(n):
+                y[j] = trial[j]
+                work[j] = last_slope[j]
+        elif step < SMALLEST_STEP:
+            return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
+    return OK, step, tried
 
 
 @register_jitable
@@ -93,13 +177,7 @@ def dormand_prince(
     inputs: Any,
     work: Any,
 ) -> tuple[int, float, int]:
-    """Error-controlled steps over `interval` (s); `y` is advanced in place.
-
-    Each step's estimated error stays below `tolerance` times (scale + |y|) in every state.
-
-    Returns:
-        how it ended, the step to begin the next interval with, and the number of steps tried.
-    """
+    """What `controlled` does, by Dormand's and Prince's method, written out."""
     time, end = interval
     n = system[5][0]
     k1, k2, k3, k4 = work, shift(work, n), shift(work, 2 * n), shift(work, 3 * n)

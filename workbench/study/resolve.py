@@ -12,6 +12,7 @@ from plants.laws.registry import LAWS
 from plants.motor import current_limit
 from plants.registry import PLANTS
 from workbench.errors import UserError
+from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.setup import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
@@ -127,6 +128,7 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     sensors = build_sensors(tables.sensors)
     position = sensors.channels["position"]
     simulation = tables.simulation
+    registered(INTEGRATORS, simulation.method, ("simulation", "method"))
     reference, feeds = wanted.signal, tuple[Feed, ...]()
     if wanted.fed and wanted.signal is not None:
         reference, feeds = None, (Feed(wanted.fed, wanted.signal, settings.hold == "linear"),)

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from plants.laws.lugre import LUGRE
-from workbench.simulation.setup import DEFAULT_TOLERANCE, Method
+from workbench.simulation.setup import DEFAULT_TOLERANCE, Integrator
 from workbench.study.report.schema import BreakEvenTable, FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.toml.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
@@ -109,7 +109,7 @@ class SimulationTable(Strict):
     transient: Second = Field(0.0, ge=0.0)
     sample_time: Second = Field(1e-3, gt=0.0)
     seed: int = Field(0, ge=0)
-    method: Method = "dormand_prince"
+    method: str = Integrator().method
     step: Second = Field(1e-4, gt=0.0)
     tolerance: float = Field(DEFAULT_TOLERANCE, gt=0.0, le=1e-2)
     hold_limit: Second = Field(120.0, ge=0.0)
