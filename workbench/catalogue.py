@@ -61,10 +61,14 @@ def _layers(axis: str) -> list[str]:
 
 
 def _references() -> list[str]:
-    from workbench.study.reference_tables import KINDS
+    from workbench.study.reference_tables import REFERENCES
 
     return [
-        f"{kind:22} {', '.join(name for name in table.model_fields if name != 'kind')}" for kind, table in KINDS.items()
+        *(
+            f"{name:22} {', '.join(field for field in kind.table.model_fields if field != 'kind')}"
+            for name, kind in REFERENCES.working().items()
+        ),
+        *_broken(REFERENCES),
     ]
 
 
@@ -84,10 +88,18 @@ def _integrators() -> list[str]:
     return [*(f"{name:22} {method.summary}" for name, method in methods), *_broken(INTEGRATORS)]
 
 
-def _columns() -> list[str]:
-    from workbench.metrics import COLUMNS
+def _formats() -> list[str]:
+    from workbench.records.formats.registry import FORMATS
 
-    return list(COLUMNS)
+    formats = FORMATS.working().items()
+    return [*(f"{name:22} {', '.join(one.endings)}: {one.summary}" for name, one in formats), *_broken(FORMATS)]
+
+
+def _columns() -> list[str]:
+    from workbench.metrics.registry import METRICS, columns
+
+    found = columns().values()
+    return [*(f"{item.name:28} {item.unit:8} {item.meaning}" for item in found), *_broken(METRICS)]
 
 
 CATALOGUE: Mapping[str, Callable[[], list[str]]] = {
@@ -100,6 +112,7 @@ CATALOGUE: Mapping[str, Callable[[], list[str]]] = {
     "references": _references,
     "effects": _effects,
     "integrators": _integrators,
+    "formats": _formats,
     "columns": _columns,
 }
 """What gives the lines of each section, in the order in which they are shown; each imports what it alone needs."""

@@ -10,16 +10,16 @@ from command import PROCESS, STUDIES, STUDY, changed, ran, workbench, write
 
 from controllers.registry import controllers
 from plants.registry import plants
-from workbench.metrics import COLUMNS
+from workbench.metrics.registry import columns
 from workbench.parameters.sets import named_sets
-from workbench.study.reference_tables import KINDS
+from workbench.study.reference_tables import REFERENCES
 
 
 def test_list_names_all_that_a_study_may_name() -> None:
     everything = workbench("list")
     assert (everything.code, everything.err) == (0, "")
     words = set(everything.out.replace(",", " ").split())
-    assert {*plants(), *controllers(), *named_sets(), *KINDS, *COLUMNS, "by_rpm", "rk4", "kp"} <= words
+    assert {*plants(), *controllers(), *named_sets(), *REFERENCES.working(), *columns(), "by_rpm", "rk4", "kp"} <= words
     sections = [
         workbench("list", kind).out
         for kind in ("plants", "friction_laws", "controllers", "parameters", "machines", "scenarios", "references")

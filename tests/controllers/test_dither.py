@@ -6,7 +6,7 @@ from position_loops import BELIEF, LAG, NO_LOAD_GAIN, H, hunting, loop, play, tr
 
 from controllers import dither
 from controllers.dither import DITHER
-from workbench.metrics import evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import judge
 from workbench.simulation.references import Steps
 from workbench.simulation.simulate import simulate

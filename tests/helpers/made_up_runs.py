@@ -7,7 +7,7 @@ from support import OSCILLATOR, Parameters
 
 from plants.hydraulics import Mass
 from plants.interface import Measurement
-from workbench.metrics import evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import NO_LOOP, Run
 

@@ -10,7 +10,7 @@ from support import registered
 
 from controllers.pid import PID, Gains
 from controllers.velocity import filtered_differentiator
-from workbench.metrics import evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import NONE, LimitCycle, judge, worst
 from workbench.simulation.references import Sine, Steps
 from workbench.simulation.simulate import Loop, Run, simulate

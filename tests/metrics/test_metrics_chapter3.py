@@ -8,7 +8,7 @@ from support import registered
 
 from controllers.pid import PID, Gains
 from controllers.velocity import filtered_differentiator
-from workbench.metrics import evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.metrics.window import find_window
 from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Loop, Run, simulate

@@ -23,7 +23,7 @@ MISTAKES = {
     ),
     "method": (
         STUDY + 'method = "rk5"\n',
-        "@:21: simulation.method: unknown integration method \"rk5\"; did you mean \"rk4\"?",
+        '@:21: simulation.method: unknown integration method "rk5"; did you mean "rk4"?',
     ),
     "sensor": (
         STUDY + '[sensors.position]\nnoise = "1 kg"\n',

@@ -33,7 +33,7 @@ from workbench.api.analysis import linearise, loop_gain, margins
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
 from workbench.api.loops import LoopSetup, setup
 from workbench.api.questions import decide, diagnose, identify, tune
-from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, sine, steps, triangle
+from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, reference, sine, steps, triangle
 from workbench.api.results import CaseResult, StudyResults
 from workbench.api.runs import LoopRun, evaluate, simulate
 from workbench.api.studies import Study
@@ -60,6 +60,7 @@ __all__ = [
     "multisine",
     "ramp",
     "recorded",
+    "reference",
     "setup",
     "simulate",
     "sine",

@@ -27,6 +27,23 @@ class ReferenceChoice:
         return {"kind": self.kind, **{name: value for name, value in self.settings.items() if value is not None}}
 
 
+def reference(kind: str, /, **settings: Quantity) -> ReferenceChoice:
+    """Any kind of reference, that of another package included.
+
+    Args:
+        kind: as `workbench list references` shows them.
+        settings: of that kind; SI floats, or text with a unit.
+
+    Raises:
+        UserError: where the reference is used: no such kind or setting, or a wrong unit.
+
+    Example:
+        >>> wb.reference("sine", amplitude="30 mm", frequency=0.9).table == wb.sine("30 mm", 0.9).table
+        True
+    """
+    return ReferenceChoice(kind, settings)
+
+
 def sine(
     amplitude: Quantity, frequency: Quantity, *, offset: Quantity | None = None, phase: Quantity | None = None
 ) -> ReferenceChoice:

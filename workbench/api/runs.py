@@ -8,7 +8,7 @@ import pandas as pd
 
 from workbench.api.loops import LoopSetup
 from workbench.api.signals import frame_of, plot_signals, units_of
-from workbench.metrics import evaluate as metrics_of
+from workbench.metrics.evaluate import evaluate as metrics_of
 from workbench.simulation import simulate as engine
 from workbench.simulation.simulate import Run
 from workbench.study.runner import figures_of

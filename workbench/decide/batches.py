@@ -9,7 +9,7 @@ import pandas as pd
 
 from workbench.decide.plan import Candidate, Plan, Stage
 from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
-from workbench.metrics import evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.parallel import workers
 from workbench.progress import Progress, silent

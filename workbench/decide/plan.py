@@ -8,7 +8,7 @@ from typing import Any, Literal
 from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
 from workbench.decide.schema import DecideTable
 from workbench.errors import UserError, nearest
-from workbench.metrics import COLUMNS
+from workbench.metrics.registry import columns
 from workbench.simulation.simulate import Loop
 from workbench.study.checks.checks import Checks
 from workbench.study.layers import MACHINE
@@ -111,7 +111,7 @@ def plan_decision(study: Study, machine: str | None = None) -> Plan:
     resolved = {candidate: parsed.resolve() for candidate, parsed in cases[table.speed].items()}
     check_candidates(study, table, resolved)
     check_scales(study, asked.values())
-    Checks(study, list(asked.values()), list(resolved.values()), [], COLUMNS).without_use()
+    Checks(study, list(asked.values()), list(resolved.values()), [], list(columns())).without_use()
     several = study.file.uncertainty is not None
     planned = Plan(
         study=study,

@@ -3,11 +3,23 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from workbench.metrics import AT_REST, limit_cycle, tracking
+from workbench.metrics import limit_cycle, tracking
 from workbench.metrics.limit_cycle import LimitCycle
 from workbench.metrics.window import find_dwells
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.run import Run
+
+AT_REST = (
+    "steady_state_error_m",
+    "steady_state_max_error_m",
+    "limit_cycle",
+    "limit_cycle_amplitude_m",
+    "limit_cycle_period_s",
+)
+"""The columns that a longer dwell tells better."""
+
+DWELLS = frozenset({*AT_REST, "settling_time_s"})
+"""The columns that are found in dwells."""
 
 
 @dataclass(frozen=True)

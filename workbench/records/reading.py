@@ -14,7 +14,7 @@ import pandas as pd
 from workbench.errors import UserError, nearest
 from workbench.records.checks import LONGEST_GAP, check_alive, check_directions, check_ranges, gap_notes
 from workbench.records.experiment import Experiment, RecordSpec
-from workbench.records.formats import read_column, read_table
+from workbench.records.tables import read_column, read_table
 
 JITTER = 0.2
 """Share of the sample time by which an instant may be off its grid."""

@@ -14,7 +14,7 @@ from plants.equation import fields
 from plants.interface import Plant
 from workbench.errors import UserError, nearest
 from workbench.simulation.references import ReferenceSignal
-from workbench.study.reference_tables import KINDS
+from workbench.study.reference_tables import REFERENCES
 from workbench.study.registered import registered
 from workbench.study.schema import CaseTables
 from workbench.toml import reading as files
@@ -120,11 +120,12 @@ def _setting_value(item: Setting, value: Any, command_unit: str) -> float | str:
 def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
     key = ("references", name)
     kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        message = "is missing; this key is needed here" if kind is None else f'unknown kind "{kind}"'
-        raise SchemaError((*key, "kind"), f"{message}; {nearest(str(kind), KINDS)}")
+    if kind is None:
+        hint = nearest(str(kind), REFERENCES.working())
+        raise SchemaError((*key, "kind"), f"is missing; this key is needed here; {hint}")
+    declared = registered(REFERENCES, str(kind), (*key, "kind"))
     try:
-        return files.conform(KINDS[kind], table).build(unit, folder)
+        return files.conform(declared.table, table).build(unit, folder)
     except SchemaError as error:
         raise files.together(
             [SchemaError((*key, *each.key), each.message) for each in (error, *error.others)]

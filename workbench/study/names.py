@@ -9,6 +9,8 @@ from controllers.registry import controllers
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
+from workbench.metrics.interface import ending
+from workbench.metrics.registry import columns
 from workbench.simulation.run import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE
 from workbench.simulation.setup import memory_names
 from workbench.toml.units import COMMAND, factor
@@ -40,7 +42,7 @@ BASE_UNITS = {
     "m_per_s3": "m/s^3",
     "rpm": "rpm",
 }
-"""Units of the results by the ending of a column's name."""
+"""Units of figures that no metric declares, such as probes, by the ending of a column's name."""
 
 
 def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
@@ -66,17 +68,19 @@ def signal_units() -> dict[str, str]:
 
 
 def unit_of_column(column: str) -> str:
-    """The unit that the name of a result column ends in, "1" if none."""
-    for ending in sorted(BASE_UNITS, key=len, reverse=True):
-        if column == ending or column.endswith(f"_{ending}"):
-            return BASE_UNITS[ending]
+    """The unit that a metric declares for a result column, or else the one that its name ends in, "1" if none."""
+    if (declared := columns().get(column)) is not None:
+        return declared.unit
+    for name in sorted(BASE_UNITS, key=len, reverse=True):
+        if column == name or column.endswith(f"_{name}"):
+            return BASE_UNITS[name]
     return "1"
 
 
 def without_unit(column: str) -> str:
     """The name of a result column without the unit that it ends in."""
     unit = unit_of_column(column)
-    return column.removesuffix(next((f"_{text}" for text, means in BASE_UNITS.items() if means == unit), ""))
+    return column if unit == "1" else column.removesuffix(f"_{ending(unit)}")
 
 
 def shown_factor(unit: str, shown: str) -> float:

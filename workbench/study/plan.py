@@ -9,10 +9,13 @@ import numpy as np
 
 from controllers.registry import CONTROLLERS
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
+from plants.laws.registry import LAWS
 from plants.registry import PLANTS
-from workbench.metrics import COLUMNS
+from workbench.metrics.registry import METRICS, columns
+from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.study.checks.checks import Checks
 from workbench.study.names import matches
+from workbench.study.reference_tables import REFERENCES
 from workbench.study.resolve import ParsedCase, Resolved, parse_case
 from workbench.study.study import Case, Study
 from workbench.study.uncertainty import DRAW, on_plant_samples
@@ -50,7 +53,7 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of results.csv: the axes, the standard figures, the probes."""
-        return [*self.axes, *COLUMNS, *self.study.file.probes]
+        return [*self.axes, *columns(), *self.study.file.probes]
 
     @property
     def identity(self) -> dict[str, str]:
@@ -74,11 +77,18 @@ class Plan:
 
     @property
     def _plugins(self) -> str:
-        """The plug-ins that the cases name, each with a hash of its source; "" where there are none."""
+        """The plug-ins that the cases name, and all metrics, each with a hash of its source; "" without any."""
         used = {item.setup.plant for item in self.resolved}
         types = {str(table.get("type")) for case in self.cases for table in case.tables["controllers"].values()}
         sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
         sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
+        sources += [(name, METRICS.source(name)) for name in METRICS.working()]
+        laws = {str(tables.get("plant", {}).get("friction", "")) for tables in (case.tables for case in self.cases)}
+        sources += [(name, LAWS.source(name)) for name in sorted(laws)]
+        methods = {item.setup.integrator.method for item in self.resolved}
+        sources += [(name, INTEGRATORS.source(name)) for name in sorted(methods)]
+        kinds = {str(table.get("kind")) for case in self.cases for table in case.tables["references"].values()}
+        sources += [(name, REFERENCES.source(name)) for name in sorted(kinds)]
         return ", ".join(f"{name} {source}" for name, source in sources if source)
 
     @property
@@ -94,7 +104,7 @@ def plan(study: Study) -> Plan:
         UserError: the first mistake in any case, table or figure.
     """
     planned = _drawn(study, unfold(study))
-    checks = Checks(study, planned.cases, planned.declared, planned.axes, COLUMNS)
+    checks = Checks(study, planned.cases, planned.declared, planned.axes, list(columns()))
     checks.all()
     return replace(planned, warnings=checks.warnings())
 

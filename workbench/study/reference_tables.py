@@ -2,12 +2,14 @@
 
 import csv
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from plants.plugins import Registry
 from workbench.errors import UserError, nearest
 from workbench.simulation import references as signals
 from workbench.toml import reading as files
@@ -30,7 +32,7 @@ class ReferenceTable(files.Strict, ABC):
         """
 
 
-def _quantity(table: ReferenceTable, name: str, unit: str) -> float:
+def quantity(table: ReferenceTable, name: str, unit: str) -> float:
     """A setting in SI."""
     return _converted(getattr(table, name), unit, (name,))
 
@@ -49,7 +51,7 @@ class SineTable(ReferenceTable):
     phase: Radian = 0.0
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        amplitude, offset = _quantity(self, "amplitude", unit), _quantity(self, "offset", unit)
+        amplitude, offset = quantity(self, "amplitude", unit), quantity(self, "offset", unit)
         return signals.Sine(amplitude, self.frequency, offset, self.phase)
 
 
@@ -69,7 +71,7 @@ class RampTable(ReferenceTable):
     stop: Second = np.inf
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Ramp(_quantity(self, "rate", f"{unit}/s"), self.start, self.stop)
+        return signals.Ramp(quantity(self, "rate", f"{unit}/s"), self.start, self.stop)
 
 
 class TriangleTable(ReferenceTable):
@@ -85,10 +87,10 @@ class TriangleTable(ReferenceTable):
         return self
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        amplitude, offset = _quantity(self, "amplitude", unit), _quantity(self, "offset", unit)
+        amplitude, offset = quantity(self, "amplitude", unit), quantity(self, "offset", unit)
         if self.frequency is not None:
             return signals.Triangle(amplitude, self.frequency, offset)
-        speed = _quantity(self, "speed", f"{unit}/s")
+        speed = quantity(self, "speed", f"{unit}/s")
         for name, number in (("amplitude", amplitude), ("speed", speed)):
             if number <= 0.0:
                 raise files.SchemaError((name,), f"got {getattr(self, name)!r}, expected a value above 0")
@@ -101,7 +103,7 @@ class MultisineTable(ReferenceTable):
     harmonics: list[Annotated[int, Field(ge=1)]] = Field(min_length=1)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        return signals.Multisine(_quantity(self, "amplitude", unit), self.frequency, tuple(self.harmonics))
+        return signals.Multisine(quantity(self, "amplitude", unit), self.frequency, tuple(self.harmonics))
 
 
 class ChirpTable(ReferenceTable):
@@ -111,7 +113,7 @@ class ChirpTable(ReferenceTable):
     sweep: Second = Field(gt=0.0)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
-        amplitude = _quantity(self, "amplitude", unit)
+        amplitude = quantity(self, "amplitude", unit)
         return signals.Chirp(amplitude, self.start_frequency, self.end_frequency, self.sweep)
 
 
@@ -156,13 +158,28 @@ def _factor(name: str, given: str, unit: str) -> float:
         raise files.SchemaError((name,), f'got "{given}", expected a unit such as "{unit}"') from None
 
 
-KINDS: dict[str, type[ReferenceTable]] = {
-    "sine": SineTable,
-    "steps": StepsTable,
-    "ramp": RampTable,
-    "triangle": TriangleTable,
-    "multisine": MultisineTable,
-    "chirp": ChirpTable,
-    "recorded": RecordedTable,
-}
-"""The references by the name of their kind."""
+@dataclass(frozen=True)
+class Kind:
+    """A kind of reference: the `name` that [references.NAME] gives as its kind, and what may stand in the table."""
+
+    name: str
+    table: type[ReferenceTable]
+
+
+def _check(kind: Kind) -> None:
+    if not issubclass(kind.table, ReferenceTable):
+        raise TypeError(f"{kind.table.__name__}: expected a ReferenceTable")
+
+
+_OURS = (
+    Kind("sine", SineTable),
+    Kind("steps", StepsTable),
+    Kind("ramp", RampTable),
+    Kind("triangle", TriangleTable),
+    Kind("multisine", MultisineTable),
+    Kind("chirp", ChirpTable),
+    Kind("recorded", RecordedTable),
+)
+
+REFERENCES = Registry("friction_workbench.references", Kind, {kind.name: kind for kind in _OURS}, _check)
+"""The references by the name of their kind: ours, and those that other packages bring by entry point."""

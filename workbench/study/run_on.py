@@ -11,9 +11,9 @@ shows.
 from collections.abc import Collection
 from dataclasses import replace
 
-from workbench.metrics import COLUMNS, DWELLS, evaluate
+from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import NONE
-from workbench.metrics.rest import Rest, rest_figures, rests_of
+from workbench.metrics.rest import DWELLS, Rest, rest_figures, rests_of
 from workbench.simulation.references import Held
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import simulate
@@ -23,10 +23,10 @@ LONGER = 2.0
 """By which a dwell that is too short is made longer."""
 
 
-def evaluated(resolved: Resolved, run: Run, only: Collection[str] = COLUMNS) -> dict[str, float | str | None]:
-    """The figures of a case's run, as `workbench.metrics.evaluate` gives them, run on where its dwell is too short."""
+def evaluated(resolved: Resolved, run: Run, only: Collection[str] | None = None) -> dict[str, float | str | None]:
+    """The figures of a case's run, as `evaluate` gives them, run on where its dwell is too short."""
     reference, rests = resolved.setup.reference, list[Rest]()
-    if reference is not None and not run.diverged and not DWELLS.isdisjoint(only):
+    if reference is not None and not run.diverged and (only is None or not DWELLS.isdisjoint(only)):
         rests = rests_of(run, reference, resolved.transient, resolved.band)
     figures = evaluate(run, resolved.signal, resolved.transient, resolved.band, only, rests)
     if all(one.cycle.settled for one in rests):

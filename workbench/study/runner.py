@@ -7,7 +7,8 @@ from concurrent.futures import Future, as_completed
 from pathlib import Path
 from typing import Any
 
-from workbench.metrics import SOLVER, evaluate
+from workbench.metrics.evaluate import evaluate
+from workbench.metrics.registry import SOLVER
 from workbench.parallel import workers
 from workbench.publish.run_record import ran_on
 from workbench.simulation.run import Run
@@ -52,14 +53,14 @@ def run_case(
 
 
 def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
-    """All of `COLUMNS` of a case's run, in their order; None where a figure does not apply.
+    """All of the `columns` of a case's run, in their order; None where a figure does not apply.
 
     `solver_error`: whether those of `SOLVER` are found too, which takes a second, finer run.
     """
     figures = evaluated(resolved, run)
     rms = figures["rms_error_m"]
     errors = _solver_errors(resolved, run, rms if isinstance(rms, float) else None) if solver_error else {}
-    return {**figures, **dict.fromkeys(SOLVER), **errors}
+    return {**figures, **dict.fromkeys(column.name for column in SOLVER), **errors}
 
 
 def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:
@@ -68,7 +69,7 @@ def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str,
     figures = evaluate(other, resolved.signal, resolved.transient, resolved.band, ("rms_error_m",))
     known = figures["rms_error_m"]
     change = abs(known - rms) if isinstance(known, float) and rms is not None else None
-    return dict(zip(SOLVER, (largest_distance(run, other), change), strict=True))
+    return dict(zip((column.name for column in SOLVER), (largest_distance(run, other), change), strict=True))
 
 
 def run_study(

@@ -1,0 +1,55 @@
+"""The figures of a run, by all metrics that there are."""
+
+from collections.abc import Collection, Sequence
+
+from workbench.metrics.interface import Observed
+from workbench.metrics.registry import METRICS, OUTCOME, SOLVER, columns
+from workbench.metrics.rest import Rest, rests_of
+from workbench.metrics.window import find_window
+from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.run import Run
+
+
+def evaluate(
+    run: Run,
+    reference: ReferenceSignal | None,
+    transient: float,
+    resolution: float = 0.0,
+    only: Collection[str] | None = None,
+    rests: Sequence[Rest] | None = None,
+) -> dict[str, float | str | None]:
+    """All of `columns` but those of `SOLVER`, in their order; None where a figure does not apply.
+
+    Args:
+        run: the finished run.
+        reference: what the position was asked to do; in open loop the signal that drove it, which then only sets the
+            window.
+        transient: time (s) at the start that is left out.
+        resolution: the larger of three standard deviations of the position noise and the sensor's step (m): the band
+            of the limit-cycle verdict.
+        only: the columns that are wanted (None: all); what takes long and is not stays None.
+        rests: what the run does where its reference rests (`rests_of`), where that has been found before.
+    """
+    figures: dict[str, float | str | None] = dict.fromkeys([name for name in columns() if name not in _SOLVER_NAMES])
+    figures[OUTCOME.name] = run.outcome
+    window = None if run.diverged else find_window(run.time, reference, transient)
+    if window is None:
+        return figures
+
+    def found() -> Sequence[Rest]:
+        if rests is not None or reference is None:
+            return rests or ()
+        return rests_of(run, reference, transient, resolution)
+
+    observed = Observed(run, window, reference, transient, found)
+    wanted = [
+        metric.figures
+        for metric in METRICS.working().values()
+        if only is None or any(column.name in only for column in metric.columns)
+    ]
+    for find in dict.fromkeys(wanted):  # several metrics may be found at once
+        figures.update(find(observed))
+    return figures
+
+
+_SOLVER_NAMES = {column.name for column in SOLVER}
