@@ -31,8 +31,8 @@ from workbench.friction_curves.schema import FrictionCurvesTable
 from workbench.friction_curves.tables import effect_table, error_table, slope_table, verdict
 from workbench.parameters.sets import named_sets, read_parameters
 from workbench.study.reading import read_study
-from workbench.study.report.break_even import break_even_table
-from workbench.study.report.schema import BreakEvenTable
+from workbench.study.report.break_even import BreakEvenTable
+from workbench.study.report.break_even_table import break_even_table
 
 MEASURED = STUDIES / "measured" / "owen2001_friction.toml"
 VALUES = read_parameters(named_sets()["owen2001_experiment"])

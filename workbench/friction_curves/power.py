@@ -71,6 +71,6 @@ def _by_the_law(found: Comparison, paying: set[float]) -> list[str]:
         said += (
             f" The answers differ at {rpm:g} rpm: there predicted hydraulic power is {abs(off):.0f} % {way} measured."
         )
-    if names := ", ".join(even.name for even in found.study.file.break_even):
+    if names := ", ".join(even.name for even in getattr(found.study.file, "break_even", None) or ()):
         said += f" The tables {names} count simulated power, which follows the prediction."
     return [said]

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from plants.laws.lugre import LUGRE
 from workbench.simulation.setup import DEFAULT_TOLERANCE, Integrator
-from workbench.study.report.schema import BreakEvenTable, FigureSpec, Probe, TableSpec
+from workbench.study.report.schema import FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.toml.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
 from workbench.toml.reading import Strict
@@ -167,5 +167,4 @@ class StudyFile(Strict):
     records: list[str] = []
     tables: list[TableSpec] = []
     figures: list[FigureSpec] = []
-    break_even: list[BreakEvenTable] = []
     uncertainty: UncertaintyTable | None = None

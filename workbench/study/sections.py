@@ -18,7 +18,7 @@ from workbench.errors import UserError
 from workbench.study.resolve import Resolved
 from workbench.study.schema import StudyFile
 from workbench.study.study import Case, Study
-from workbench.toml.reading import Strict
+from workbench.toml.reading import Key, Strict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +28,7 @@ T = TypeVar("T", bound=Strict)
 GROUP = "friction_workbench.sections"
 
 OURS = {
+    "break_even": "workbench.study.report.break_even:BREAK_EVEN",
     "comparison": "workbench.compare.section:COMPARISON",
     "friction_curves": "workbench.friction_curves.section:FRICTION_CURVES",
     "tune": "workbench.tune.section:TUNE",
@@ -38,12 +39,18 @@ OURS = {
 
 @dataclass(frozen=True)
 class Checked:
-    """A study with its cases, what they resolve to, and the axes that tell them apart."""
+    """A study with its cases, what they resolve to, the axes that tell them apart, and the figures of its results.
+
+    `key` is where the table stands that is checked. `chosen` raises UserError where a `where` at a key picks no case.
+    """
 
     study: Study
     cases: Sequence[Case]
     resolved: Sequence[Resolved]
     axes: Sequence[str]
+    figures: Sequence[str]
+    chosen: Callable[[Key, Mapping[str, Any]], object]
+    key: Key = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +78,7 @@ class Section(Generic[T]):
     Attributes:
         name: of the table.
         table: what may stand in it.
+        several: whether it is an array of such tables, [[name]]; each function is handed one at a time.
         command: whose question it is. A study whose only question is not that of `run` has nothing to run.
         check: raises UserError for the first mistake that only the cases show.
         warnings: what may be meant, and seldom is.
@@ -83,6 +91,7 @@ class Section(Generic[T]):
 
     name: str
     table: type[T]
+    several: bool = False
     command: str = "run"
     check: Callable[[T, Checked], None] = lambda table, checked: None
     warnings: Callable[[T, Checked], Iterable[str]] = lambda table, checked: ()
@@ -119,14 +128,30 @@ def file_model(used: Collection[str]) -> type[StudyFile]:
 
     A section that is not `used` is known by its name alone, so that a slip of the pen finds it.
     """
-    tables: dict[str, Any] = {name: (load(name).table | None if name in used else None, None) for name in places()}
+    tables: dict[str, Any] = {name: (_content(load(name)) if name in used else None, None) for name in places()}
     return create_model("StudyFile", __base__=StudyFile, **tables)
+
+
+def _content(section: Section[Any]) -> Any:
+    """What may stand under the name of a section."""
+    return (list[section.table] if section.several else section.table) | None  # type: ignore[name-defined]
 
 
 def sections_of(study: Study) -> list[tuple[Section[Any], Any]]:
     """The sections of a study, each with its table."""
-    tables = {name: getattr(study.file, name, None) for name in places()}
-    return [(load(name), table) for name, table in tables.items() if table is not None]
+    return [(section, table) for section, table, _ in placed(study)]
+
+
+def placed(study: Study) -> list[tuple[Section[Any], Any, Key]]:
+    """The sections of a study, each with its table, or with one of several, and where that stands."""
+    contents = {name: getattr(study.file, name, None) for name in places()}
+    found: list[tuple[Section[Any], Any, Key]] = []
+    for name, content in contents.items():
+        if isinstance(content, list):
+            found += [(load(name), table, (name, i)) for i, table in enumerate(content)]
+        elif content is not None:
+            found.append((load(name), content, (name,)))
+    return found
 
 
 def overlays_of(study: Study) -> list[Overlay]:

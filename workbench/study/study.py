@@ -29,7 +29,7 @@ INDEX = "case_index"
 """The column of the database that orders the cases; not exported."""
 
 
-REPORTED = {"title", "source", "question", "tables", "figures", "break_even", "uncertainty"}
+REPORTED = {"title", "source", "question", "tables", "figures", "uncertainty"}
 """What of a study's own tables `fingerprint` leaves out: its report, and machines, which the numbers of a plan tell."""
 
 

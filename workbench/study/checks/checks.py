@@ -1,9 +1,9 @@
 """What a study asks of its results, checked before it runs: probes, tables and figures, and settings without use."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -17,10 +17,10 @@ from workbench.study.checks.rotation import rotation_warning
 from workbench.study.checks.settings import controller_settings, plant_settings
 from workbench.study.layers import MACHINE
 from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
-from workbench.study.report.schema import BreakEvenTable, Column, Curve, FigureSpec, Panel, Row, TableSpec
+from workbench.study.report.schema import Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.report.table_layout import LayoutError, lay_out
 from workbench.study.resolve import Resolved
-from workbench.study.sections import Checked, Overlay, overlays_of, sections_of
+from workbench.study.sections import Checked, Overlay, overlays_of, placed, sections_of
 from workbench.study.study import INDEX, Case, Study, check_name, located, named
 from workbench.toml.reading import Key
 from workbench.toml.units import QuantityError
@@ -67,8 +67,9 @@ class Checks:
         self._probes()
         for i, name in enumerate(self.study.file.records):
             self._signal(("records", i), name, range(len(self.cases)))
-        for kind in ("tables", "figures", "break_even"):
-            names = [item.name for item in getattr(self.study.file, kind)]
+        several = dict.fromkeys(section.name for section, _ in sections_of(self.study) if section.several)
+        for kind in ("tables", "figures", *several):
+            names = [str(getattr(item, "name", i)) for i, item in enumerate(getattr(self.study.file, kind))]
             for i, name in enumerate(names):
                 if name in names[:i]:
                     raise self.study.error((kind, i, "name"), f'"{name}" is taken: expected another name')
@@ -76,16 +77,15 @@ class Checks:
             self._table(("tables", i), table)
         for i, figure in enumerate(self.study.file.figures):
             self._figure(("figures", i), figure)
-        for i, even in enumerate(self.study.file.break_even):
-            self._break_even(("break_even", i), even)
-        for section, table in sections_of(self.study):
-            section.check(table, self._checked)
+        for section, table, key in placed(self.study):
+            section.check(table, replace(self._checked, key=key))
         self.without_use()
 
     @property
     def _checked(self) -> Checked:
         """What the sections of other questions are handed."""
-        return Checked(self.study, self.cases, self.resolved, self.axes)
+        several = partial(self._chosen, one=False)
+        return Checked(self.study, self.cases, self.resolved, self.axes, self.figures, several)
 
     def _signal(self, key: Key, name: str, cases: Sequence[int]) -> None:
         """`name` has to be a signal of at least one of the cases at these places."""
@@ -167,13 +167,6 @@ class Checks:
                 lay_out(table, [case.columns for case in self.cases], self.axes)
             except LayoutError as error:
                 raise self.study.error((*key, *error.key), str(error)) from None
-
-    def _break_even(self, key: Key, even: BreakEvenTable) -> None:
-        check_name(self.study, (*key, "axis"), "axis", even.axis, self.axes)
-        self._chosen(key, even.where, one=False)
-        for i, account in enumerate(even.accounts):
-            for j, name in enumerate(account.columns):
-                check_name(self.study, (*key, "accounts", i, "columns", j), "figure", name, self.figures)
 
     @cached_property
     def _overlays(self) -> list[Overlay]:

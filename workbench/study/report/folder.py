@@ -5,7 +5,6 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.study.plan import Plan
-from workbench.study.report.break_even import write_break_even
 from workbench.study.report.figures import write_figure
 from workbench.study.report.limit_cycles import write_limit_cycles
 from workbench.study.report.tables import write_table
@@ -16,7 +15,6 @@ from workbench.study.study import Study
 def write_tables(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write all tables but those that are parts of pages; returns their Markdown."""
     written = [write_table(spec, frame, folder / "tables")[1] for spec in study.file.tables]
-    written += [write_break_even(spec, frame, folder / "tables") for spec in study.file.break_even]
     for section, table in sections_of(study):
         written += section.tables(table, study, frame, folder)
     return written

@@ -165,21 +165,3 @@ class FigureSpec(Strict):
     title: str
     source: str = ""
     panels: list[Panel] = Field(min_length=1)
-
-
-class Account(Strict):
-    """One way to count: the sum of columns of the results."""
-
-    label: str
-    columns: list[str] = Field(min_length=1)
-
-
-class BreakEvenTable(Strict):
-    """[[break_even]]: where along the axis the sum of some columns is less than at its first value, by each account."""
-
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
-    title: str
-    axis: str = "rpm"
-    where: dict[str, Any] = {}
-    accounts: list[Account] = Field(min_length=1)
-    note: str = ""
