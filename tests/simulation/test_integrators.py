@@ -55,6 +55,14 @@ def test_order_of_convergence_of_error_control() -> None:
     assert observed == pytest.approx([5.0, 5.0], abs=0.1)
 
 
+def test_order_of_convergence_of_a_method_by_its_tableau() -> None:
+    """As above, of the pair of order 3."""
+    method = Integrator("bogacki_shampine", tolerance=1e3)
+    setups = [replace(SWING, sample_time=h, integrator=method) for h in (0.02, 0.01, 0.005)]
+    errors = [true_error(setup)[1] for setup in setups]
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([3.0, 3.0], abs=0.1)
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
 def test_error_follows_the_tolerance(tolerance: float) -> None:
     """Each step errs by at most tolerance (1 + |x|); the pendulum adds them up to less than 10 times that."""
