@@ -180,8 +180,18 @@ def _build(cls: Any, values: Iterator[Any]) -> Any:
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
-    """A hash of the source of the package that `function` is from: a plug-in's lies outside the cache's key."""
-    return package_hash(inspect.unwrap(function).__module__)
+    """A hash of the sources of the packages that `function` and what it is made of are from: a plug-in's, and its law's.
+
+    They lie outside the cache's key.
+    """
+    return " ".join(package_hash(module) for module in sorted(_modules(inspect.unwrap(function))))
+
+
+def _modules(function: Callable[..., Any]) -> set[str]:
+    """The modules of a function and of the functions in its closure."""
+    held = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    inner = [inspect.unwrap(item) for item in held if inspect.isfunction(item)]
+    return {function.__module__}.union(*(_modules(item) for item in inner))
 
 
 def package_hash(module: str) -> str:
