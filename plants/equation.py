@@ -180,10 +180,7 @@ def _build(cls: Any, values: Iterator[Any]) -> Any:
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
-    """A hash of the sources of the packages that `function` and what it is made of are from: a plug-in's, and its law's.
-
-    They lie outside the cache's key.
-    """
+    """A hash of the packages that `function` and the functions in it are from: plug-ins lie outside the cache's key."""
     return " ".join(package_hash(module) for module in sorted(_modules(inspect.unwrap(function))))
 
 
