@@ -50,8 +50,14 @@ class Registry(Generic[T]):
 
 @functools.cache
 def _loaded(group: str, kind: type, check: Check, search_path: tuple[str, ...]) -> Mapping[str, Plugin]:
-    points = sorted(entry_points(group=group), key=lambda point: point.name)
+    points = sorted(_points(search_path).select(group=group), key=lambda point: point.name)
     return {point.name: _load(point, kind, check) for point in points}
+
+
+@functools.cache
+def _points(search_path: tuple[str, ...]) -> Any:
+    """Those of all packages: looking for them takes long, and serves every kind at once."""
+    return entry_points()
 
 
 def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
