@@ -20,7 +20,7 @@ from numba.core.bytecode import FunctionIdentity
 from numba.extending import intrinsic, overload, register_jitable
 
 from plants.cache import cache_folder
-from plants.equation import select, source_hash, tell_compiler, when
+from plants.equation import changed, extended, select, source_hash, tell_compiler, when
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(cache_folder() / "compiled" / source_hash())
@@ -50,17 +50,51 @@ def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: An
     return choose
 
 
+@overload(changed, prefer_literal=True)
+def _compiled_changed(value: Any, place: Any, new: Any) -> Callable[..., Any]:
+    def change(value: Any, place: Any, new: Any) -> Any:
+        return _changed(value, place, new)
+
+    return change
+
+
+@intrinsic(prefer_literal=True)
+def _changed(typingctx: Any, value: Any, place: Any, new: Any) -> Any:
+    index = place.literal_value
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        member = context.cast(builder, args[2], signature.args[2], value.types[index])
+        return builder.insert_value(args[0], member, index)
+
+    return value(value, place, new), codegen
+
+
+@overload(extended)
+def _compiled_extended(cls: Any, value: Any, last: Any) -> Callable[..., Any]:
+    def extend(cls: Any, value: Any, last: Any) -> Any:
+        return _extended(cls, value, last)
+
+    return extend
+
+
+@intrinsic
+def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
+    result = types.BaseTuple.from_types([*value.types, last], cls.instance_class)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        members = [builder.extract_value(args[1], i) for i in range(len(value.types))]
+        return context.make_tuple(builder, result, [*members, args[2]])
+
+    return result(cls, value, last), codegen
+
+
 POINTER = types.CPointer(types.float64)
 
 
 def _numba_type(cls: Any) -> Any:
     hints = typing.get_type_hints(cls)
     members = [types.float64 if hints[n] is float else _numba_type(hints[n]) for n in cls._fields]
-    return (
-        types.NamedUniTuple(types.float64, len(members), cls)
-        if all(member == types.float64 for member in members)
-        else types.NamedTuple(members, cls)
-    )
+    return types.BaseTuple.from_types(members, cls)
 
 
 @intrinsic

@@ -12,7 +12,7 @@ import numpy as np
 
 from plants.equation import Scalar, equation
 from plants.friction import Friction
-from plants.hydraulics import Mass, end_stop_force
+from plants.hydraulics import FORCE, Mass, end_stop_force
 from plants.interface import Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE
@@ -182,8 +182,9 @@ def _drive(
         command_limit=limit,
         travel=travel,
         command=command,
-        balances={"force": "velocity"},
+        balances={"force": FORCE},
         friction=law.name,
+        contact="contact",
         refit=refit,
     )
 

@@ -34,7 +34,14 @@ Scalar: TypeAlias = Any
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-EQUATION_FOLDERS = ("plants", "plants/laws", "controllers", "workbench/simulation", "workbench/simulation/integrators")
+EQUATION_FOLDERS = (
+    "plants",
+    "plants/effects",
+    "plants/laws",
+    "controllers",
+    "workbench/simulation",
+    "workbench/simulation/integrators",
+)
 """Folders of the source files that compiled code may be made of."""
 
 
@@ -87,6 +94,16 @@ def when(condition: Scalar, function: Callable[..., Scalar], otherwise: Scalar, 
     return select(condition, function(*arguments), otherwise)
 
 
+def changed(value: Any, place: int, new: Any) -> Any:
+    """The NamedTuple `value` with another member at a place, a constant: its `_replace` for compiled code too."""
+    return value._replace(**{value._fields[place]: new})
+
+
+def extended(cls: Any, value: Any, last: Any) -> Any:
+    """A NamedTuple of class `cls`: the members of another, and one behind them."""
+    return cls(*value, last)
+
+
 class Field(NamedTuple):
     """One number of a (nested) NamedTuple: its name, unit, typical magnitude, and default (None: required)."""
 
@@ -125,22 +142,31 @@ def _walk(cls: Any, suffix: str) -> Iterator[Field]:
 _named_tuple: Any = namedtuple  # its names come from data here, which the type checker does not follow
 
 
+def named_tuple(name: str, module: str, members: Mapping[str, Any], defaults: Mapping[str, Any], doc: str) -> Any:
+    """A NamedTuple class with these members and their types, made once.
+
+    It is an attribute of the module of that name, by which the cache of compiled code knows it.
+    """
+    place = sys.modules[module]
+    if not hasattr(place, name):
+        made = _named_tuple(name, members, defaults=tuple(defaults.values()), module=module)
+        made.__annotations__ = dict(members)
+        made.__doc__ = doc
+        setattr(place, name, made)
+    return getattr(place, name)
+
+
 def retyped(template: Any, suffix: str, **nested: type) -> Any:
     """The NamedTuple class `template` with other classes in its nested fields, or further ones behind its own.
 
-    It is an attribute of the template's module, called TEMPLATE_SUFFIX, by which the cache of compiled code knows it.
-    A further field has its class without arguments as default.
+    It is an attribute of the template's module, called TEMPLATE_SUFFIX. A further field has its class without arguments
+    as default.
     """
-    name, module = f"{template.__name__}_{suffix}", sys.modules[template.__module__]
-    if not hasattr(module, name):
-        hints = typing.get_type_hints(template, include_extras=True)
-        further = {key: cls for key, cls in nested.items() if key not in hints}
-        defaults = {**template._field_defaults, **{key: cls() for key, cls in further.items()}}
-        made = _named_tuple(name, (*hints, *further), defaults=tuple(defaults.values()), module=module.__name__)
-        made.__annotations__ = {**hints, **nested}
-        made.__doc__ = template.__doc__
-        setattr(module, name, made)
-    return getattr(module, name)
+    hints = typing.get_type_hints(template, include_extras=True)
+    further = {name: cls for name, cls in nested.items() if name not in hints}
+    defaults = {**template._field_defaults, **{name: cls() for name, cls in further.items()}}
+    name = f"{template.__name__}_{suffix}"
+    return named_tuple(name, template.__module__, {**hints, **nested}, defaults, template.__doc__)
 
 
 def to_array(value: Any) -> np.ndarray:

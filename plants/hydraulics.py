@@ -4,11 +4,12 @@ The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal p
 piston seal are ideal; `valve_overlap` and `leakage_coefficient` are what a real one adds, and 0 by default.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from plants.equation import Scalar, equation, select
+from plants.interface import Balance
 
 FLOW_LAWS = {"derived": 0.5, "chapter3": 1.0}
 """The share of the pressure drop that one edge of the spool sees, by the name of the flow law.
@@ -45,6 +46,20 @@ class Mass(NamedTuple):
     load_force: Annotated[float, "N"]
     end_stop_stiffness: Annotated[float, "N/m"]
     end_stop_damping: Annotated[float, "s/m"]
+
+
+def mass(p: Any) -> tuple[float]:
+    """M (kg): the force that an acceleration takes."""
+    return (p.body.mass,)
+
+
+def valve_time(p: Any) -> tuple[float]:
+    """tau_sv (s): the way of the spool's target that a rate of the spool takes."""
+    return (p.hydraulics.valve_time_constant,)
+
+
+FORCE, VALVE = Balance(("velocity",), "N", mass), Balance(("spool_position",), "m", valve_time)
+"""The balances of a mass, and of a valve's spool."""
 
 
 @equation
@@ -92,6 +107,15 @@ def load_flow(spool: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
     drop = p.supply_pressure - p.tank_pressure - np.sign(spool) * load_pressure
     opening = valve_opening(spool, p)
     return p.valve_flow_gain * opening * np.sqrt(np.maximum(p.flow_pressure_share * drop, 0.0))
+
+
+@equation
+def edge_flow(opening: Scalar, drop: Scalar, p: Hydraulics) -> Scalar:
+    """Flow (m^3/s) across one edge of the spool: K x_o sqrt(2 share drop), `drop` in Pa, none against the pressure.
+
+    With the share of 1/2 of (3.22) an edge sees half the drop of both, which is its own.
+    """
+    return p.valve_flow_gain * opening * np.sqrt(np.maximum(2.0 * p.flow_pressure_share * drop, 0.0))
 
 
 @equation

@@ -1,11 +1,12 @@
 """What a plant is: its equations, what they are made of, and what a rig measures of them."""
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
-from plants.equation import fields
+from plants.equation import fields, from_array
 
 
 class Measurement(NamedTuple):
@@ -35,6 +36,18 @@ def unlimited(parameters: Any) -> float:
     return math.inf
 
 
+class Balance(NamedTuple):
+    """A physical balance: what changes these states of a plant, in the unit in which one speaks of it.
+
+    Its residual is the measured rate of each state less that of `derivatives`, times `scale(parameters)`, one number
+    for each state: the mass makes a force of an acceleration.
+    """
+
+    states: tuple[str, ...]
+    unit: str
+    scale: Callable[[Any], tuple[float, ...]]
+
+
 @dataclass(frozen=True, eq=False)
 class Plant:
     """A plant: names and units (as NamedTuple classes) and the equations over them.
@@ -48,8 +61,10 @@ class Plant:
     rotary_limit(parameters) -> float                          the motor drive's limit, unit of the rotary command
 
     `State` holds at least `position` and `velocity`. `command` is the input that the position controller drives,
-    `rotary_command` the one that rotates. `balances` names the state whose rate each physical balance gives.
-    `friction` names the friction law, and `refit` makes the plant anew with another.
+    `rotary_command` the one that rotates. `balances` are those that the equations are made of, by name; a record is
+    diagnosed by them. `friction` names the friction law, and `refit` makes the plant anew with another. `contact` is
+    the field of the state that holds what the contact remembers, "" where there is none. `effects` are the names of
+    those that the plant was given, and `bare` is the plant without.
     """
 
     name: str
@@ -64,12 +79,15 @@ class Plant:
     equilibrium: Callable[..., Any]
     command_limit: Callable[..., float]
     command: str
-    balances: dict[str, str]
+    balances: dict[str, Balance]
     rotary_command: str | None = None
     travel: Callable[[Any], float] = unlimited
     rotary_limit: Callable[[Any], float] = unlimited
     friction: str = ""
     refit: Callable[[Any], "Plant"] | None = None
+    contact: str = ""
+    effects: tuple[str, ...] = ()
+    bare: "Plant | None" = None
 
     def with_friction(self, law: Any) -> "Plant":
         """The same plant with another friction law, a `plants.laws.interface.FrictionLaw`.
@@ -82,6 +100,26 @@ class Plant:
         if self.refit is None:
             raise ValueError(f'plant "{self.name}" has a friction of its own and takes no law')
         return self.refit(law)
+
+    def with_effects(self, *effects: Any) -> "Plant":
+        """The same plant with effects (`plants.effects.interface.Effect`), neutral until their parameters are given.
+
+        They add to those that it has, and act in the order of the registry. The parameters get a field `effects`, the
+        states too where an effect remembers.
+
+        Raises:
+            ValueError: the plant lacks what an effect changes.
+        """
+        from plants.effects.attach import with_effects  # it makes plants
+
+        return with_effects(self, effects)
+
+    @functools.cached_property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that the plant's sensors show: those of `measure` that are numbers."""
+        ones = [from_array(cls, [1.0] * len(fields(cls))) for cls in (self.State, self.Parameters)]
+        shown = self.measure(*ones)._asdict()
+        return tuple(name for name, value in shown.items() if not math.isnan(value))
 
     @property
     def command_unit(self) -> str:

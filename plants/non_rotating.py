@@ -12,7 +12,7 @@ from plants import hydraulics as hyd
 from plants.equation import Scalar, equation
 from plants.friction import Friction
 from plants.hydraulics import Hydraulics, Mass
-from plants.interface import Measurement, Plant
+from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE, Bristle
 
@@ -72,6 +72,19 @@ def voltage_limit(p: Parameters) -> float:
 def travel(p: Parameters) -> float:
     """Distance (m) between the end stops, if they are modelled."""
     return p.hydraulics.stroke if p.body.end_stop_stiffness else np.inf
+
+
+def load_pressure_capacity(p: Any) -> tuple[float]:
+    """V_t / (4 beta) (m^3/Pa): the flow that a rate of the load pressure takes."""
+    return (hyd.oil_volume(p.hydraulics) / (4.0 * p.hydraulics.bulk_modulus),)
+
+
+BALANCES = {
+    "force": hyd.FORCE,
+    "flow": Balance(("load_pressure",), "m^3/s", load_pressure_capacity),
+    "valve": hyd.VALVE,
+}
+"""Of an actuator in the load-pressure form."""
 
 
 @equation
@@ -154,8 +167,9 @@ def actuator(law: FrictionLaw) -> Plant:
         command_limit=voltage_limit,
         travel=travel,
         command="valve_voltage",
-        balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
+        balances=BALANCES,
         friction=law.name,
+        contact="contact",
         refit=actuator,
     )
 

@@ -12,8 +12,8 @@ import numpy as np
 from plants.drive import travel
 from plants.equation import Scalar, equation, select
 from plants.friction import Friction
-from plants.hydraulics import Mass, end_stop_force
-from plants.interface import Measurement, Plant
+from plants.hydraulics import FORCE, Mass, end_stop_force
+from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE, Bristle
 
@@ -71,6 +71,17 @@ def chamber_pressures(load_pressure: Scalar, p: Parameters) -> tuple[Scalar, Sca
 
 
 @equation
+def oil_volume(p: Any) -> Scalar:
+    """V = V_h + A1 L / 2 (m^3), at mid-stroke whatever the position."""
+    return p.hose_volume + 0.5 * p.piston_area_1 * p.stroke
+
+
+def load_pressure_capacity(p: Any) -> tuple[float]:
+    """V / beta (m^3/Pa): the flow that a rate of the load pressure takes."""
+    return (oil_volume(p) / p.bulk_modulus,)
+
+
+@equation
 def sum_of_forces(state: Any, friction: Scalar, inputs: Inputs, p: Any) -> Scalar:
     """Force (N) on the mass: P1 A1 - P2 A2 + end stops - F_friction - F_load - disturbance."""
     pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
@@ -85,8 +96,7 @@ def load_pressure_rate(state: Any, inputs: Inputs, p: Any) -> Scalar:
     area = filling_area(state.velocity, p.piston_area_1, p.piston_area_2, p.area_ratio)
     taken = area * state.velocity + p.leakage_coefficient * state.load_pressure
     flow = p.pump_displacement * inputs.pump_speed - taken
-    volume = p.hose_volume + 0.5 * p.piston_area_1 * p.stroke
-    return flow * p.bulk_modulus / volume
+    return flow * p.bulk_modulus / oil_volume(p)
 
 
 @equation
@@ -162,8 +172,9 @@ def pumped(law: FrictionLaw) -> Plant:
         command_limit=pump_speed_limit,
         travel=travel,
         command="pump_speed",
-        balances={"force": "velocity", "flow": "load_pressure"},
+        balances={"force": FORCE, "flow": Balance(("load_pressure",), "m^3/s", load_pressure_capacity)},
         friction=law.name,
+        contact="contact",
         refit=pumped,
     )
 

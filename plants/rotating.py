@@ -14,10 +14,10 @@ from plants import motor as mot
 from plants.bristles import BristleLaw, PlaneBristle
 from plants.equation import Scalar, equation, retyped
 from plants.friction import helical_speed
-from plants.interface import Measurement, Plant
+from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
 from plants.laws.lugre import LUGRE
-from plants.non_rotating import holding_load_pressure, travel, voltage_limit
+from plants.non_rotating import BALANCES, holding_load_pressure, travel, voltage_limit
 
 
 class State(NamedTuple):
@@ -169,6 +169,16 @@ def motor_voltage_limit(p: Any) -> float:
     return float(p.motor.motor_voltage_limit)
 
 
+def rotary_inertia(p: Any) -> tuple[float]:
+    """J / r (N m s^2/m): the torque that an acceleration of the surface takes."""
+    return (p.motor.rotary_inertia / p.motor.piston_radius,)
+
+
+def inductance(p: Any) -> tuple[float]:
+    """L (V s/A): the voltage that a rate of the current takes."""
+    return (p.motor.motor_inductance,)
+
+
 @functools.cache
 def turned_by_motor(law: FrictionLaw, bristle: str) -> Plant:
     """The plant whose rod a motor turns against the friction of a law, in its form for these bristles."""
@@ -234,13 +244,12 @@ def turned_by_motor(law: FrictionLaw, bristle: str) -> Plant:
         rotary_command="motor_voltage",
         rotary_limit=motor_voltage_limit,
         balances={
-            "force": "velocity",
-            "flow": "load_pressure",
-            "valve": "spool_position",
-            "rotation": "surface_speed",
-            "motor": "motor_current",
+            **BALANCES,
+            "rotation": Balance(("surface_speed",), "N m", rotary_inertia),
+            "motor": Balance(("motor_current",), "V", inductance),
         },
         friction=law.name,
+        contact="bristles",
         refit=lambda other: turned_by_motor(in_plane(other, bristle), bristle),
     )
 

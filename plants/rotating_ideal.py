@@ -11,7 +11,7 @@ from plants.equation import Scalar, equation
 from plants.interface import Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
 from plants.laws.lugre import LUGRE
-from plants.non_rotating import holding_load_pressure, travel, voltage_limit
+from plants.non_rotating import BALANCES, holding_load_pressure, travel, voltage_limit
 from plants.rotating import Signals, all_signals, held_along, hydraulic_rates, in_plane, readings, with_bristles
 
 
@@ -85,8 +85,9 @@ def turned_ideally(law: FrictionLaw, bristle: str) -> Plant:
         travel=travel,
         command="valve_voltage",
         rotary_command="surface_speed",
-        balances={"force": "velocity", "flow": "load_pressure", "valve": "spool_position"},
+        balances=BALANCES,
         friction=law.name,
+        contact="bristles",
         refit=lambda other: turned_ideally(in_plane(other, bristle), bristle),
     )
 

@@ -1,0 +1,357 @@
+"""A plant with effects: its equations, with what effects change of what goes in and of what comes out."""
+
+import functools
+import typing
+import zlib
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from plants.effects.interface import COMMAND, Change, Effect, Moment
+from plants.effects.registry import effects as registered
+from plants.equation import Scalar, changed, equation, extended, fields, named_tuple, retyped
+from plants.friction import length
+from plants.interface import Measurement, Plant
+from plants.laws.interface import Nothing
+
+Chain = Callable[..., Any]
+"""An equation (value, moment, state, parameters) -> value: all that effects change of it."""
+
+OWN = "effects"
+"""The field of the parameters, and of the states, that holds those of the effects, each in a field of its name."""
+
+
+def acts_by_itself(plant: Plant, effect: Effect) -> bool:
+    """Whether a plant has all of an effect's parameters without being given it."""
+    return set(effect.numbers) <= {item.name for item in fields(plant.Parameters)}
+
+
+def lacks(plant: Plant, effect: Effect) -> str:
+    """What a plant has not, in words, that an effect changes; "" if it can have it."""
+    if acts_by_itself(plant, effect):
+        return ""
+    if not effect.own_names:
+        missing = sorted(set(effect.numbers) - {item.name for item in fields(plant.Parameters)})
+        return f"parameter {', '.join(missing)}"
+    known = {*plant.Parameters._fields, *plant.channels}
+    for name in (*effect.parameters, *effect.requires):
+        if name not in known:
+            return name
+    for name in effect.inputs:
+        if name not in (COMMAND, *plant.Inputs._fields):
+            return f"input {name}"
+    if effect.rates and not set(effect.rates) & set(plant.State._fields):
+        return f"state {' or '.join(effect.rates)}"
+    return ""
+
+
+def possible(plant: Plant) -> tuple[Effect, ...]:
+    """The effects that a plant can have."""
+    bare = plant.bare or plant
+    return tuple(effect for effect in registered().values() if not lacks(bare, effect))
+
+
+def meant(plant: Plant, names: Collection[str]) -> tuple[Effect, ...]:
+    """The effects that a plant can have and has not, and of which a parameter is among these canonical names."""
+    given = set(names) - {item.name for item in fields(plant.Parameters)}
+    return tuple(effect for effect in possible(plant) if given & set(effect.own_names))
+
+
+def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
+    """See `Plant.with_effects`."""
+    bare = plant.bare or plant
+    for effect in effects:
+        if missing := lacks(bare, effect):
+            raise ValueError(f'plant "{bare.name}" cannot have the effect "{effect.name}": it has no {missing}')
+    known = {**registered(), **{effect.name: effect for effect in effects}}
+    wanted = {*plant.effects, *(effect.name for effect in effects if not acts_by_itself(bare, effect))}
+    return _attached(bare, tuple(effect for effect in known.values() if effect.name in wanted))
+
+
+@functools.cache
+def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
+    if not effects:
+        return plant
+    suffix = f"{OWN}_{zlib.crc32(' '.join(effect.name for effect in effects).encode()):08x}"
+    remembering = tuple(effect for effect in effects if effect.remember is not None)
+    own_class = _together(f"Own_{suffix}", {effect.name: effect.Own for effect in effects})
+    memory_class = _together(f"Memory_{suffix}", {effect.name: effect.Memory for effect in remembering})
+    parameters_class = retyped(plant.Parameters, suffix, **{OWN: own_class})
+    state_class = retyped(plant.State, suffix, **{OWN: memory_class}) if remembering else plant.State
+
+    at, slip_of, command = _moment_of(plant), _slip_of(plant), plant.input_index(plant.command)
+    chained = functools.partial(_chained, plant, effects)
+    altered, driven = chained(plant.Parameters, "parameters"), chained(plant.Inputs, "inputs")
+    by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
+    remembered, memory_of = _remembered(effects), _memory_of(plant, remembering)
+    bare_rates, bare_signals, bare_measure = plant.derivatives, plant.signals, plant.measure
+
+    @equation
+    def rates_of(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """Rates of the plant's own states."""
+        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
+        into = driven(inputs, moment, memory, p, own)
+        return by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
+
+    @equation
+    def rates_with_memory(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """Rates of the states: the plant's own, and of what the effects remember."""
+        moment, memory, own = at(time, state, inputs, p), state.effects, p.effects
+        into = driven(inputs, moment, memory, p, own)
+        rates = by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
+        slip = slip_of(moment, rates)
+        return extended(state_class, rates, remembered(memory, slip, inputs[command], moment, memory, p, own))
+
+    @equation
+    def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """The plant's signals, as the effects make them."""
+        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
+        into = driven(inputs, moment, memory, p, own)
+        return bare_signals(time, state, into, altered(p, moment, memory, p, own))
+
+    @equation
+    def measure(state: Any, p: Any) -> Measurement:
+        """What the plant's sensors show, and the effects make of it."""
+        moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
+
+    def rested(state: Any, inputs: Any) -> Any:
+        """The state with what the effects remember of a machine that has rested for long."""
+        if not remembering:
+            return state
+        kept = [item.at_rest(inputs[command]) if item.at_rest else item.Memory() for item in remembering]
+        return state_class(*state, memory_class(*kept))
+
+    def resting(p: Any, state: Any, inputs: Any) -> Any:
+        """The parameters as effects make them of a machine at rest."""
+        return altered(p, at(0.0, state, inputs, p), memory_of(state), p, p.effects)
+
+    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
+        """At rest for long, with parameters as the effects make them there."""
+        state = rested(*plant.equilibrium(p, surface_speed))
+        inputs = plant.equilibrium(p, surface_speed)[1]
+        state, inputs = plant.equilibrium(resting(p, state, inputs), surface_speed)
+        return rested(state, inputs), inputs
+
+    refit = plant.refit
+    return replace(
+        plant,
+        State=state_class,
+        Parameters=parameters_class,
+        derivatives=rates_with_memory if remembering else rates_of,
+        signals=signals,
+        measure=measure,
+        equilibrium=equilibrium,
+        refit=None if refit is None else lambda law: with_effects(refit(law), effects),
+        effects=tuple(effect.name for effect in effects),
+        bare=plant,
+    )
+
+
+def _together(name: str, members: Mapping[str, Any]) -> Any:
+    """A class with a field for each effect, which has that effect's class, neutral by default."""
+    return named_tuple(name, __name__, members, {effect: cls() for effect, cls in members.items()}, "Of each effect.")
+
+
+def _chained(plant: Plant, effects: Sequence[Effect], cls: Any, changes: str) -> Chain:
+    """All that effects change of a tuple of a class: an equation (value, moment, memory, parameters, own) -> value."""
+    steps: dict[str, Chain] = {}
+    for index, effect in enumerate(effects):
+        for name, change in getattr(effect, changes).items():
+            member = plant.command if name == COMMAND else name
+            if member in cls._fields:
+                step = _step(change, index, _memory_index(effects, effect))
+                steps[member] = _after(steps[member], step) if member in steps else step
+    chain: Chain | None = None
+    for member, step in steps.items():
+        place = _in_place(cls._fields.index(member), step)
+        chain = place if chain is None else _after(chain, place)
+    return chain or _unchanged
+
+
+def _memory_index(effects: Sequence[Effect], effect: Effect) -> int | None:
+    remembering = [item for item in effects if item.remember is not None]
+    return remembering.index(effect) if effect in remembering else None
+
+
+def _step(change: Change, index: int, remembered: int | None) -> Chain:
+    """One effect's change, with what it remembers and its own parameters taken out of those of all."""
+
+    @equation
+    def step(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return change(value, moment, Nothing(), p, own[index])
+
+    @equation
+    def step_by_memory(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return change(value, moment, memory[remembered], p, own[index])
+
+    return step if remembered is None else step_by_memory
+
+
+def _after(before: Chain, step: Chain) -> Chain:
+    """Two changes, one after the other."""
+
+    @equation
+    def chain(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return step(before(value, moment, memory, p, own), moment, memory, p, own)
+
+    return chain
+
+
+def _in_place(place: int, step: Chain) -> Chain:
+    """A change of the member at a place."""
+
+    @equation
+    def chain(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return changed(value, place, step(value[place], moment, memory, p, own))
+
+    return chain
+
+
+@equation
+def _unchanged(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+    return value
+
+
+def _remembered(effects: Sequence[Effect]) -> Callable[..., Any]:
+    """Rates of what the effects remember, given that: (rates, slip, command, moment, memory, p, own) -> rates."""
+
+    @equation
+    def chain(rates: Any, slip: Scalar, command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return rates
+
+    for index, effect in enumerate(effects):
+        place = _memory_index(effects, effect)
+        if place is not None:
+            chain = _next_memory(chain, place, effect.remember, index)
+    return chain
+
+
+def _next_memory(before: Callable[..., Any], place: int, remember: Any, index: int) -> Callable[..., Any]:
+    """The chain with the rates of another effect's memory."""
+
+    @equation
+    def chain(rates: Any, slip: Scalar, command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        rates = before(rates, slip, command, moment, memory, p, own)
+        return changed(rates, place, remember(slip, command, moment, memory[place], p, own[index]))
+
+    return chain
+
+
+def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Callable[..., Any]:
+    """What all effects remember, out of the states of the plant that has them."""
+
+    @equation
+    def nothing(state: Any) -> Any:
+        return Nothing()
+
+    @equation
+    def memory(state: Any) -> Any:
+        return state.effects
+
+    return memory if remembering else nothing
+
+
+def _moment_of(plant: Plant) -> Callable[..., Moment]:
+    """What effects know of an instant of a plant, from time, state, inputs and parameters."""
+    shown, surface_speed = plant.measure, _surface_speed_of(plant)
+    radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
+    spool = _path(plant.State, "spool_position", otherwise=0.0)
+    stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
+    if "stroke" in plant.Parameters._fields:
+        stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
+
+    @equation
+    def moment(time: Scalar, state: Any, inputs: Any, p: Any) -> Moment:
+        readings, surface = shown(state, p), surface_speed(state, inputs)
+        return Moment(
+            time,
+            state.position,
+            state.velocity,
+            surface,
+            surface / radius(p),
+            readings.pressure_1,
+            readings.pressure_2,
+            spool(state),
+            stroke(p),
+        )
+
+    return moment
+
+
+def _path(cls: Any, *names: str, otherwise: float) -> Callable[..., Any]:
+    """What stands in a tuple of a class at a field, or at a field of a field; `otherwise` where it has none."""
+    places = []
+    for name in names:
+        if name not in getattr(cls, "_fields", ()):
+            return _constant(otherwise)
+        places.append(cls._fields.index(name))
+        cls = typing.get_type_hints(cls)[name]
+    if len(places) == 1:
+        (place,) = places
+
+        @equation
+        def member(value: Any) -> Any:
+            return value[place]
+
+        return member
+    outer, inner = places
+
+    @equation
+    def nested_member(value: Any) -> Any:
+        return value[outer][inner]
+
+    return nested_member
+
+
+def _constant(number: float) -> Callable[..., Any]:
+    @equation
+    def constant(value: Any) -> float:
+        return number
+
+    return constant
+
+
+def _surface_speed_of(plant: Plant) -> Callable[..., Any]:
+    """The speed (m/s) of the rod's surface, a state or an input; 0 of a rod that does not turn."""
+    name = "surface_speed"
+    by_state, by_input = _path(plant.State, name, otherwise=0.0), _path(plant.Inputs, name, otherwise=0.0)
+    is_input = name in plant.Inputs._fields
+
+    @equation
+    def of_state(state: Any, inputs: Any) -> Any:
+        return by_state(state)
+
+    @equation
+    def of_input(state: Any, inputs: Any) -> Any:
+        return by_input(inputs)
+
+    return of_input if is_input else of_state
+
+
+def _slip_of(plant: Plant) -> Callable[..., Any]:
+    """The velocity (m/s) at which the contact slides: that of the surfaces less the rate at which bristles bend."""
+    contact = typing.get_type_hints(plant.State).get(plant.contact)
+    axial = _path(plant.State, plant.contact, "bristle_axial", otherwise=0.0)
+    rotary = _path(plant.State, plant.contact, "bristle_rotary", otherwise=0.0)
+    scalar = _path(plant.State, plant.contact, "bristle_deflection", otherwise=0.0)
+    in_plane = "bristle_axial" in getattr(contact, "_fields", ())
+    turns = {"surface_speed"} & {*plant.State._fields, *plant.Inputs._fields}
+
+    @equation
+    def along(moment: Moment, rates: Any) -> Any:
+        return moment.velocity - scalar(rates)
+
+    @equation
+    def helical(moment: Moment, rates: Any) -> Any:
+        return length(moment.velocity, moment.surface_speed) - scalar(rates)
+
+    @equation
+    def plane(moment: Moment, rates: Any) -> Any:
+        return length(moment.velocity - axial(rates), moment.surface_speed - rotary(rates))
+
+    if in_plane:
+        return plane
+    return helical if turns else along
