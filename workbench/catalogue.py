@@ -73,11 +73,14 @@ def _references() -> list[str]:
 
 
 def _effects() -> list[str]:
-    from plants.effect_list import EFFECTS
+    from plants.effects.registry import EFFECTS
 
     return [
-        f"{effect.name:28} {effect.balance:7} {effect.words}; {', '.join(effect.numbers)}"
-        for effect in EFFECTS.values()
+        *(
+            f"{effect.name:28} {effect.balance:7} {effect.words}; {', '.join(effect.numbers)}"
+            for effect in EFFECTS.working().values()
+        ),
+        *_broken(EFFECTS),
     ]
 
 

@@ -27,9 +27,7 @@ in metres."""
 @equation
 def with_levels(own: LuGre, coulomb: Scalar, stribeck: Scalar) -> LuGre:
     """The set with other levels (N)."""
-    return LuGre(
-        coulomb, stribeck, own.viscous, own.stribeck_velocity, own.bristle_stiffness, own.bristle_damping
-    )
+    return LuGre(coulomb, stribeck, own.viscous, own.stribeck_velocity, own.bristle_stiffness, own.bristle_damping)
 
 
 # --- by parameters that every contact has ---------------------------------------------------------------------

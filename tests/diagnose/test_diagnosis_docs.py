@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import ROOT, workbench, write
-
 from plants.effect_list import EFFECTS
+
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants.effect_list import EFFECTS
 from support import registered
 
-from plants.effect_list import EFFECTS
 from plants.equation import fields
 from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters

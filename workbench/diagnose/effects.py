@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-
 from plants.effect_list import EFFECTS
+
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.flow import pressure_sum

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
-from plants.effect_list import EFFECTS
+from plants.effects.registry import effects
 from plants.equation import NEGATIVE, ROTARY, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.laws.registry import LAWS
@@ -23,8 +23,11 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-EITHER_SIGN = frozenset(name for effect in EFFECTS.values() for name in effect.signed)
+EITHER_SIGN = frozenset(name for effect in effects().values() for name in effect.signed)
 """Parameters that may be negative: those of effects that may act either way."""
+
+NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})
+"""Values of the parameters that effects bring at which they do nothing."""
 
 UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit", "motor_nominal_torque", *LIMITS}
 MAY_BE_ZERO = {
@@ -42,6 +45,7 @@ MAY_BE_ZERO = {
     "guide_coulomb",
     "guide_stribeck",
     "elastic_share",
+    *(name for name, value in NEUTRAL.items() if value == 0.0),
 }
 BELOW_ONE = {"elastic_share"}
 
@@ -71,13 +75,15 @@ class ParameterFile(toml.Strict):
 
 @functools.cache
 def known_units() -> dict[str, str]:
-    """The unit of every parameter that some plant or friction law has, by its canonical name."""
+    """The unit of every parameter that some plant, friction law or effect has, by its canonical name."""
     known: dict[str, str] = {}
     for plant in plants().values():
         for item in fields(plant.Parameters):
             known.setdefault(item.name, item.unit)
     for law in LAWS.working().values():
         known |= {item.name: item.unit for item in fields(law.Extra)}
+    for effect in effects().values():
+        known |= {item.name: item.unit for item in fields(effect.Own)}
     return known
 
 

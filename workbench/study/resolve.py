@@ -1,17 +1,20 @@
 """From the tables of a case to everything that a run depends on: plant, belief, controllers, reference, sensors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from controllers import rotation_on_demand, speed_servo
 from controllers.interface import Controller
 from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
+from plants.effects.attach import meant
 from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.laws.registry import LAWS
 from plants.motor import current_limit
 from plants.registry import PLANTS
 from workbench.errors import UserError
+from workbench.parameters.sets import NEUTRAL
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.setup import Feed, Integrator, Loop, Setup
@@ -113,7 +116,7 @@ def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     case, wanted = parsed.case, parsed.controller
     tables = overridden(parsed.tables, overrides, parsed.values.deviations)
-    plant, believed = _plants(tables)
+    plant, believed = _plants(tables, parsed.values.true)
     parameters = build_truth(plant, tables, parsed.values)
     belief = build_belief(believed, tables, case.declared, parsed.values)
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
@@ -227,13 +230,17 @@ def _rotary(
     return Loop(controller, gains), inputs._replace(**{command: 0.0})
 
 
-def _plants(tables: CaseTables) -> tuple[Plant, Plant]:
-    """The plant with the friction law of [plant], and as controllers know it: with the law that it has by itself."""
-    plant, law = _plant(tables), registered(LAWS, tables.plant.friction, ("plant", "friction"))
+def _plants(tables: CaseTables, values: Mapping[str, float]) -> tuple[Plant, Plant]:
+    """The plant with the friction law of [plant] and the effects that are not neutral in these values; and as
+    controllers know it: with the law that it has by itself, and without effects.
+    """
+    bare = _plant(tables)
+    plant = bare.with_effects(*meant(bare, [name for name, value in values.items() if value != NEUTRAL.get(name)]))
+    law = registered(LAWS, tables.plant.friction, ("plant", "friction"))
     if "friction" not in tables.plant.model_fields_set:
-        return plant, plant
+        return plant, bare
     try:
-        return plant.with_friction(law), plant
+        return plant.with_friction(law), bare
     except ValueError as error:
         raise SchemaError(("plant", "friction"), str(error)) from None
 

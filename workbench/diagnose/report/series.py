@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-
 from plants.effect_list import EFFECTS
+
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values

@@ -5,6 +5,7 @@ floor, what simulation says, and which parameters the records do not identify.
 from collections.abc import Mapping
 
 from plants.effect_list import EFFECTS
+
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors

@@ -4,8 +4,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-
 from plants.effect_list import EFFECTS
+
 from plants.equation import NEGATIVE, fields
 from workbench.diagnose.residuals import flow, force
 from workbench.diagnose.residuals.balance import Balance

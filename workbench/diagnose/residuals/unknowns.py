@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-
 from plants.effect_list import EFFECTS, FREE
+
 from plants.equation import NEGATIVE, fields
 from plants.two_chamber import TWO_CHAMBER
 from workbench.parameters.sets import EITHER_SIGN

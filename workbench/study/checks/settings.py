@@ -3,6 +3,7 @@
 from collections.abc import Collection, Sequence
 
 from controllers.settings import idle
+from plants.effects.attach import possible
 from plants.equation import fields
 from plants.friction import LuGre
 from plants.interface import Plant
@@ -25,7 +26,7 @@ def _family(case: Case, plant: Plant) -> list[Plant]:
 def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
     """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
     family = _family(case, item.setup.plant)
-    names = {name for plant in family for name in _counting(plant)} - {FLOW_SHARE}
+    names = {name for plant in family for name in _counting(plant.with_effects(*possible(plant)))} - {FLOW_SHARE}
     found = {}
     for key, applies in _applies(case, family, names).items():
         found[key] = ""
