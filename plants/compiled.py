@@ -29,7 +29,7 @@ FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), Non
 # Numba numbers functions from 1 on in each process, and the numbers are all that tells the symbols of closures of the
 # same name apart: of two that two processes have cached, a third would run one for both (numba issue 10486).
 
-tell_compiler(register_jitable)
+tell_compiler(register_jitable(forceinline=True))
 
 
 @overload(select)

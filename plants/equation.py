@@ -121,6 +121,11 @@ ROTARY = "rotary"
 """The same for what acts around the rod: `_rotary`."""
 
 
+def members(cls: Any) -> tuple[str, ...]:
+    """The fields of a NamedTuple class, nested ones as one each."""
+    return tuple(cls._fields)
+
+
 @functools.cache
 def fields(cls: Any) -> tuple[Field, ...]:
     """The numbers of a NamedTuple class in their order in memory, nested ones spread out."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from plants.effects.interface import COMMAND, Change, Effect, Moment
 from plants.effects.registry import effects as registered
-from plants.equation import Scalar, changed, equation, extended, fields, named_tuple, retyped
+from plants.equation import Scalar, changed, equation, extended, fields, members, named_tuple, retyped
 from plants.friction import length
 from plants.interface import Measurement, Plant
 from plants.laws.interface import Nothing
@@ -35,14 +35,14 @@ def lacks(plant: Plant, effect: Effect) -> str:
     if not effect.own_names:
         missing = sorted(set(effect.numbers) - {item.name for item in fields(plant.Parameters)})
         return f"parameter {', '.join(missing)}"
-    known = {*plant.Parameters._fields, *plant.channels}
+    known = {*members(plant.Parameters), *plant.channels}
     for name in (*effect.parameters, *effect.requires):
         if name not in known:
             return name
     for name in effect.inputs:
-        if name not in (COMMAND, *plant.Inputs._fields):
+        if name not in (COMMAND, *members(plant.Inputs)):
             return f"input {name}"
-    if effect.rates and not set(effect.rates) & set(plant.State._fields):
+    if effect.rates and not set(effect.rates) & set(members(plant.State)):
         return f"state {' or '.join(effect.rates)}"
     return ""
 
@@ -260,7 +260,7 @@ def _moment_of(plant: Plant) -> Callable[..., Moment]:
     radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
     spool = _path(plant.State, "spool_position", otherwise=0.0)
     stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
-    if "stroke" in plant.Parameters._fields:
+    if "stroke" in members(plant.Parameters):
         stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
 
     @equation
@@ -318,7 +318,7 @@ def _surface_speed_of(plant: Plant) -> Callable[..., Any]:
     """The speed (m/s) of the rod's surface, a state or an input; 0 of a rod that does not turn."""
     name = "surface_speed"
     by_state, by_input = _path(plant.State, name, otherwise=0.0), _path(plant.Inputs, name, otherwise=0.0)
-    is_input = name in plant.Inputs._fields
+    is_input = name in members(plant.Inputs)
 
     @equation
     def of_state(state: Any, inputs: Any) -> Any:
@@ -338,7 +338,7 @@ def _slip_of(plant: Plant) -> Callable[..., Any]:
     rotary = _path(plant.State, plant.contact, "bristle_rotary", otherwise=0.0)
     scalar = _path(plant.State, plant.contact, "bristle_deflection", otherwise=0.0)
     in_plane = "bristle_axial" in getattr(contact, "_fields", ())
-    turns = {"surface_speed"} & {*plant.State._fields, *plant.Inputs._fields}
+    turns = {"surface_speed"} & {*members(plant.State), *members(plant.Inputs)}
 
     @equation
     def along(moment: Moment, rates: Any) -> Any:

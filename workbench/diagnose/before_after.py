@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.diagnose.residuals import pump
 from workbench.diagnose.residuals.fit import Fit, fit
-from workbench.diagnose.residuals.flow import pump_speed_errors
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
@@ -60,17 +60,19 @@ def _errors(
     for result in results:
         over = replace(result.balance, motions=behind_backlash(whole, motions, values))
         balances[over.name] = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
-    pumped = all(motion.has("pump_speed") and not motion.has("valve_voltage") for motion in motions)
     run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated.values)
-    return Errors(balances, _of_pump(motions, values) if pumped else None, run.position, run.load_pressure)
+    return Errors(balances, _of_pump(results, motions, values), run.position, run.load_pressure)
 
 
-def _of_pump(motions: Sequence[Motion], values: Values) -> float | None:
-    """Rms over plateaus of the pump's speed (rad/s); None where there are none, or no displacement."""
-    if "pump_displacement" not in values:
+def _of_pump(results: Sequence[BalanceResult], motions: Sequence[Motion], values: Values) -> float | None:
+    """Rms over plateaus of the pump's speed (rad/s); None without a pump."""
+    flow = next((result.balance for result in results if result.balance.name == "flow"), None)
+    if flow is None or not all(motion.has(pump.SPEED) for motion in motions) or motions[0].has("valve_voltage"):
         return None
-    errors = np.concatenate([pump_speed_errors(motion, values) for motion in motions])
-    return float(np.sqrt(np.mean(errors**2))) if errors.size else None
+    displacement = values["pump_displacement"]
+    return pump.rms_of(
+        [pump.plateau_means(motion.thinned, flow.residuals(motion, values)[0], displacement) for motion in motions]
+    )
 
 
 def _drifts(fitted: Errors, tested: Errors) -> bool:

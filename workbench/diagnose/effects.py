@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from plants.effect_list import EFFECTS
 
+from plants.effects.registry import effects as registered
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.residuals.flow import pressure_sum
 from workbench.diagnose.residuals.motion import Motion, load_pressure
 from workbench.diagnose.result import Estimate, Evidence, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import Step, gain
@@ -29,7 +28,7 @@ def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> Fou
     """An offset of pressure 1: the sum of both pressures is off by a constant, and by little else."""
     if not motions[0].has("pressure_1", "pressure_2") or "supply_pressure" not in values:
         return None
-    sums = np.concatenate([pressure_sum(motion, values)[motion.valid] for motion in motions])
+    sums = np.concatenate([_pressure_sum(motion, values)[motion.valid] for motion in motions])
     mean, rms = float(np.mean(sums)), float(np.sqrt(np.mean(sums**2)))
     blocks = np.array([np.mean(part) for part in np.array_split(sums, 10)])
     std = float(np.std(blocks, ddof=1) / np.sqrt(blocks.size))
@@ -44,6 +43,12 @@ def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> Fou
         [],
         Evidence(sum_rms=rms, left_rms=left),
     )
+
+
+def _pressure_sum(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """P_1 + P_2 - P_s - P_T (Pa): 0 for a valve of matched edges and equal areas."""
+    total = motion.channels["pressure_1"] + motion.channels["pressure_2"]
+    return np.asarray(total - values["supply_pressure"] - values["tank_pressure"])
 
 
 def effects_of_steps(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[FoundEffect]:
@@ -64,7 +69,7 @@ def effects_of_steps(balance: Balance, after: Fit, steps: Sequence[Step]) -> lis
         together = _speed_and_pressure(balance.motions) if added.effect == "pressure_dependent_friction" else None
         effects[added.effect] = FoundEffect(
             added.effect,
-            EFFECTS[added.effect].balance,
+            registered()[added.effect].balance,
             _estimates(after, added.variant),
             step.alternatives,
             Evidence(share, sure, together),

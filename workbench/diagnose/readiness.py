@@ -1,11 +1,11 @@
 """Whether an experiment can be diagnosed at all: what its file says, then what its records hold, before any fit."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.balances import allowed, own_parameters
+from workbench.diagnose.residuals.balances import Diagnosed, allowed, own_parameters
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.errors import UserError
@@ -35,7 +35,7 @@ def check_experiment(experiment: Experiment) -> None:
     if not any(spec.use == "fit" for spec in experiment.records):
         raise UserError(f'{experiment.path}: no record is there for the fit; give one use = "fit"')
     declared = declared_values(experiment)
-    balances = allowed(experiment.channels, declared)
+    balances = allowed(experiment.plant, experiment.flow, experiment.channels)
     if not balances:
         raise UserError(
             f"{experiment.path}: its channels allow no balance: a flow needs position, both pressures and the valve's "
@@ -82,10 +82,11 @@ def _check(motion: Motion) -> None:
         raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
 
 
-def _check_free(experiment: Experiment, declared: Values, balances: Mapping[str, Collection[str]]) -> None:
+def _check_free(experiment: Experiment, declared: Values, balances: Sequence[Diagnosed]) -> None:
     """What an experiment asks to be free has to be in a balance, and off 0 where a fit moves it by factors."""
     free = experiment.free or ()
-    known = {name for balance, own in balances.items() for name in own_parameters(balance, own, free, declared)}
+    known = {name for own in own_parameters(balances, free, declared).values() for name in own}
+    known_as = [item.name for item in balances]
     for name in free:
         if name in known:
             continue
@@ -94,5 +95,5 @@ def _check_free(experiment: Experiment, declared: Values, balances: Mapping[str,
                 f"is declared 0, and a fit moves it by factors; give it a start in [plant.set], or leave {name} out"
             )
         else:
-            reason = f"is in no balance that the records' channels allow ({' and '.join(balances)}); leave it out"
+            reason = f"is in no balance that the records' channels allow ({' and '.join(known_as)}); leave it out"
         raise UserError(f'{experiment.path}: [fit] free: "{name}" {reason}')

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from workbench.diagnose.residuals.balances import balances_of
+from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored
@@ -66,13 +66,14 @@ def residual_stage(
     baseline, values = dict(declared), dict(declared)
     if offset is not None:
         values |= {name: number.value for name, number in offset.parameters.items()}
-    balances = balances_of(motions, values, experiment.free)
+    balances = balances_of(experiment.plant, experiment.flow, motions, values, experiment.free)
     progress("noise floors", 0.02)
     first = dict(values)
     for balance in balances:
         first |= fit(balance, first, balance.free, experiment.bounds).values
     results = list[BalanceResult]()
-    for balance in floored(balances, first, experiment.flow):
+    whole = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
+    for balance in floored(whole, balances, first):
         progress(f"effects on the {balance.name} balance", 0.1 + 0.1 * len(results))
         after, steps = select(balance, values, experiment.bounds)
         if _leaves_too_much(steps[0].before, after, steps):

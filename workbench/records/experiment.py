@@ -6,12 +6,14 @@ from glob import glob
 from pathlib import Path
 from typing import Any
 
+from plants.effects.attach import meant
 from plants.equation import NEGATIVE, fields, to_array
 from plants.interface import Plant
 from plants.registry import PLANTS
 from workbench.errors import UserError, nearest
 from workbench.parameters.sets import (
     FLOW_SHARE,
+    NEUTRAL,
     build,
     known_units,
     parameter_path,
@@ -68,7 +70,8 @@ class Experiment:
     """An experiment file, checked and in SI; the records are not read yet.
 
     `values` are the declared parameters by canonical name: where a parameter's two directions have one value there is
-    no `_negative` name. `free` is None where the file says nothing. `accuracies` are the standard deviations of the
+    no `_negative` name. The plant has those effects of which a parameter is not neutral, or is named in [fit]. `free`
+    is None where the file says nothing. `accuracies` are the standard deviations of the
     sensors' systematic errors (`NUISANCES`) that a fit may find.
     """
 
@@ -125,8 +128,10 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def _resolved(content: ExperimentFile, path: Path) -> Experiment:
-    plant = _plant(content.plant.model)
     values = _declared(content.plant, path.parent)
+    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
+    bare = _plant(content.plant.model)
+    plant = bare.with_effects(*meant(bare, [*acting, *(content.fit.free or ()), *content.fit.bounds]))
     try:
         build(plant.Parameters, values, content.plant.flow)
     except UserError as error:

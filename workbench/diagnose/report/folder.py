@@ -16,9 +16,9 @@ from workbench.diagnose.report.parameters import (
 )
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.report.verdict import verdict_sentence
-from workbench.diagnose.residuals.unknowns import NEUTRAL
 from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.parameters.corrected import Entry, parameter_file
+from workbench.parameters.sets import NEUTRAL
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
 from workbench.publish.style import figure_style

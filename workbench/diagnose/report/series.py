@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from plants.effect_list import EFFECTS
 
+from plants.effects.registry import effects
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
@@ -80,7 +80,7 @@ def shown_signals(diagnosis: Diagnosis, balance: Balance, part: "Part") -> list[
     if part.signal("load_pressure") is None:
         wanted |= {"pressure_1", "pressure_2"}
     for effect in diagnosis.effects:
-        wanted |= set(EFFECTS[effect.name].acts_on)
+        wanted |= set(effects()[effect.name].acts_on)
     if diagnosis.unexplained is not None and diagnosis.unexplained.balance == balance.name:
         wanted |= set(diagnosis.unexplained.dependence.signals)
     return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]

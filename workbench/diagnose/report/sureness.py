@@ -4,8 +4,7 @@ floor, what simulation says, and which parameters the records do not identify.
 
 from collections.abc import Mapping
 
-from plants.effect_list import EFFECTS
-
+from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
@@ -67,8 +66,8 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
 def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     """What an effect is, and what speaks for it."""
     evidence = effect.evidence
-    text = f"{plain_name(effect.name).capitalize()}: {EFFECTS[effect.name].words} "
-    text += f"({EFFECTS[effect.name].source})."
+    text = f"{plain_name(effect.name).capitalize()}: {effects()[effect.name].words} "
+    text += f"({effects()[effect.name].source})."
     if evidence.left_out_gain is not None:
         count = len(effect.parameters)
         least = max(least_gain(effect.name, count, result.balance) for result in diagnosis.results)

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 
@@ -16,7 +17,7 @@ LEAST_BLOCKS = 4
 """Parts of each record at least: blocks of several records must not be so few that none can be sure."""
 
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
-"""The residuals of a balance along a motion, one array or more."""
+"""The residuals of a balance at the thinned instants of a motion, one array or more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +25,9 @@ class Balance:
     """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
 
     The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
-    `free` are the declared plant's own parameters that a fit moves before anything is called an effect. `parts` is the
-    number of residuals that each motion gives. A `sharp` balance cannot be told where smoothing blurs what happened,
-    and follows a contact from sample to sample; any other is evaluated on thinned motions alone.
+    `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
+    these `scales`. `parts` is the number of residuals that each motion gives. A `sharp` balance follows a contact, and
+    cannot be told where smoothing blurs what happened.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Balance:
     floor: float
     unit: str
     free: tuple[str, ...]
+    scales: Scales
     effects: tuple[str, ...] = ()
     parts: int = 1
     sharp: bool = False
@@ -47,9 +49,7 @@ class Balance:
 
     def residuals(self, motion: Motion, values: Values) -> list[np.ndarray]:
         """Residuals (in `unit`) of a motion at its thinned instants."""
-        if self.sharp:
-            return [part[:: motion.thinning] for part in self.residual(motion, values)]
-        return list(self.residual(motion.thinned, values))
+        return list(self.residual(motion, values))
 
     def stacked(self, values: Values) -> np.ndarray:
         """Residuals of all records over the floor, 0 where nothing is known."""

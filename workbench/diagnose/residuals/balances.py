@@ -1,122 +1,253 @@
-"""The balances that a record's channels allow, each with its floor and with what may be fitted on it."""
+"""The balances that an experiment's records allow, each with its floor and with what may be fitted on it."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-from plants.effect_list import EFFECTS
 
-from plants.equation import NEGATIVE, fields
-from workbench.diagnose.residuals import flow, force
+from plants.drive import DRIVE_FORCE
+from plants.effects.attach import lacks, possible
+from plants.effects.interface import COMMAND, Effect, Scales
+from plants.effects.registry import effects
+from plants.equation import NEGATIVE, ROTARY
+from plants.interface import Plant
+from plants.non_rotating import NON_ROTATING
+from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.residuals import pump
+from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion
-from workbench.parameters.sets import EITHER_SIGN
+from workbench.diagnose.residuals.shown import balances_shown, channel_of, dependences, deviation, shown
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
+from workbench.records.schema import FRICTION
 
-FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
-FLOW = ("valve_flow_gain", "bulk_modulus")
-PUMP = ("pump_displacement",)
+FORCE, FLOW = "force", "flow"
+
+OWN: Mapping[str, tuple[str, ...]] = {
+    FORCE: FRICTION,
+    FLOW: ("valve_flow_gain", "bulk_modulus"),
+    "rotation": tuple(f"{name}_{ROTARY}" for name in FRICTION),
+}
 """What the baseline may move on each balance where an experiment does not say."""
+
+OWN_OF_PUMP = ("pump_displacement",)
+"""The same on the flow of a pump: the oil's compression counts little on plateaus of its speed."""
+
+AREA = "piston_area_1"
+"""On which a pressure drives beside a measured force: no parameter of a mass that a force moves."""
+
+KINDS: Mapping[str, tuple[str, ...]] = {FLOW: (FLOW, "valve")}
+"""The balances whose effects show on one; else its own."""
+
+SHOWS_ON_FLOW = "backlash"
+"""An effect of a sensor that hides a part of the flow."""
+
+PRESSURES = ("pressure_1", "pressure_2")
+LEVELS = (("coulomb", "stribeck"), (f"coulomb_{NEGATIVE}", f"stribeck_{NEGATIVE}"))
 
 PUMP_EFFECTS = ("unequal_areas", "internal_leakage")
 """What a pump without a valve may have that shows while its speed is steady."""
 
-FORCE = {item.name for item in fields(force.ForceParameters)} - {"stroke"} | {"force_gain", "piston_area_1"}
-"""What it may move on the force balance where an experiment does."""
+
+class Diagnosed(NamedTuple):
+    """A balance by name, and the plant along which it is taken."""
+
+    name: str
+    along: Along
 
 
-def allowed(channels: Collection[str], values: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
-    """The balances that these channels allow, with what the baseline may move on each where nothing is said.
-
-    Flow before force: what is wrong with the flow disturbs the motion, not the other way round.
-    """
-
-    def has(*names: str) -> bool:
-        return all(name in channels for name in names)
-
-    found: dict[str, tuple[str, ...]] = {}
-    if has("valve_voltage", "position", "pressure_1", "pressure_2") and "valve_flow_gain" in values:
-        found["flow"] = FLOW
-    elif has("pump_speed", "position") and "pump_displacement" in values:
-        found["flow"] = PUMP
-    pressures = has("pressure_1", "pressure_2") and "piston_area_1" in values
-    if has("position") and (has("force") or pressures or has("command")):
-        found["force"] = FRICTION
-    return found
+def richest(plant: Plant) -> Plant:
+    """The plant that tells most of the same machine: for a valve's actuator the one with a pressure in each chamber."""
+    bare = plant.bare or plant
+    return TWO_CHAMBER if bare is NON_ROTATING else bare
 
 
-def balances_of(motions: Sequence[Motion], values: Mapping[str, float], free: Sequence[str] | None) -> list[Balance]:
-    """The balances that the channels of the records allow."""
-    found = []
-    for name, own in allowed(motions[0].channels, values).items():
-        if own is FLOW:
-            found.append(
-                _balance(name, motions, flow.flow_residuals, flow.flow_noise, values, own, free, "m^3/s", parts=2)
-            )
-        elif own is PUMP:
-            found.append(_balance(name, motions, _pump, _pump_noise, values, own, free, "m^3/s", only=PUMP_EFFECTS))
-        else:
-            found.append(_balance(name, motions, _force, force.force_noise, values, own, free, "N", sharp=True))
-    return found
+def diagnosed_plant(plant: Plant, flow: str, channels: Collection[str]) -> Along:
+    """How a declared plant goes along records with these channels."""
+    return Along(with_possible_effects(richest(plant), channels), flow)
 
 
-def _force(motion: Motion, values: Mapping[str, float]) -> tuple[np.ndarray]:
-    return (force.force_residual(motion, values),)
+def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
+    """The plant with all effects that it can have and that these channels can tell."""
+    return plant.with_effects(*(effects()[name] for name in effects_told(plant, channels)))
 
 
-def _pump(motion: Motion, values: Mapping[str, float]) -> tuple[np.ndarray]:
-    return (flow.pump_residual(motion, values),)
-
-
-def _pump_noise(motion: Motion, values: Mapping[str, float]) -> float:
-    flat, slope, _ = motion.smooth
-    parts = [values["piston_area_1"] * slope * motion.noise["position"]]
-    parts.append(values["pump_displacement"] * flat * motion.noise["pump_speed"])
-    return float(np.linalg.norm(parts))
-
-
-def _balance(
-    name: str,
-    motions: Sequence[Motion],
-    residual: Callable[..., Any],
-    noise: Callable[..., float],
-    values: Mapping[str, float],
-    own: Sequence[str],
-    free: Sequence[str] | None,
-    unit: str,
-    *,
-    parts: int = 1,
-    sharp: bool = False,
-    only: Sequence[str] = tuple(EFFECTS),
-) -> Balance:
-    floor = float(np.sqrt(np.mean([noise(motion, values) ** 2 for motion in motions])))
-    known = own_parameters(name, own, free, values)
-    kinds = ("force",) if name == "force" else ("flow", "valve")
-    effects = tuple(
-        effect.name
-        for effect in EFFECTS.values()
-        if (effect.balance in kinds or (name == "flow" and effect.name == "backlash"))
-        and effect.name in only
-        and motions[0].has(*effect.needs)
-        and _possible(effect.numbers, values, known)
+def can_be_told(effect: Effect, plant: Plant, channels: Collection[str]) -> bool:
+    """Whether a record has the channels that an effect needs."""
+    return all(
+        channel_of(channels, plant.command) is not None if name == COMMAND else name in channels
+        for name in effect.needs
     )
-    return Balance(name, motions, residual, max(floor, 1e-30), unit, tuple(known), effects, parts, sharp)
 
 
-def own_parameters(
-    name: str, own: Collection[str], free: Sequence[str] | None, values: Mapping[str, float]
-) -> list[str]:
-    """The plant's parameters that a fit of a balance may move: its `own` unless an experiment says which are `free`."""
-    admitted = FORCE if name == "force" else own
-    chosen = [one for one in (own if free is None else free) if one.removesuffix(f"_{NEGATIVE}") in admitted]
-    return [one for one in chosen if values.get(one, 0.0) > 0.0 or one in EITHER_SIGN]
+def allowed(plant: Plant, flow: str, channels: Collection[str]) -> list[Diagnosed]:
+    """The balances that channels allow. Where a force is measured it is that of a mass under a force."""
+    whole = diagnosed_plant(plant, flow, channels)
+    balances = [Diagnosed(name, whole) for name in balances_shown(whole.plant, channels)]
+    if FORCE not in channels or whole.plant.bare is DRIVE_FORCE:
+        return balances
+    mass = Along(with_possible_effects(DRIVE_FORCE, channels), flow)
+    others = [item for item in balances if item.name != FORCE]
+    return [*others, *(Diagnosed(name, mass) for name in balances_shown(mass.plant, channels))]
 
 
-def _possible(numbers: Mapping[str, Any], values: Mapping[str, float], free: Sequence[str]) -> bool:
-    """Whether the plant is declared without the effect, with what it would change, and the baseline has it not."""
-    return (
-        not any(name in free for name in numbers)
-        and all(
-            values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in numbers
+def effects_told(plant: Plant, channels: Collection[str]) -> tuple[str, ...]:
+    """All effects that a plant can have and that these channels can tell, in their order."""
+    return tuple(effect.name for effect in possible(plant) if can_be_told(effect, plant, channels))
+
+
+def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, values: Values) -> dict[str, list[str]]:
+    """The plant's parameters that a fit of each balance may move: its own unless an experiment says which are `free`.
+
+    A free one is moved on the balance whose own it is, else on that of forces, else on the first that it counts in.
+    """
+    chosen: dict[str, list[str]] = {item.name: [] for item in balances}
+    own = {item.name: _own(item) for item in balances}
+    counting = {item.name: _counting(item) for item in balances}
+    order = sorted(chosen, key=lambda name: name != FORCE)
+    wanted = [name for item in balances for name in own[item.name]] if free is None else free
+    for name in wanted:
+        plain = name.removesuffix(f"_{NEGATIVE}")
+        if not (values.get(name, 0.0) > 0.0 or name in EITHER_SIGN):
+            continue
+        places = [balance for balance in order if name in counting[balance]]
+        place = next((balance for balance in places if plain in own[balance]), places[0] if places else None)
+        if place is not None:
+            chosen[place].append(name)
+    return chosen
+
+
+def _own(item: Diagnosed) -> tuple[str, ...]:
+    is_pump = item.name == FLOW and item.along.plant.command == pump.SPEED
+    return OWN_OF_PUMP if is_pump else OWN.get(item.name, ())
+
+
+def _counting(item: Diagnosed) -> set[str]:
+    """The parameters on which a balance depends, by itself or by what it makes of states that nothing shows."""
+    plant = item.along.plant
+    depends, states = dependences(plant), plant.balances[item.name].states
+    reached = {*states, *depends.reached(states, [])}
+    names = {name for state in reached for name in depends.parameters[state]} - {FLOW_SHARE}
+    return names | ({AREA} if (plant.bare or plant) is DRIVE_FORCE else set())
+
+
+def balances_of(
+    plant: Plant, flow: str, motions: Sequence[Motion], values: Values, free: Sequence[str] | None
+) -> list[Balance]:
+    """The balances that the channels of the records allow."""
+    balances = allowed(plant, flow, motions[0].channels)
+    own, scales = own_parameters(balances, free, values), scales_of(motions, values)
+    made = []
+    for item in balances:
+        floor = float(np.sqrt(np.mean([noise(item, motion, values) ** 2 for motion in motions])))
+        chosen = item.along.plant.balances[item.name]
+        made.append(
+            Balance(
+                item.name,
+                motions,
+                partial(_residuals, item),
+                max(floor, 1e-30),
+                chosen.unit,
+                tuple(own[item.name]),
+                scales,
+                _effects_on(item, motions[0].channels, values, own[item.name]),
+                parts=len(chosen.states),
+                sharp=bool(item.along.hidden(motions[0], chosen.states) & item.along.contact),
+            )
         )
-        and not any(name.endswith(NEGATIVE) and name in values for name in numbers)
+    return made
+
+
+def _residuals(item: Diagnosed, motion: Motion, values: Values) -> list[np.ndarray]:
+    """See `Along.residuals`; a pump's flow is known on plateaus of its speed alone."""
+    residuals = item.along.residuals(motion, values, item.name)
+    if item.name != FLOW or item.along.plant.command != pump.SPEED:
+        return residuals
+    steady = pump.on_plateau(motion)[:: motion.thinning]
+    return [np.where(steady, residual, 0.0) for residual in residuals]
+
+
+def _effects_on(item: Diagnosed, channels: Collection[str], values: Values, own: Collection[str]) -> tuple[str, ...]:
+    """The effects that may show on a balance, without which the plant is declared."""
+    plant, kinds = item.along.plant, KINDS.get(item.name, (item.name,))
+    shown_here = [
+        effect
+        for effect in effects().values()
+        if (effect.balance in kinds or (item.name == FLOW and effect.name == SHOWS_ON_FLOW))
+        and not lacks(plant.bare or plant, effect)
+        and can_be_told(effect, plant, channels)
+    ]
+    if _own(item) is OWN_OF_PUMP:
+        shown_here = [effect for effect in shown_here if effect.name in PUMP_EFFECTS]
+    return tuple(effect.name for effect in shown_here if _is_new(effect, values, own))
+
+
+def _is_new(effect: Effect, values: Values, free: Collection[str]) -> bool:
+    """Whether the plant is declared without the effect, with what it would change, and the baseline has it not."""
+    names = effect.numbers
+    return (
+        not any(name in free for name in names)
+        and all(
+            values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in names
+        )
+        and not any(name.endswith(NEGATIVE) and name in values for name in names)
+    )
+
+
+def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
+    """Standard deviation that the sensors' noise alone leaves in a residual where the machine moves, to first order in
+    it, in the balance's unit; of several states the mean square.
+    """
+    motion = motion.walked
+    along, balance, every = item.along, item.along.plant.balances[item.name], motion.thinning
+    depends = dependences(along.plant)
+    tracked = along.tracked(motion, values, along.hidden(motion, balance.states))
+    moving = (motion.valid & ~motion.resting)[::every]
+    rows = np.flatnonzero(moving if np.any(moving) else motion.valid[::every]) * every
+    states, inputs = tracked.states(rows.tolist()), tracked.inputs[rows]
+
+    def rates(name: str, moved: np.ndarray, fed: np.ndarray) -> np.ndarray:
+        return along.rates(motion.time[rows], moved, fed, tracked.parameters)[:, along.names.index(name)]
+
+    squares = []
+    for name, scale in zip(balance.states, balance.scale(tracked.parameters), strict=True):
+        base, off = rates(name, states, inputs), [deviation(name, motion, values, rate=True)]
+        for other in depends.states[name]:
+            if shown(motion.channels, other):
+                moved = states.copy()
+                moved[:, along.names.index(other)] += deviation(other, motion, values)
+                off.append(_change(rates(name, moved, inputs), base))
+        for given in depends.inputs[name]:
+            channel = channel_of(motion.channels, given)
+            if channel is not None:
+                fed = inputs.copy()
+                fed[:, along.plant.input_index(given)] += motion.smooth[0] * motion.noise[channel]
+                off.append(_change(rates(name, states, fed), base))
+        squares.append(float(scale) ** 2 * sum(each**2 for each in off))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _change(moved: np.ndarray, base: np.ndarray) -> float:
+    return float(np.sqrt(np.mean((moved - base) ** 2)))
+
+
+def scales_of(motions: Sequence[Motion], values: Values) -> Scales:
+    """What is large on the machine of these records, by what is declared of it and by how it moves."""
+    speed = max(float(np.max(np.abs(motion.velocity[motion.valid]))) for motion in motions)
+    way = max(float(np.ptp(motion.position[motion.valid])) for motion in motions)
+    stroke = values.get("stroke", np.inf)
+    pressures = [
+        float(np.max(np.abs(motion.channels[name]))) for motion in motions for name in PRESSURES if motion.has(name)
+    ]
+    static = [values.get(name, 0.0) + values.get(other, 0.0) for name, other in LEVELS]
+    return Scales(
+        force=max(*static, values.get("mass", 1.0) * max(float(np.std(motion.acceleration)) for motion in motions)),
+        travel=stroke if np.isfinite(stroke) else way,
+        speed=speed,
+        pressure=values.get("supply_pressure", max(pressures, default=1.0)),
+        flow=values.get(AREA, 1.0) * speed,
+        spool=values.get("spool_limit", 1.0),
+        duration=max(float(motion.time[-1]) for motion in motions),
     )

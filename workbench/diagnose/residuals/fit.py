@@ -95,7 +95,7 @@ def fit(
     search: Search = Search(),
 ) -> Fit:
     """The best values of the parameters `names`, all others as in `values`."""
-    unknowns = [unknown(name, values, bounds or {}) for name in names]
+    unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
     def at(x: np.ndarray) -> dict[str, float]:
         return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}

@@ -19,6 +19,10 @@ from workbench.records.reading import Record
 WINDOW = 0.06
 """s over which channels are smoothed: 61 points at 1 kHz."""
 
+WALKED = 0.002
+"""s between the instants at which a plant goes along a motion, at most: what is hidden is followed exactly between
+them, as long as what is measured hardly changes."""
+
 THINNED = 0.01
 """s between the samples that a fit sees: smoothed channels hold no more."""
 
@@ -31,6 +35,9 @@ CROSSING = 0.1
 SHARP = 6.0
 """Standard deviations of noise by which half the window has to differ from the whole for a channel to be blurred."""
 
+DIFFERENTIATED = ("pressure_1", "pressure_2", "rotation_speed", "motor_current")
+"""Channels that show a state of which a balance gives the rate."""
+
 FEWEST = 7
 """Points of the shortest window."""
 
@@ -42,8 +49,7 @@ class Motion:
     `resting` is True where the noise of the velocity hides any motion, `blurred` where something happened too fast
     for the smoothing: a contact that breaks away in a few milliseconds. `slack` is the side of a backlash on which
     the rod is, from -1/2 to 1/2 of its width, with two derivatives: it changes at reversals, while the sensor rests.
-    `measured` are the channels as they were, gaps bridged, and `voltage` is the valve's (V), which is held from sample
-    to sample: both at every instant of the record.
+    `measured` are the channels as they were, gaps bridged.
 
     `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
     the position's derivatives: factors in 1, 1/s, 1/s^2.
@@ -63,7 +69,6 @@ class Motion:
     noise: Mapping[str, float]
     smooth: tuple[float, float, float]
     slack: tuple[np.ndarray, np.ndarray, np.ndarray]
-    voltage: np.ndarray | None
 
     @property
     def creep(self) -> float:
@@ -78,14 +83,30 @@ class Motion:
     @property
     def thinning(self) -> int:
         """Every how many samples a fit looks at."""
-        return max(round(THINNED / self.record.sample_time), 1)
+        return max(round(THINNED / self.sample_time), 1)
+
+    @property
+    def stride(self) -> int:
+        """Every how many samples a plant goes along: a divisor of the thinning."""
+        most = max(int(WALKED / self.sample_time + 1e-6), 1)
+        return max(step for step in range(1, most + 1) if self.thinning % step == 0)
 
     @cached_property
     def thinned(self) -> "Motion":
-        """The motion at the instants at which a fit looks; the voltage keeps all. A thinned one stays as it is."""
-        if self.time.size < self.record.time.size:
-            return self
-        every = self.thinning
+        """The motion at the instants at which a fit looks."""
+        return self._every(self.thinning)
+
+    @cached_property
+    def walked(self) -> "Motion":
+        """The motion at the instants at which a plant goes along; what was measured as means from one to the next."""
+        every = self.stride
+        starts = np.arange(0, self.time.size, every)
+        sizes = np.diff(np.append(starts, self.time.size))
+        means = {name: np.add.reduceat(values, starts) / sizes for name, values in self.measured.items()}
+        return replace(self._every(every), measured=means)
+
+    def _every(self, every: int) -> "Motion":
+        """The motion at every so many instants."""
         return replace(
             self,
             time=self.time[::every],
@@ -135,6 +156,13 @@ def with_backlash(motion: Motion, width: float) -> Motion:
         velocity=motion.velocity + width * rate,
         acceleration=motion.acceleration + width * bend,
     )
+
+
+def with_pressure_offset(motion: Motion, offset: float) -> Motion:
+    """The motion with the first pressure (Pa) as it is, where the sensor shows it by an offset too high."""
+    if offset == 0.0 or not motion.has("pressure_1"):
+        return motion
+    return replace(motion, channels={**motion.channels, "pressure_1": motion.channels["pressure_1"] - offset})
 
 
 def with_slack(motion: Motion, slack: np.ndarray) -> Motion:
@@ -192,7 +220,7 @@ def motion_of(record: Record) -> Motion:
     position = bridged.get("position", zeros)
     channels = {name: smoothed(values, points) for name, values in bridged.items()}
     rates: dict[str, np.ndarray] = {
-        name: smoothed(values, points, 1, step) for name, values in bridged.items() if name.startswith("pressure")
+        name: smoothed(values, points, 1, step) for name, values in bridged.items() if name in DIFFERENTIATED
     }
     smooth = tuple(float(np.linalg.norm(_kernel(points, order, step))) for order in range(3))
     noise = {name: white_noise(values) for name, values in record.channels.items()}
@@ -214,7 +242,6 @@ def motion_of(record: Record) -> Motion:
         noise=noise,
         smooth=(smooth[0], smooth[1], smooth[2]),
         slack=_with_rates(slack, points, step),
-        voltage=bridged.get("valve_voltage"),
     )
 
 

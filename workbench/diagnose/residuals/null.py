@@ -12,13 +12,19 @@ import numpy as np
 
 from controllers import pid
 from controllers.pid import PID
-from plants.two_chamber import TWO_CHAMBER
+from plants.equation import fields
+from plants.hydraulics import no_load_velocity_gain
+from plants.interface import Measurement
+from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.shown import channel_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build
 from workbench.simulation.simulate import Feed, Loop, Setup, simulate
+
+VALVE = "valve_voltage"
 
 TRACKING = 20.0
 """rad/s. Crossover of the loop that keeps the simulation beside the record: its own valve voltage drifts away."""
@@ -27,45 +33,41 @@ SEED = 20
 """Of the generator of the noise that is added: the same experiment gives the same floors."""
 
 
-def null_motion(motion: Motion, values: Values, flow: str, seed: int) -> Motion | None:
+def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Motion | None:
     """The motion of the plant with `values` in the place of the recorded one; None where the plant diverges."""
-    record = motion.record
-    parameters = build(TWO_CHAMBER.Parameters, values, flow)
-    h = parameters.hydraulics
-    if motion.voltage is None:
-        return None
-    state, inputs = TWO_CHAMBER.equilibrium(parameters, 0.0)
+    record, plant = motion.record, along.plant
+    parameters = build(plant.Parameters, values, along.flow)
+    state, inputs = along.at_rest(motion, values)
     known = np.isfinite(record.channels["position"])
     position = Sampled(record.time[known], motion.position[known])
-    voltage = Sampled(record.time, motion.voltage)
-    speed_gain = h.valve_flow_gain * h.valve_position_gain * np.sqrt(0.5 * h.supply_pressure) / h.piston_area_1
-    gains = PID.design(pid.Settings(kp=TRACKING / speed_gain), parameters, record.sample_time)
+    gain = TRACKING / float(no_load_velocity_gain(parameters.hydraulics))
+    feeds = [
+        Feed(name, Sampled(record.time, input_along(name, motion, values)), linear=name != plant.command)
+        for name in (item.name for item in fields(plant.Inputs))
+        if channel_of(record.channels, name) is not None
+    ]
     run = simulate(
         Setup(
-            plant=TWO_CHAMBER,
+            plant=plant,
             parameters=parameters,
             state=state._replace(position=float(motion.position[0])),
             inputs=inputs,
             duration=float(record.time[-1]),
-            loop=Loop(PID, gains),
+            loop=Loop(PID, PID.design(pid.Settings(kp=gain), parameters, record.sample_time)),
             reference=position,
-            feeds=(Feed("valve_voltage", voltage, linear=False),),
+            feeds=tuple(feeds),
             sample_time=record.sample_time,
         )
     )
     if run.diverged or run.time.size != record.time.size:
         return None
     noise = np.random.default_rng([SEED, seed])
-    shown = {
-        "position": run.measurements[:, 0],
-        "pressure_1": run.measurements[:, 1],
-        "pressure_2": run.measurements[:, 2],
-    }
     channels = {
-        name: values_of + motion.noise[name] * noise.standard_normal(values_of.size)
-        for name, values_of in shown.items()
+        name: run.measurements[:, place] + motion.noise[name] * noise.standard_normal(run.time.size)
+        for place, name in enumerate(Measurement._fields)
+        if name in record.channels and name in plant.channels
     }
-    channels["valve_voltage"] = run.command
+    channels[channel_of(record.channels, plant.command) or plant.command] = run.command
     for name, values_of in record.channels.items():
         channels.setdefault(name, values_of)
     return motion_of(replace(record, channels=channels))
@@ -84,11 +86,11 @@ def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> B
     return replace(balance, floor=floor, simulated=True)
 
 
-def floored(balances: Sequence[Balance], values: Values, flow: str) -> list[Balance]:
-    """All balances with such floors, of a valve-driven actuator whose `values` serve it; others as they are."""
+def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:
+    """All balances with such floors, of a valve-driven actuator with both pressures; others as they are."""
     motions = balances[0].motions
-    if not motions[0].has("valve_voltage", "position", "pressure_1", "pressure_2"):
+    if along.plant.command != VALVE or not motions[0].has(VALVE, "position", "pressure_1", "pressure_2"):
         return list(balances)
-    null = [null_motion(motion, values, flow, i) for i, motion in enumerate(motions)]
+    null = [null_motion(along, motion, values, i) for i, motion in enumerate(motions)]
     complete = [motion for motion in null if motion is not None]
     return [with_floor(balance, complete, values) if complete else balance for balance in balances]

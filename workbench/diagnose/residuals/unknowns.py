@@ -4,17 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from plants.effect_list import EFFECTS, FREE
 
-from plants.equation import NEGATIVE, fields
-from plants.two_chamber import TWO_CHAMBER
-from workbench.parameters.sets import EITHER_SIGN
+from plants.effects.interface import FREE, Number, Scales
+from plants.effects.registry import effects
+from plants.equation import NEGATIVE
+from workbench.parameters.sets import EITHER_SIGN, NEUTRAL
 
 WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
-
-NEUTRAL = {item.name: item.default for item in fields(TWO_CHAMBER.Parameters) if item.default is not None}
-"""Values of the effects' parameters at which they do nothing."""
 
 Values = Mapping[str, float]
 
@@ -45,13 +42,15 @@ class Unknown:
         return self.place(self.start)
 
 
-def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Unknown:
-    known = {number: limits for effect in EFFECTS.values() for number, limits in effect.numbers.items()}
+def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]], scales: Scales) -> Unknown:
+    """A parameter as a search sees it that starts at these values, on a machine of these scales."""
     plain = name.removesuffix(f"_{NEGATIVE}")
     start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
     low, high = bounds.get(name, (-np.inf, np.inf))
-    if name in known and known[name].size:
-        least, most, size = known[name]
+    number = _number_of(name)
+    if number is not None and number.size:
+        unit = number.scale(scales)
+        least, most, size = number.low * unit, number.high * unit, number.size * unit
         if start == NEUTRAL.get(name, 0.0) or name not in values:
             start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
         return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
@@ -61,3 +60,7 @@ def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]
         most = float(np.log(high / start)) if np.isfinite(high) else widest
         return Unknown(name, start, start, True, least, most)
     return Unknown(name, start, max(abs(start), 1.0), False, low, high)
+
+
+def _number_of(name: str) -> Number | None:
+    return next((effect.numbers[name] for effect in effects().values() if name in effect.numbers), None)

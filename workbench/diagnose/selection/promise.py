@@ -15,7 +15,7 @@ SHARES = (1.0, 0.6, 0.3)
 def promise(before: Fit, names: Sequence[str], bounds: Mapping[str, tuple[float, float]]) -> float:
     """Residual rms (floors) after one Gauss-Newton step of a fit that also frees `names`: what a candidate promises."""
     balance, values = before.balance, before.values
-    added = [unknown(name, values, bounds) for name in names if name not in before.names]
+    added = [unknown(name, values, bounds, balance.scales) for name in names if name not in before.names]
     kept = [replace(u, start=values[u.name]) if u.logarithmic else u for u in before.unknowns]
     x = [0.0 if u.logarithmic else values[u.name] / u.size for u in kept]
     start = np.array(x + [float(np.clip(u.first, u.low, u.high)) for u in added])

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from plants.effect_list import EFFECTS
 
+from plants.effects.registry import effects
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.unknowns import Values
@@ -102,7 +102,7 @@ def candidates_for(
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        more = [variant for variant in EFFECTS[name].variants if name not in taken or extends(variant, names)]
+        more = [variant for variant in effects()[name].variants if name not in taken or extends(variant, names)]
         if more:
             promises[name] = {variant: promise(before, variant, bounds) for variant in more}
     best = []
@@ -122,7 +122,7 @@ def _by_score(candidate: Candidate) -> float:
 
 def extends(variant: Sequence[str], names: Sequence[str]) -> bool:
     """Whether a variant has all of its effect's parameters that are free already, and more."""
-    own = next(set(effect.numbers) for effect in EFFECTS.values() if set(variant) <= set(effect.numbers))
+    own = next(set(effect.numbers) for effect in effects().values() if set(variant) <= set(effect.numbers))
     return own & set(names) < set(variant)
 
 
@@ -153,7 +153,7 @@ def round_of(before: Fit, candidates: Sequence[Candidate], passing: Sequence[Can
 
 def is_circular(effect: str, balance: Balance) -> bool:
     """Whether an effect is made of what it is to explain: of the pressures, where they are what drives the mass."""
-    return EFFECTS[effect].circular and not balance.motions[0].has("force")
+    return effects()[effect].circular and not balance.motions[0].has("force")
 
 
 def least_gain(effect: str, count: int, balance: Balance) -> float:

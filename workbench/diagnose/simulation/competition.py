@@ -4,10 +4,11 @@ from collections.abc import Mapping
 
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.fit import Fit, fit
-from workbench.diagnose.residuals.unknowns import NEUTRAL, Values
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import AT_FLOOR, LEAST_GAIN, MOST, SURE, Candidate, Step, gain, round_of
 from workbench.diagnose.simulation.fits import polished
 from workbench.diagnose.simulation.promising import EXPLAINS, QUICK, explained, promising
+from workbench.parameters.sets import NEUTRAL
 from workbench.progress import Progress
 
 PLAINLY = 1.0

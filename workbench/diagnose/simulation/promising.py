@@ -4,13 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from plants.effect_list import EFFECTS
 
+from plants.effects.interface import Scales
+from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, Search, fit
-from workbench.diagnose.residuals.unknowns import NEUTRAL, Values, unknown
+from workbench.diagnose.residuals.unknowns import Values, unknown
 from workbench.diagnose.selection.selection import Candidate, extends
+from workbench.parameters.sets import NEUTRAL
 
 QUICK = Search(flat=1e-3, near=1e-4, most_steps=10)
 """When a fit ends by which effects are ranked: one that counts is worth several per cent of the error."""
@@ -52,12 +54,11 @@ def promising(
     before: Fit, taken: Mapping[str, Sequence[str]], bounds: Mapping[str, tuple[float, float]]
 ) -> list[Candidate]:
     """The effects that promise most, fitted, from the best."""
-    balance, motion = before.balance, before.balance.motions[0]
+    balance = before.balance
     columns: dict[str, np.ndarray] = {}
     promised = list[_Promise]()
-    for effect in EFFECTS.values():
-        if not motion.has(*effect.needs):
-            continue
+    for name in balance.effects:
+        effect = effects()[name]
         tried = []
         for variant in effect.variants:
             more = [name for name in variant if name not in before.names]
@@ -68,7 +69,7 @@ def promising(
                     columns[name] = _column(balance, before, name)
             left, sizes = _predicted(before, [columns[name] for name in more])
             share = _share(float(np.mean(before.residual**2)), left)
-            start = {name: _reached(before.values, name, size, bounds) for name, size in zip(more, sizes, strict=True)}
+            start = {name: _reached(before, name, size, bounds) for name, size in zip(more, sizes, strict=True)}
             tried.append(_Promise(share, effect.name, variant, start))
         if tried:
             promised.append(max(tried, key=lambda promise: promise.share - PRICE * len(promise.variant)))
@@ -83,15 +84,15 @@ def promising(
     return sorted(fitted, key=lambda candidate: candidate.score)
 
 
-def _step(values: Values, name: str) -> float:
+def _step(values: Values, name: str, scales: Scales) -> float:
     """The change of a parameter at which its worth is looked at."""
-    searched = unknown(name, values, {})
+    searched = unknown(name, values, {}, scales)
     return CHANGE * searched.size if searched.logarithmic else searched.size
 
 
 def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
     """What a change of one parameter does to the residual."""
-    moved = _value(before.values, name) + _step(before.values, name)
+    moved = _value(before.values, name) + _step(before.values, name, balance.scales)
     return np.nan_to_num(balance.stacked({**before.values, name: moved}), nan=1e6) - before.residual
 
 
@@ -106,11 +107,12 @@ def _predicted(before: Fit, columns: Sequence[np.ndarray]) -> tuple[float, np.nd
     return float(np.mean((before.residual + jacobian @ step) ** 2)), step[before.jacobian.shape[1] :]
 
 
-def _reached(values: Values, name: str, size: float, bounds: Mapping[str, tuple[float, float]]) -> float:
+def _reached(before: Fit, name: str, size: float, bounds: Mapping[str, tuple[float, float]]) -> float:
     """The value of a parameter that a prediction gives, within its bounds."""
-    searched = unknown(name, values, bounds)
+    values, scales = before.values, before.balance.scales
+    searched = unknown(name, values, bounds, scales)
     start = _value(values, name)
-    value = start + size * _step(values, name)
+    value = start + size * _step(values, name, scales)
     if searched.logarithmic:
         return float(np.clip(value, 0.5 * start, 2.0 * start))
     return float(np.clip(value, searched.low * searched.size, searched.high * searched.size))

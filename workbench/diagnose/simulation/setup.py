@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from plants.interface import Plant
-from plants.two_chamber import TWO_CHAMBER
+from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.shooting import VALVE, Shooting
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.errors import UserError
 from workbench.fitting.replay import observe
 from workbench.records.experiment import Experiment
+from workbench.records.reading import Record
 from workbench.simulation.simulate import Setup
 
 SEGMENT = 2.0
@@ -22,28 +22,30 @@ ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
 
 
-def simulated_by(plant: Plant) -> Plant:
-    """The plant that holds the effects of a declared one: the one with two chambers for a valve's actuator."""
-    return TWO_CHAMBER if plant.name == "non_rotating" else plant
-
-
 def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool = True) -> Shooting | None:
     """How to simulate `experiment`'s plant along motions from end to end; None where they hold no input of it.
 
     `held`: the valve's voltage holds from sample to sample, as a computer gives it, and is no straight line between.
     """
-    plant = simulated_by(experiment.plant)
-    believed = replace(experiment, plant=plant)
-    setups, channels = dict[int, Setup](), tuple[str, ...]()
+    along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
+    believed = replace(experiment, plant=along.plant)
+    setups, channels = dict[Record, Setup](), tuple[str, ...]()
     for motion in motions:
         try:
             observed = observe(motion.record, believed)
         except UserError:
             return None
-        feeds = tuple(replace(feed, linear=not (held and feed.input == VALVE)) for feed in observed.setup.feeds)
-        setups[id(motion.record)] = replace(observed.setup, feeds=feeds)
+        feeds = tuple(
+            replace(feed, linear=not (held and feed.input == along.plant.command)) for feed in observed.setup.feeds
+        )
+        setups[motion.record] = replace(observed.setup, feeds=feeds)
         channels = tuple(observed.measured)
-    return Shooting(plant, experiment.flow, setups, channels, held) if "position" in channels else None
+    if "position" not in channels:
+        return None
+    declared = experiment.known_values()
+    return Shooting(
+        along, setups, channels, held, scales_of(motions, declared), effects_told(along.plant, motions[0].channels)
+    )
 
 
 def as_far_as_it_follows(whole: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

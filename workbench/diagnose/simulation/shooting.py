@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plants.equation import fields
-from plants.interface import Measurement, Plant
+from plants.effects.interface import Scales
+from plants.interface import Measurement
+from workbench.diagnose.residuals.along import ARRIVES, Along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.starting_states import states_at
 from workbench.fitting.replay import Sampled
-from workbench.parameters.sets import build
+from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
 
 SIMULATION = "simulation"
@@ -29,24 +29,25 @@ SOLVER = 1e-5
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
 
-VALVE, ARRIVES = "valve_voltage", "command_delay"
-"""Input, and parameter of it, which is shifted as a whole here: the plant itself has a lag in its place."""
+VALVE = "valve_voltage"
+"""The command of an actuator with a valve."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
-    """How a plant is simulated along records: its setup by record's id, what it is compared by, and how often (s) it
-    starts anew.
+    """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
+    on a machine of which `scales`, and how often (s) it starts anew.
 
-    The valve's voltage is `held` from sample to sample or a straight line, as any other input. The plant starts with
-    what is measured, smoothed, and with a bristle that carries what the balance of forces leaves to it.
+    The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
+    what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it.
     """
 
-    plant: Plant
-    flow: str
-    setups: Mapping[int, Setup]
+    along: Along
+    setups: Mapping[Record, Setup]
     channels: tuple[str, ...]
     held: bool
+    scales: Scales
+    effects: tuple[str, ...]
     length: float = np.inf
 
     def balance(self, motions: Sequence[Motion], free: Sequence[str]) -> Balance:
@@ -54,7 +55,16 @@ class Shooting:
         noise.
         """
         return Balance(
-            SIMULATION, motions, self.errors, 1.0, "1", tuple(free), parts=len(self.channels), simulated=True
+            SIMULATION,
+            motions,
+            self.errors,
+            1.0,
+            "1",
+            tuple(free),
+            self.scales,
+            self.effects,
+            parts=len(self.channels),
+            simulated=True,
         )
 
     def errors(self, motion: Motion, values: Values) -> list[np.ndarray]:
@@ -97,7 +107,7 @@ class Shooting:
 
     def with_backlash_of(self, motion: Motion, values: Values) -> Motion:
         """The motion with the side of the backlash on which the simulated rod is; as it is without a backlash."""
-        width, names = values.get("backlash_width", 0.0), [item.name for item in fields(self.plant.State)]
+        width, names = values.get("backlash_width", 0.0), self.along.names
         if width == 0.0 or "sensor_gap" not in names:
             return motion
         gap = np.zeros(motion.record.time.size)
@@ -105,21 +115,25 @@ class Shooting:
             gap[k : k + run.time.size] = run.states[:, names.index("sensor_gap")]
         return with_slack(motion, -np.clip(gap / width, -0.5, 0.5))
 
+    def _delayed(self, feed: Feed, delay: float) -> Feed:
+        """The command as it arrives."""
+        if not delay or feed.input != self.along.plant.command or not isinstance(feed.signal, Sampled):
+            return feed
+        return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
+
     def _runs(self, motion: Motion, values: Values) -> Iterator[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
-        record, thin = motion.record, motion.thinned
-        setup = self.setups[id(record)]
-        still = dict.fromkeys([name for name in (*BY_ANGLE, ARRIVES) if name in values], 0.0)
-        parameters = build(self.plant.Parameters, {**values, **still}, self.flow)
-        feeds = [_delayed(feed, values.get(ARRIVES, 0.0)) for feed in setup.feeds]
+        record, along = motion.record, self.along
+        setup, without = self.setups[record], {name: value for name, value in values.items() if name not in BY_ANGLE}
+        parameters = along.parameters(without)
+        feeds = [self._delayed(feed, values.get(ARRIVES, 0.0)) for feed in setup.feeds]
         if any(values.get(name) for name in BY_ANGLE):
             angle = motion.measured["rotation_angle"]
             swing = values.get("cosine_force", 0.0) * np.cos(angle) + values.get("sine_force", 0.0) * np.sin(angle)
             feeds.append(Feed("disturbance_force", Sampled(record.time, swing)))
-        inputs = setup.inputs._replace(**{feed.input: 0.0 for feed in feeds})
+        inputs = along.at_rest(motion, without)[1]._replace(**{feed.input: 0.0 for feed in feeds})
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
-        states = states_at(self.plant, parameters, thin, values, [k // motion.thinning for k in starts])
-        for k, state in zip(starts, states, strict=True):
+        for k, state in zip(starts, along.starting_states(motion, values, starts), strict=True):
             yield (
                 k,
                 simulate(
@@ -133,13 +147,6 @@ class Shooting:
                     )
                 ),
             )
-
-
-def _delayed(feed: Feed, delay: float) -> Feed:
-    """The valve's voltage as it arrives."""
-    if not delay or feed.input != VALVE or not isinstance(feed.signal, Sampled):
-        return feed
-    return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
 
 
 def _from(feed: Feed, time: float) -> Feed:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plants.equation import fields
-from plants.two_chamber import TWO_CHAMBER
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -20,7 +19,7 @@ from workbench.diagnose.selection.selection import BalanceResult, Step
 from workbench.diagnose.simulation.competition import Effects, add_effects, without_idle
 from workbench.diagnose.simulation.fits import NOISE, TRUSTED, fit_simulation, mean_square, with_honest_deviations
 from workbench.diagnose.simulation.setup import as_far_as_it_follows, shooting_of
-from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.shooting import VALVE, Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
@@ -102,7 +101,7 @@ def simulation_stage(
     held = shooting_of(experiment, motions)
     if held is None:
         return None
-    holds = {item.name for item in fields(held.plant.Parameters)}
+    holds = {item.name for item in fields(held.along.plant.Parameters)}
     start = replace(
         start,
         free=[name for name in start.free if name in holds],
@@ -140,7 +139,7 @@ def _along(
         else:
             dropped = list(given)
     named, first, steps = current, effects, list[Step]()
-    if how.plant is TWO_CHAMBER:
+    if how.along.plant.command == VALVE:  # elsewhere nobody has asked yet what a simulation adds
         own = {name: start.declared[name] for name in start.free}
         current, effects, steps = add_effects(current, effects, own, bounds, progress)
         current, effects, idle = without_idle(current, effects, start.declared, bounds, progress)

@@ -1,0 +1,255 @@
+"""A plant along measured motions: its states, its inputs, and what is left of each of its balances."""
+
+import functools
+import typing
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from plants.equation import fields, from_array, to_array
+from plants.interface import Plant
+from workbench.diagnose.residuals.motion import Motion, smoothed, window_points, with_backlash, with_pressure_offset
+from workbench.diagnose.residuals.shown import channel_of, dependences, rate_along, shown, state_along
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.walk import NUDGE, hold_all, rates_along, walk
+from workbench.parameters.sets import build
+from workbench.simulation.compilation import plant_addresses
+
+ARRIVES = "command_delay"
+"""The parameter by which a command comes late: a record's is shifted as a whole, where the plant has a lag."""
+
+SLOWEST_CREEP = 1e-9
+"""m/s. At the creep of a record without noise no contact could be seen to slip."""
+
+
+def true_motion(motion: Motion, values: Values) -> Motion:
+    """The motion without what its sensors add to it, as far as `values` know that."""
+    behind = with_backlash(motion, values.get("backlash_width", 0.0))
+    return with_pressure_offset(behind, values.get("pressure_1_offset", 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Tracked:
+    """A plant along a motion: `values` (instants, columns) of the states in `columns`, the others as at `rest`; inputs,
+    `idle` ones, the rates that were asked for, and where the contact is still.
+    """
+
+    parameters: Any
+    rest: np.ndarray
+    idle: np.ndarray
+    columns: np.ndarray
+    values: np.ndarray
+    inputs: np.ndarray
+    rates: np.ndarray
+    still: np.ndarray
+
+    def states(self, rows: slice | list[int]) -> np.ndarray:
+        """Whole states (rows, states)."""
+        values = self.values[rows]
+        states = np.tile(self.rest, (values.shape[0], 1))
+        states[:, self.columns] = values
+        return states
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """How a plant goes along records: with what it may lack as effects, and under a flow law."""
+
+    plant: Plant
+    flow: str
+
+    @functools.cached_property
+    def names(self) -> list[str]:
+        """The plant's states."""
+        return [item.name for item in fields(self.plant.State)]
+
+    @functools.cached_property
+    def contact(self) -> frozenset[str]:
+        """The states that the contact remembers, and on which friction depends."""
+        cls = typing.get_type_hints(self.plant.State).get(self.plant.contact)
+        own = {item.name for item in fields(cls)} if cls is not None else set()
+        return frozenset(own & dependences(self.plant).states["velocity"])
+
+    def parameters(self, values: Values) -> Any:
+        """The plant's parameters, for a command that is shifted already."""
+        still = {ARRIVES: 0.0} if ARRIVES in values else {}
+        return build(self.plant.Parameters, {**values, **still}, self.flow)
+
+    def hidden(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
+        """The states that no channel shows and on which the rates of `start` depend."""
+        known = [name for name in self.names if shown(motion.channels, name)]
+        return dependences(self.plant).reached(start, known)
+
+    def by_input(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
+        """Those of the hidden states that recorded inputs alone drive, whatever the motion is."""
+        hidden, depends, fed = self.hidden(motion, start), dependences(self.plant), self._fed(motion)
+        driven = {name for name in hidden if any(depends.inputs[each] & fed for each in depends.reached([name], []))}
+        return frozenset(name for name in driven if depends.reached([name], []) <= hidden)
+
+    def _fed(self, motion: Motion) -> frozenset[str]:
+        """The inputs that channels give."""
+        names = [item.name for item in fields(self.plant.Inputs)]
+        return frozenset(name for name in names if channel_of(motion.channels, name) is not None)
+
+    def tracked(
+        self,
+        motion: Motion,
+        values: Values,
+        hidden: Collection[str],
+        wanted: Sequence[str] = (),
+        until: int | None = None,
+    ) -> Tracked:
+        """A plant along a motion, or the beginning of it: the `hidden` states that are asked for, and the rates of the
+        `wanted` ones; all other states that no channel shows are as at rest.
+        """
+        seen, parameters = true_motion(motion, values), self.parameters(values)
+        rest, idle = map(to_array, self._at_rest(motion, values, parameters))
+        shown_here = [name for name in self.names if shown(motion.channels, name)]
+        known = np.column_stack([state_along(name, seen, values)[:until] for name in shown_here])
+        inputs, contact = self.inputs(motion, values)[:until], self.contact & set(hidden)
+        still = self.still(motion, values)[:until] & bool(contact)
+        simulated = self._columns(hidden)
+        bends, rates = walk(
+            plant_addresses(self.plant)[0],
+            motion.time[:until],
+            rest,
+            self._columns(shown_here),
+            known,
+            inputs,
+            to_array(parameters),
+            simulated,
+            self._columns(contact),
+            np.array([self.names.index(name) for name in wanted], dtype=np.int64),
+            self.names.index("velocity"),
+            still,
+            motion.resting[:until],
+            max(motion.creep, SLOWEST_CREEP),
+            seen.acceleration[:until],
+            self._nudges,
+            motion.sample_time,
+        )
+        columns = np.concatenate([self._columns(shown_here), simulated])
+        return Tracked(parameters, rest, idle, columns, np.hstack([known, bends]), inputs, rates, still)
+
+    @functools.cached_property
+    def _nudges(self) -> np.ndarray:
+        """By how much each state is moved for a difference quotient."""
+        return NUDGE * np.array([item.scale for item in fields(self.plant.State)])
+
+    def _columns(self, states: Collection[str]) -> np.ndarray:
+        return np.array([place for place, name in enumerate(self.names) if name in states], dtype=np.int64)
+
+    def starting_states(self, motion: Motion, values: Values, places: Sequence[int]) -> list[Any]:
+        """Whole states at some instants, from which a simulation can start: a contact carries what the balance of
+        forces leaves to it, and does not move where nothing is known to.
+        """
+        seen, rows, walked = true_motion(motion, values), list(places), motion.walked
+        unseen = [name for name in self.names if not shown(motion.channels, name)]
+        steps = [place // motion.stride for place in places]
+        tracked = self.tracked(walked, values, unseen, until=steps[-1] + 1)
+        states, velocity = tracked.states(steps), self.names.index("velocity")
+        for place, name in enumerate(self.names):
+            if name not in unseen:
+                states[:, place] = state_along(name, seen, values)[rows]
+        states[tracked.still[steps], velocity] = 0.0
+        hold_all(
+            plant_addresses(self.plant)[0],
+            motion.time[rows],
+            states,
+            self.inputs(motion, values)[rows],
+            to_array(tracked.parameters),
+            self._columns(self.contact),
+            velocity,
+            max(motion.creep, SLOWEST_CREEP),
+            seen.acceleration[rows],
+            self._nudges,
+        )
+        return [from_array(self.plant.State, row.tolist()) for row in states]
+
+    def still(self, motion: Motion, values: Values) -> np.ndarray:
+        """Where the noise of the velocity hides any motion of the contact; a rod that turns is never still."""
+        seen = true_motion(motion, values)
+        still = np.abs(seen.velocity) <= motion.creep
+        if "rotation_speed" in motion.channels and "piston_radius" in values:
+            still &= np.abs(motion.channels["rotation_speed"] * values["piston_radius"]) <= motion.creep
+        return np.asarray(still)
+
+    def at_rest(self, motion: Motion, values: Values) -> tuple[Any, Any]:
+        """State and inputs of the plant at rest, turning as the record begins; no command."""
+        return self._at_rest(motion, values, self.parameters(values))
+
+    def _at_rest(self, motion: Motion, values: Values, parameters: Any) -> tuple[Any, Any]:
+        surface = 0.0
+        if self.plant.rotary_command is not None and "rotation_speed" in motion.channels:
+            surface = float(motion.channels["rotation_speed"][0]) * values["piston_radius"]
+        state, inputs = self.plant.equilibrium(parameters, surface)
+        return state, inputs._replace(**{self.plant.command: 0.0})
+
+    def inputs(self, motion: Motion, values: Values) -> np.ndarray:
+        """Inputs (instants, inputs) as they were recorded, the command as it arrives; 0 where no channel gives them."""
+        columns = []
+        for item in fields(self.plant.Inputs):
+            series = input_along(item.name, motion, values)
+            if item.name == self.plant.command and (delay := values.get(ARRIVES, 0.0)):
+                series = np.interp(motion.time - delay, motion.time, series)
+            columns.append(series)
+        return np.column_stack(columns)
+
+    def residuals(self, motion: Motion, values: Values, balance: str) -> list[np.ndarray]:
+        """What is left of a balance at the thinned instants: measured rates less those of the plant, in its unit.
+
+        Every measured signal is smoothed alike; what the inputs alone make of the rates is smoothed here, behind the
+        kinks of a valve. The force is 0 where the contact rests: friction is then whatever holds it.
+        """
+        motion = motion.walked
+        chosen, seen, every = self.plant.balances[balance], true_motion(motion, values), motion.thinning
+        tracked = self.tracked(motion, values, self.hidden(motion, chosen.states), chosen.states)
+        base, left = self._without_inputs(motion, tracked, chosen.states), []
+        for place, (name, scale) in enumerate(zip(chosen.states, chosen.scale(tracked.parameters), strict=True)):
+            rates = tracked.rates[:, place]
+            if base is None:
+                rates = rates[::every]
+            else:
+                slow = CubicSpline(motion.time[::every], base[:, place])(motion.time)
+                rates = base[:, place] + smoothed(rates - slow, window_points(motion.sample_time))[::every]
+            residual = scale * (rate_along(name, seen, values)[::every] - rates)
+            rests = (motion.resting & tracked.still)[::every] if name == "velocity" else False
+            left.append(np.where(rests, 0.0, residual))
+        return left
+
+    def rates(self, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, parameters: Any) -> np.ndarray:
+        """Rates (instants, states) of whole states (instants, states) under inputs (instants, inputs)."""
+        derivatives = plant_addresses(self.plant)[0]
+        return np.asarray(rates_along(derivatives, np.ascontiguousarray(time), states, inputs, to_array(parameters)))
+
+    def _without_inputs(self, motion: Motion, tracked: Tracked, states: Sequence[str]) -> np.ndarray | None:
+        """Rates (thinned instants, states) without what inputs make of them; None where no input counts."""
+        depends, every = dependences(self.plant), motion.thinning
+        by_input = self.by_input(motion, states)
+        if not by_input and not any(depends.inputs[name] & self._fed(motion) for name in states):
+            return None
+        whole, columns = tracked.states(slice(None, None, every)), self._columns(by_input)
+        whole[:, columns] = tracked.rest[columns]
+        whole[tracked.still[::every], self.names.index("velocity")] = 0.0
+        idle = np.tile(tracked.idle, (whole.shape[0], 1))
+        rates = self.rates(motion.time[::every], whole, idle, tracked.parameters)
+        return rates[:, [self.names.index(name) for name in states]]
+
+
+def input_along(name: str, motion: Motion, values: Values) -> np.ndarray:
+    """An input (SI) as a record has it; 0 where no channel gives it.
+
+    Beside a force one pressure alone drives too, on `piston_area_1` if that is declared: the force is the rod's then.
+    """
+    channel = channel_of(motion.channels, name)
+    if channel is None:
+        return np.zeros(motion.time.size)
+    if name == "surface_speed":
+        return np.asarray(motion.channels[channel] * values["piston_radius"])
+    series = motion.measured[channel]
+    if channel == "force" and motion.has("pressure_1") and not motion.has("pressure_2") and "piston_area_1" in values:
+        return np.asarray(series + motion.measured["pressure_1"] * values["piston_area_1"])
+    return series

@@ -1,0 +1,130 @@
+"""What channels show of a plant's states and inputs, and which of its balances they allow."""
+
+import functools
+from collections.abc import Collection, Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from plants.equation import fields
+from plants.interface import Plant
+from workbench.diagnose.residuals.motion import Motion, load_pressure
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.linear.linearise import symbolic
+
+SHOWN_BY: Mapping[str, tuple[str, ...]] = {
+    "position": ("position",),
+    "velocity": ("position",),
+    "pressure_1": ("pressure_1",),
+    "pressure_2": ("pressure_2",),
+    "load_pressure": ("pressure_1", "pressure_2"),
+    "surface_speed": ("rotation_speed",),
+    "motor_current": ("motor_current",),
+    "spool_position": ("spool_position",),
+    "rotation_angle": ("rotation_angle",),
+}
+"""The channels that show a state of that name, in any plant."""
+
+FOLLOWS = ("spool_position", "rotation_angle")
+"""States that may as well be simulated where no channel shows them. Any other that a rig could measure may not: a
+pressure that is simulated beside a measured motion runs away from it."""
+
+OTHER_NAMES: Mapping[str, tuple[str, ...]] = {
+    "valve_voltage": ("command",),
+    "pump_speed": ("command",),
+    "drive_voltage": ("command",),
+    "drive_force": ("force", "command"),
+    "surface_speed": ("rotation_speed",),
+}
+"""Further channels that give an input of that name."""
+
+
+def shown(channels: Collection[str], state: str) -> bool:
+    """Whether the channels show a state."""
+    return state in SHOWN_BY and all(name in channels for name in SHOWN_BY[state])
+
+
+def channel_of(channels: Collection[str], name: str) -> str | None:
+    """The channel that gives an input."""
+    return next((other for other in (name, *OTHER_NAMES.get(name, ())) if other in channels), None)
+
+
+class Dependences(NamedTuple):
+    """On which states, inputs and parameters the rate of each state depends, by name."""
+
+    states: Mapping[str, frozenset[str]]
+    inputs: Mapping[str, frozenset[str]]
+    parameters: Mapping[str, frozenset[str]]
+
+    def reached(self, start: Collection[str], known: Collection[str]) -> frozenset[str]:
+        """The states that are not `known` on which these rates depend, through each other's rates too."""
+        hidden: set[str] = set()
+        waiting = [name for state in start for name in self.states[state]]
+        while waiting:
+            name = waiting.pop()
+            if name not in known and name not in hidden:
+                hidden.add(name)
+                waiting.extend(self.states[name])
+        return frozenset(hidden)
+
+
+@functools.cache
+def dependences(plant: Plant) -> Dependences:
+    """The structure of a plant's equations, whatever its parameters."""
+    rates, states = symbolic(plant), [item.name for item in fields(plant.State)]
+    patterns = []
+    for argument, cls in enumerate((plant.State, plant.Inputs, plant.Parameters)):
+        names, pattern = [item.name for item in fields(cls)], rates.jac_sparsity(0, argument)
+        on: dict[str, set[str]] = {state: set() for state in states}
+        for row, column in zip(pattern.row(), pattern.get_col(), strict=True):
+            on[states[row]].add(names[column])
+        patterns.append({state: frozenset(those) for state, those in on.items()})
+    return Dependences(*patterns)
+
+
+def balances_shown(plant: Plant, channels: Collection[str]) -> Iterator[str]:
+    """The balances of a plant whose residual these channels give: what is wrong with the flow disturbs the motion, not
+    the other way round, so that the balance of forces comes behind those that it depends on.
+    """
+    structure = dependences(plant)
+    commands = {plant.command, plant.rotary_command}
+    known = [state for state in structure.states if shown(channels, state)]
+    for name, balance in sorted(plant.balances.items(), key=lambda item: item[0] == "force"):
+        if not all(shown(channels, state) for state in balance.states) or balance.states[0] in FOLLOWS:
+            continue
+        hidden = structure.reached(balance.states, known)
+        inputs = {each for state in (*balance.states, *hidden) for each in structure.inputs[state]}
+        simulated = all(state in FOLLOWS or state not in SHOWN_BY for state in hidden)
+        if simulated and all(channel_of(channels, each) for each in inputs & commands):
+            yield name
+
+
+def state_along(name: str, motion: Motion, values: Values) -> np.ndarray:
+    """A state (SI) that channels show, at every instant of a motion."""
+    channels = motion.channels
+    if name in ("position", "velocity"):
+        return np.asarray(getattr(motion, name))
+    if name == "load_pressure":
+        return load_pressure(motion)
+    if name == "surface_speed":
+        return np.asarray(channels["rotation_speed"] * values["piston_radius"])
+    return channels[name]
+
+
+def rate_along(name: str, motion: Motion, values: Values) -> np.ndarray:
+    """The rate of a state (SI) that channels show."""
+    rates = motion.rates
+    if name == "velocity":
+        return motion.acceleration
+    if name == "load_pressure":
+        return np.asarray(rates["pressure_1"] - rates["pressure_2"])
+    if name == "surface_speed":
+        return np.asarray(rates["rotation_speed"] * values["piston_radius"])
+    return rates[name]
+
+
+def deviation(name: str, motion: Motion, values: Values, *, rate: bool = False) -> float:
+    """Standard deviation (SI) that the sensors' noise leaves in a state that channels show, or in its rate."""
+    order = (name == "velocity") + rate
+    noise = float(np.linalg.norm([motion.noise[channel] for channel in SHOWN_BY[name]]))
+    return motion.smooth[order] * noise * (values["piston_radius"] if name == "surface_speed" else 1.0)
