@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import ROOT, workbench, write
-from plants.effect_list import EFFECTS
 
+from plants.effects.registry import effects
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 
@@ -57,6 +57,6 @@ def test_a_record_is_for_the_fit_unless_it_says_otherwise(tmp_path: Path) -> Non
 def test_list_tells_of_every_effect_its_balance_meaning_and_parameters() -> None:
     title, *lines = workbench("list", "effects").out.splitlines()
     assert title == "effects"
-    assert [line.split()[:2] for line in lines] == [[one.name, one.balance] for one in EFFECTS.values()]
+    assert [line.split()[:2] for line in lines] == [[effect.name, effect.balance] for effect in effects().values()]
     (leak,) = [line for line in lines if "internal_leakage" in line]
     assert leak.endswith("flow    oil leaks from one chamber into the other; leakage_coefficient")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from command import write
 from diagnoses import doubting, rejected, unexplained, with_held_out, with_left, without_effects
-from plants.effect_list import EFFECTS
 
 from plants.drive import DRIVE_FORCE
+from plants.effects.registry import effects
 from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
@@ -198,4 +198,4 @@ def test_tables_show_readable_units(diagnosis: Diagnosis) -> None:
 
 
 def test_every_effect_is_said_in_plain_words() -> None:
-    assert all(effect.words for effect in EFFECTS.values())
+    assert all(effect.words for effect in effects().values())

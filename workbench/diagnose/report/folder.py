@@ -87,7 +87,7 @@ def summary(diagnosis: Diagnosis) -> str:
 
 def plant_words(diagnosis: Diagnosis) -> str:
     """What plant.toml is."""
-    model = plant_of(diagnosis)
+    model = plant_of(diagnosis).name
     if diagnosis.is_rejected:
         return f"the plant as declared; a study names it with model = {model}"
     if lost := not_held(diagnosis):
@@ -104,8 +104,8 @@ def plant_file(diagnosis: Diagnosis) -> str:
     without a deviation. Where the model cannot hold an effect, its plant was fitted without any: values that lack what
     was fitted beside them would be of no fit.
     """
-    experiment, model, lost = diagnosis.experiment, plant_of(diagnosis), not_held(diagnosis)
-    known, rows = parameters_of(model), parameter_rows(diagnosis)
+    experiment, plant, lost = diagnosis.experiment, plant_of(diagnosis), not_held(diagnosis)
+    known, rows, model = parameters_of(plant), parameter_rows(diagnosis), plant.name
     source = f"workbench diagnose: {experiment.title}; for model {model}"
     if diagnosis.is_rejected:
         title, fitted = "as declared: what was found was rejected on held-out records", {}

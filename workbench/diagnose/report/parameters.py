@@ -2,14 +2,12 @@
 
 from dataclasses import dataclass
 
+from plants.effects.attach import possible
 from plants.equation import fields
-from plants.registry import PLANTS
+from plants.interface import Plant
+from workbench.diagnose.residuals.balances import richest
 from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.parameters.sets import FLOW_SHARE
-
-HYDRAULIC = "non_rotating"
-RICHER = "two_chamber"
-"""The plant that holds what a diagnosis of a hydraulic actuator may find."""
 
 
 @dataclass(frozen=True)
@@ -30,17 +28,17 @@ def parameter_rows(diagnosis: Diagnosis) -> dict[str, Row]:
     return {name: Row(diagnosis.declared.get(name), baseline.get(name), fitted) for name, fitted in final.items()}
 
 
-def plant_of(diagnosis: Diagnosis) -> str:
-    """The model that the corrected plant is for."""
-    return RICHER if diagnosis.experiment.plant.name == HYDRAULIC else diagnosis.experiment.plant.name
+def plant_of(diagnosis: Diagnosis) -> Plant:
+    """The plant that the corrected parameters are for."""
+    return richest(diagnosis.experiment.plant)
 
 
-def parameters_of(model: str) -> set[str]:
-    """The parameters that a model holds."""
-    return {item.name for item in fields(PLANTS.working()[model].Parameters)} - {FLOW_SHARE}
+def parameters_of(plant: Plant) -> set[str]:
+    """The parameters that a plant can have, with its effects."""
+    return {item.name for item in fields(plant.with_effects(*possible(plant)).Parameters)} - {FLOW_SHARE}
 
 
 def not_held(diagnosis: Diagnosis) -> list[str]:
-    """The effects that were found and that the plant's model cannot hold."""
+    """The effects that were found and that the plant cannot have."""
     known = parameters_of(plant_of(diagnosis))
     return [effect.name for effect in diagnosis.effects if not set(effect.parameters) <= known]

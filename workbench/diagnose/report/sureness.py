@@ -55,7 +55,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
     lines += _of_parameters(diagnosis)
     if (lost := not_held(diagnosis)) and not diagnosis.is_rejected:
         lines.append(
-            f"plant.toml does not have {listed_names(lost)}, which {plant_of(diagnosis)} cannot "
+            f"plant.toml does not have {listed_names(lost)}, which {plant_of(diagnosis).name} cannot "
             "hold: it is not the corrected plant, but the declared one with its own parameters fitted without effects."
         )
     if not diagnosis.errors.held_out.before.by_key:
