@@ -36,6 +36,16 @@ class Inputs(NamedTuple):
     disturbance_force: Annotated[float, "N"]
 
 
+class PressedInputs(NamedTuple):
+    """Of a mass on which oil or air presses too: the drive's force contains that, and seals feel it."""
+
+    drive_force: Annotated[float, "N"]
+    spring_end: Annotated[float, "m"]
+    disturbance_force: Annotated[float, "N"]
+    pressure_1: Annotated[float, "Pa"] = 0.0
+    pressure_2: Annotated[float, "Pa"] = 0.0
+
+
 class VoltageInputs(NamedTuple):
     drive_voltage: Annotated[float, "V"]
     spring_end: Annotated[float, "m"]
@@ -197,6 +207,13 @@ def driven_by_force(law: FrictionLaw) -> Plant:
 
 
 @functools.cache
+def driven_by_pressed_force(law: FrictionLaw) -> Plant:
+    """The mass that a measured force (N) drives, with a friction law whose effects may depend on pressures."""
+    templates, refit = (State, Parameters, Signals), driven_by_pressed_force
+    return _drive(law, "drive_force", force_command, PressedInputs, templates, force_limit, unit_gain, refit)
+
+
+@functools.cache
 def driven_by_voltage(law: FrictionLaw) -> Plant:
     """The mass that a voltage (V) drives through a force gain, with a friction law."""
     templates = (State, VoltageParameters, Signals)
@@ -205,3 +222,5 @@ def driven_by_voltage(law: FrictionLaw) -> Plant:
 
 
 DRIVE_FORCE, DRIVE_VOLTAGE = driven_by_force(LUGRE), driven_by_voltage(LUGRE)
+PRESSED_MASS = driven_by_pressed_force(LUGRE)
+"""What any machine is of which the force is measured that drives it."""

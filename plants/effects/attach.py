@@ -35,7 +35,7 @@ def lacks(plant: Plant, effect: Effect) -> str:
     if not effect.own_names:
         missing = sorted(set(effect.numbers) - {item.name for item in fields(plant.Parameters)})
         return f"parameter {', '.join(missing)}"
-    known = {*members(plant.Parameters), *plant.channels}
+    known = {*members(plant.Parameters), *members(plant.Inputs), *plant.channels}
     for name in (*effect.parameters, *effect.requires):
         if name not in known:
             return name
@@ -256,24 +256,25 @@ def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Callable[..., Any
 
 def _moment_of(plant: Plant) -> Callable[..., Moment]:
     """What effects know of an instant of a plant, from time, state, inputs and parameters."""
-    shown, surface_speed = plant.measure, _surface_speed_of(plant)
+    surface_speed = _surface_speed_of(plant)
     radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
     spool = _path(plant.State, "spool_position", otherwise=0.0)
+    pressures_of = _pressures_of(plant)
     stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
     if "stroke" in members(plant.Parameters):
         stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
 
     @equation
     def moment(time: Scalar, state: Any, inputs: Any, p: Any) -> Moment:
-        readings, surface = shown(state, p), surface_speed(state, inputs)
+        surface, pressures = surface_speed(state, inputs), pressures_of(state, inputs, p)
         return Moment(
             time,
             state.position,
             state.velocity,
             surface,
             surface / radius(p),
-            readings.pressure_1,
-            readings.pressure_2,
+            pressures[0],
+            pressures[1],
             spool(state),
             stroke(p),
         )
@@ -329,6 +330,22 @@ def _surface_speed_of(plant: Plant) -> Callable[..., Any]:
         return by_input(inputs)
 
     return of_input if is_input else of_state
+
+
+def _pressures_of(plant: Plant) -> Callable[..., Any]:
+    """Both pressures (Pa): inputs, or what the sensors of a plant show; NaN of one that has none."""
+    shown = plant.measure
+
+    @equation
+    def of_input(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
+        return inputs.pressure_1, inputs.pressure_2
+
+    @equation
+    def of_sensors(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
+        readings = shown(state, p)
+        return readings.pressure_1, readings.pressure_2
+
+    return of_input if "pressure_1" in members(plant.Inputs) else of_sensors
 
 
 def _slip_of(plant: Plant) -> Callable[..., Any]:

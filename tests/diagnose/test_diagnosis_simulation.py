@@ -64,7 +64,7 @@ def test_a_record_that_says_nothing_is_refused_in_a_line(
     ("name", "value", "said"),
     [
         ("stribeck", "0 N", '"stribeck" is declared 0, and a fit moves it by factors; give it a start'),
-        ("spool_limit", "", r'"spool_limit" is in no balance that the records\' channels allow \(flow and force\)'),
+        ("voltage_limit", "", r'"voltage_limit" is in no balance that the records\' channels allow \(flow and force\)'),
     ],
 )
 def test_a_free_parameter_that_no_fit_could_move_is_refused_in_a_line(

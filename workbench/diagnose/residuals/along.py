@@ -3,23 +3,22 @@
 import functools
 import typing
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion, smoothed, window_points, with_backlash, with_pressure_offset
-from workbench.diagnose.residuals.shown import channel_of, dependences, rate_along, shown, state_along
+from workbench.diagnose.residuals.shown import BOTH_PRESSURES, dependences, given_by, rate_along, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import NUDGE, hold_all, rates_along, walk
 from workbench.parameters.sets import build
 from workbench.simulation.compilation import plant_addresses
 
 ARRIVES = "command_delay"
-"""The parameter by which a command comes late: a record's is shifted as a whole, where the plant has a lag."""
+"""The parameter by which a command comes late: a record's is shifted as a whole, where a plant of its own has a lag."""
 
 SLOWEST_CREEP = 1e-9
 """m/s. At the creep of a record without noise no contact could be seen to slip."""
@@ -74,9 +73,13 @@ class Along:
         return frozenset(own & dependences(self.plant).states["velocity"])
 
     def parameters(self, values: Values) -> Any:
-        """The plant's parameters, for a command that is shifted already."""
-        still = {ARRIVES: 0.0} if ARRIVES in values else {}
-        return build(self.plant.Parameters, {**values, **still}, self.flow)
+        """The plant's parameters (SI)."""
+        return build(self.plant.Parameters, values, self.flow)
+
+    @property
+    def parameter_names(self) -> set[str]:
+        """The parameters by which a plant goes along a record."""
+        return {item.name for item in fields(self.plant.Parameters)} | {ARRIVES}
 
     def hidden(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
         """The states that no channel shows and on which the rates of `start` depend."""
@@ -92,7 +95,7 @@ class Along:
     def _fed(self, motion: Motion) -> frozenset[str]:
         """The inputs that channels give."""
         names = [item.name for item in fields(self.plant.Inputs)]
-        return frozenset(name for name in names if channel_of(motion.channels, name) is not None)
+        return frozenset(name for name in names if given_by(motion.channels, name))
 
     def tracked(
         self,
@@ -109,7 +112,7 @@ class Along:
         rest, idle = map(to_array, self._at_rest(motion, values, parameters))
         shown_here = [name for name in self.names if shown(motion.channels, name)]
         known = np.column_stack([state_along(name, seen, values)[:until] for name in shown_here])
-        inputs, contact = self.inputs(motion, values)[:until], self.contact & set(hidden)
+        inputs, contact = self.inputs(motion, values, hidden)[:until], self.contact & set(hidden)
         still = self.still(motion, values)[:until] & bool(contact)
         simulated = self._columns(hidden)
         bends, rates = walk(
@@ -159,7 +162,7 @@ class Along:
             plant_addresses(self.plant)[0],
             motion.time[rows],
             states,
-            self.inputs(motion, values)[rows],
+            self.inputs(motion, values, [])[rows],
             to_array(tracked.parameters),
             self._columns(self.contact),
             velocity,
@@ -188,11 +191,13 @@ class Along:
         state, inputs = self.plant.equilibrium(parameters, surface)
         return state, inputs._replace(**{self.plant.command: 0.0})
 
-    def inputs(self, motion: Motion, values: Values) -> np.ndarray:
-        """Inputs (instants, inputs) as they were recorded, the command as it arrives; 0 where no channel gives them."""
-        columns = []
+    def inputs(self, motion: Motion, values: Values, hidden: Collection[str]) -> np.ndarray:
+        """Inputs (instants, inputs), the command as it arrives; 0 where no channel gives them. Smoothed as all else is,
+        but as recorded where they drive one of the `hidden` states.
+        """
+        columns, driving = [], {name for state in hidden for name in dependences(self.plant).inputs[state]}
         for item in fields(self.plant.Inputs):
-            series = input_along(item.name, motion, values)
+            series = input_along(item.name, motion, values, raw=item.name in driving)
             if item.name == self.plant.command and (delay := values.get(ARRIVES, 0.0)):
                 series = np.interp(motion.time - delay, motion.time, series)
             columns.append(series)
@@ -201,23 +206,19 @@ class Along:
     def residuals(self, motion: Motion, values: Values, balance: str) -> list[np.ndarray]:
         """What is left of a balance at the thinned instants: measured rates less those of the plant, in its unit.
 
-        Every measured signal is smoothed alike; what the inputs alone make of the rates is smoothed here, behind the
+        Every measured signal is smoothed alike; what inputs as recorded make of the rates is smoothed here, behind the
         kinks of a valve. The force is 0 where the contact rests: friction is then whatever holds it.
         """
         motion = motion.walked
         chosen, seen, every = self.plant.balances[balance], true_motion(motion, values), motion.thinning
         tracked = self.tracked(motion, values, self.hidden(motion, chosen.states), chosen.states)
-        base, left = self._without_inputs(motion, tracked, chosen.states), []
+        made, left = self._made_by_inputs(motion, tracked, chosen.states), []
         for place, (name, scale) in enumerate(zip(chosen.states, chosen.scale(tracked.parameters), strict=True)):
             rates = tracked.rates[:, place]
-            if base is None:
-                rates = rates[::every]
-            else:
-                slow = CubicSpline(motion.time[::every], base[:, place])(motion.time)
-                rates = base[:, place] + smoothed(rates - slow, window_points(motion.sample_time))[::every]
-            residual = scale * (rate_along(name, seen, values)[::every] - rates)
-            rests = (motion.resting & tracked.still)[::every] if name == "velocity" else False
-            left.append(np.where(rests, 0.0, residual))
+            if made is not None:
+                rates = rates + smoothed(made[:, place], window_points(motion.sample_time)) - made[:, place]
+            residual = scale * (rate_along(name, seen, values) - rates)
+            left.append(np.where(motion.resting & tracked.still & (name == "velocity"), 0.0, residual)[::every])
         return left
 
     def rates(self, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, parameters: Any) -> np.ndarray:
@@ -225,31 +226,43 @@ class Along:
         derivatives = plant_addresses(self.plant)[0]
         return np.asarray(rates_along(derivatives, np.ascontiguousarray(time), states, inputs, to_array(parameters)))
 
-    def _without_inputs(self, motion: Motion, tracked: Tracked, states: Sequence[str]) -> np.ndarray | None:
-        """Rates (thinned instants, states) without what inputs make of them; None where no input counts."""
-        depends, every = dependences(self.plant), motion.thinning
+    def _made_by_inputs(self, motion: Motion, tracked: Tracked, states: Sequence[str]) -> np.ndarray | None:
+        """What inputs as recorded make of rates (instants, states), by what they drive; None where none does."""
         by_input = self.by_input(motion, states)
-        if not by_input and not any(depends.inputs[name] & self._fed(motion) for name in states):
+        if not by_input:
             return None
-        whole, columns = tracked.states(slice(None, None, every)), self._columns(by_input)
+        whole, columns = tracked.states(slice(None)), self._columns(by_input)
         whole[:, columns] = tracked.rest[columns]
-        whole[tracked.still[::every], self.names.index("velocity")] = 0.0
-        idle = np.tile(tracked.idle, (whole.shape[0], 1))
-        rates = self.rates(motion.time[::every], whole, idle, tracked.parameters)
-        return rates[:, [self.names.index(name) for name in states]]
+        idle = self.rates(motion.time, whole, np.tile(tracked.idle, (whole.shape[0], 1)), tracked.parameters)
+        return np.asarray(tracked.rates - idle[:, [self.names.index(name) for name in states]])
 
 
-def input_along(name: str, motion: Motion, values: Values) -> np.ndarray:
-    """An input (SI) as a record has it; 0 where no channel gives it.
+def input_deviation(name: str, motion: Motion, values: Values) -> float:
+    """Standard deviation (SI) that the sensors' noise leaves in an input, smoothed."""
+    before = input_along(name, motion, values, raw=False)
+    squares = 0.0
+    for channel, noise in motion.noise.items():
+        moved = replace(motion, channels={**motion.channels, channel: motion.channels[channel] + noise})
+        squares += float(input_along(name, moved, values, raw=False)[0] - before[0]) ** 2
+    return motion.smooth[0] * float(np.sqrt(squares))
+
+
+def input_along(name: str, motion: Motion, values: Values, *, raw: bool) -> np.ndarray:
+    """An input (SI), smoothed or as a record has it; 0 where no channel gives it.
 
     Beside a force one pressure alone drives too, on `piston_area_1` if that is declared: the force is the rod's then.
+    Where no force is measured both pressures on their areas are it.
     """
-    channel = channel_of(motion.channels, name)
-    if channel is None:
+    channels, series = given_by(motion.channels, name), motion.measured if raw else motion.channels
+    if channels == BOTH_PRESSURES:
+        area_2 = values["piston_area_2"] * values.get("area_ratio", 1.0)
+        pressure_1 = series["pressure_1"] - values.get("pressure_1_offset", 0.0)
+        return np.asarray(pressure_1 * values["piston_area_1"] - series["pressure_2"] * area_2)
+    if not channels:
         return np.zeros(motion.time.size)
+    (channel,) = channels
     if name == "surface_speed":
         return np.asarray(motion.channels[channel] * values["piston_radius"])
-    series = motion.measured[channel]
     if channel == "force" and motion.has("pressure_1") and not motion.has("pressure_2") and "piston_area_1" in values:
-        return np.asarray(series + motion.measured["pressure_1"] * values["piston_area_1"])
-    return series
+        return np.asarray(series[channel] + series["pressure_1"] * values["piston_area_1"])
+    return series[channel]

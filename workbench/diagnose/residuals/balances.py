@@ -6,19 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.drive import DRIVE_FORCE
+from plants.drive import PRESSED_MASS
 from plants.effects.attach import lacks, possible
 from plants.effects.interface import COMMAND, Effect, Scales
 from plants.effects.registry import effects
-from plants.equation import NEGATIVE, ROTARY
+from plants.equation import NEGATIVE, ROTARY, fields
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
 from plants.two_chamber import TWO_CHAMBER
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.along import ARRIVES, Along, input_deviation
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.shown import balances_shown, channel_of, dependences, deviation, shown
+from workbench.diagnose.residuals.shown import balances_shown, dependences, deviation, given_by, shown
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
 from workbench.records.schema import FRICTION
@@ -36,7 +36,10 @@ OWN_OF_PUMP = ("pump_displacement",)
 """The same on the flow of a pump: the oil's compression counts little on plateaus of its speed."""
 
 AREA = "piston_area_1"
-"""On which a pressure drives beside a measured force: no parameter of a mass that a force moves."""
+AREAS = (AREA, "piston_area_2", "area_ratio")
+"""On which measured pressures drive: no parameters of a mass that a force moves."""
+
+LOAD_PRESSURE = "load_pressure"
 
 KINDS: Mapping[str, tuple[str, ...]] = {FLOW: (FLOW, "valve")}
 """The balances whose effects show on one; else its own."""
@@ -70,25 +73,33 @@ def diagnosed_plant(plant: Plant, flow: str, channels: Collection[str]) -> Along
 
 
 def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
-    """The plant with all effects that it can have and that these channels can tell."""
-    return plant.with_effects(*(effects()[name] for name in effects_told(plant, channels)))
+    """The plant with all effects that it can have and that these channels can tell; a delay is no part of it, since a
+    record's command is shifted as a whole.
+    """
+    told = (effects()[name] for name in effects_told(plant, channels))
+    return plant.with_effects(*(effect for effect in told if ARRIVES not in effect.numbers))
 
 
 def can_be_told(effect: Effect, plant: Plant, channels: Collection[str]) -> bool:
     """Whether a record has the channels that an effect needs."""
     return all(
-        channel_of(channels, plant.command) is not None if name == COMMAND else name in channels
-        for name in effect.needs
+        bool(given_by(channels, plant.command)) if name == COMMAND else name in channels for name in effect.needs
     )
 
 
 def allowed(plant: Plant, flow: str, channels: Collection[str]) -> list[Diagnosed]:
-    """The balances that channels allow. Where a force is measured it is that of a mass under a force."""
+    """The balances that channels allow.
+
+    That of forces is that of a mass under what drives it, where this is measured: a force, or both pressures of a plant
+    that has but their difference, and does not turn.
+    """
     whole = diagnosed_plant(plant, flow, channels)
     balances = [Diagnosed(name, whole) for name in balances_shown(whole.plant, channels)]
-    if FORCE not in channels or whole.plant.bare is DRIVE_FORCE:
+    names = [item.name for item in fields(whole.plant.State)]
+    both = shown(channels, LOAD_PRESSURE) and LOAD_PRESSURE in names and whole.plant.rotary_command is None
+    if FORCE not in channels and not both:
         return balances
-    mass = Along(with_possible_effects(DRIVE_FORCE, channels), flow)
+    mass = Along(with_possible_effects(PRESSED_MASS, channels), flow)
     others = [item for item in balances if item.name != FORCE]
     return [*others, *(Diagnosed(name, mass) for name in balances_shown(mass.plant, channels))]
 
@@ -130,7 +141,7 @@ def _counting(item: Diagnosed) -> set[str]:
     depends, states = dependences(plant), plant.balances[item.name].states
     reached = {*states, *depends.reached(states, [])}
     names = {name for state in reached for name in depends.parameters[state]} - {FLOW_SHARE}
-    return names | ({AREA} if (plant.bare or plant) is DRIVE_FORCE else set())
+    return names | (set(AREAS) if (plant.bare or plant) is PRESSED_MASS else set())
 
 
 def balances_of(
@@ -220,10 +231,9 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
                 moved[:, along.names.index(other)] += deviation(other, motion, values)
                 off.append(_change(rates(name, moved, inputs), base))
         for given in depends.inputs[name]:
-            channel = channel_of(motion.channels, given)
-            if channel is not None:
+            if given_by(motion.channels, given):
                 fed = inputs.copy()
-                fed[:, along.plant.input_index(given)] += motion.smooth[0] * motion.noise[channel]
+                fed[:, along.plant.input_index(given)] += input_deviation(given, motion, values)
                 off.append(_change(rates(name, states, fed), base))
         squares.append(float(scale) ** 2 * sum(each**2 for each in off))
     return float(np.sqrt(np.mean(squares)))

@@ -18,7 +18,7 @@ from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, motion_of
-from workbench.diagnose.residuals.shown import channel_of
+from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build
@@ -42,9 +42,9 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
     position = Sampled(record.time[known], motion.position[known])
     gain = TRACKING / float(no_load_velocity_gain(parameters.hydraulics))
     feeds = [
-        Feed(name, Sampled(record.time, input_along(name, motion, values)), linear=name != plant.command)
+        Feed(name, Sampled(record.time, input_along(name, motion, values, raw=True)), linear=name != plant.command)
         for name in (item.name for item in fields(plant.Inputs))
-        if channel_of(record.channels, name) is not None
+        if given_by(record.channels, name)
     ]
     run = simulate(
         Setup(
@@ -67,7 +67,8 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
         for place, name in enumerate(Measurement._fields)
         if name in record.channels and name in plant.channels
     }
-    channels[channel_of(record.channels, plant.command) or plant.command] = run.command
+    (command,) = given_by(record.channels, plant.command)
+    channels[command] = run.command
     for name, values_of in record.channels.items():
         channels.setdefault(name, values_of)
     return motion_of(replace(record, channels=channels))

@@ -29,14 +29,16 @@ FOLLOWS = ("spool_position", "rotation_angle")
 """States that may as well be simulated where no channel shows them. Any other that a rig could measure may not: a
 pressure that is simulated beside a measured motion runs away from it."""
 
-OTHER_NAMES: Mapping[str, tuple[str, ...]] = {
-    "valve_voltage": ("command",),
-    "pump_speed": ("command",),
-    "drive_voltage": ("command",),
-    "drive_force": ("force", "command"),
-    "surface_speed": ("rotation_speed",),
+BOTH_PRESSURES = ("pressure_1", "pressure_2")
+
+GIVEN_BY: Mapping[str, tuple[tuple[str, ...], ...]] = {
+    "valve_voltage": (("command",),),
+    "pump_speed": (("command",),),
+    "drive_voltage": (("command",),),
+    "drive_force": (("force",), ("command",), BOTH_PRESSURES),
+    "surface_speed": (("rotation_speed",),),
 }
-"""Further channels that give an input of that name."""
+"""The channels that give an input of that name where none is called so: the first of these that are all there."""
 
 
 def shown(channels: Collection[str], state: str) -> bool:
@@ -44,9 +46,10 @@ def shown(channels: Collection[str], state: str) -> bool:
     return state in SHOWN_BY and all(name in channels for name in SHOWN_BY[state])
 
 
-def channel_of(channels: Collection[str], name: str) -> str | None:
-    """The channel that gives an input."""
-    return next((other for other in (name, *OTHER_NAMES.get(name, ())) if other in channels), None)
+def given_by(channels: Collection[str], name: str) -> tuple[str, ...]:
+    """The channels that give an input; none where it is not recorded."""
+    ways = ((name,), *GIVEN_BY.get(name, ()))
+    return next((way for way in ways if all(channel in channels for channel in way)), ())
 
 
 class Dependences(NamedTuple):
@@ -95,7 +98,7 @@ def balances_shown(plant: Plant, channels: Collection[str]) -> Iterator[str]:
         hidden = structure.reached(balance.states, known)
         inputs = {each for state in (*balance.states, *hidden) for each in structure.inputs[state]}
         simulated = all(state in FOLLOWS or state not in SHOWN_BY for state in hidden)
-        if simulated and all(channel_of(channels, each) for each in inputs & commands):
+        if simulated and all(given_by(channels, each) for each in inputs & commands):
             yield name
 
 

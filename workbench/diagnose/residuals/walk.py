@@ -51,9 +51,10 @@ def walk(
 
     States are numbered; `known` has the columns of those that are `shown`, all others are as at `rest`. `contact` are
     those that the contact remembers. Where it is `still` the velocity is noise, below `creep` (m/s): the contact is
-    taken to stand, is bent by the way that the noise makes, and slips only at its full deflection. Where it is also
-    `resting` its friction is what holds it, and its bend that which gives the measured `acceleration`: simulated from a
-    velocity that is noise it would relax as if it crept.
+    taken to stand, is bent by the way that the noise makes, and slips only at its full deflection; its rates are those
+    of the bend without the velocity, and of the velocity without the bend. Where it is also `resting` its friction is
+    what holds it, and its bend that which gives the measured `acceleration`: simulated from a velocity that is noise it
+    would relax as if it crept.
     """
     count, size = time.size, rest.size
     tracked, asked = np.empty((count, hidden.size)), np.empty((count, wanted.size))
@@ -101,6 +102,10 @@ def walk(
             for i in contact:
                 bends[i], x[i] = x[i], 0.0
             call_derivatives(derivatives, time[k], address(x), u, p, address(other))
+            x[velocity] = 0.0
+            call_derivatives(derivatives, time[k], address(x), u, p, address(free))
+            for j in range(wanted.size):
+                asked[k, j] += other[wanted[j]] - free[wanted[j]]
             for i in contact:
                 x[i] = bends[i] + sample_time * other[i]
             _limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plants.equation import fields
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -101,7 +100,7 @@ def simulation_stage(
     held = shooting_of(experiment, motions)
     if held is None:
         return None
-    holds = {item.name for item in fields(held.along.plant.Parameters)}
+    holds = held.along.parameter_names
     start = replace(
         start,
         free=[name for name in start.free if name in holds],
