@@ -41,8 +41,10 @@ class ResidualStage:
 
     @property
     def dependences(self) -> list[Dependence | None]:
-        """On which signals depends what is left of each balance."""
-        return [_depends(result.after) for result in self.results]
+        """On which signals depends what is left of each balance; None of one on which nothing was fitted, whose
+        residual has in it what others leave open.
+        """
+        return [_depends(result.after) if result.after.names else None for result in self.results]
 
     def simulation_start(self, effects: Sequence[FoundEffect]) -> SimulationStart:
         """What the simulation stage begins with, with the effects that were found so far."""

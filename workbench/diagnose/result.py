@@ -25,8 +25,19 @@ ENDED = "the fit ran to the end of its range"
 VAGUE = "its standard deviation exceeds half its value"
 """Why a parameter is not identified."""
 
-BALANCE_ERRORS = {"force": "force_rms_N", "flow": "flow_rms_m3_per_s"}
-"""What the error of each balance is called in report.json."""
+BALANCE_ERRORS = {
+    "force": "force_rms_N",
+    "flow": "flow_rms_m3_per_s",
+    "rotation": "rotation_rms_N_m",
+    "motor": "motor_rms_V",
+}
+"""What the errors of our plants' balances are called in report.json."""
+
+
+def error_of(balance: str) -> str:
+    """What the error of a balance is called in report.json; of one that another package brings, in its own unit."""
+    return BALANCE_ERRORS.get(balance, f"{balance}_rms")
+
 
 Verdict = Literal["rejected_on_held_out", "ambiguous", "effect_found", "unexplained", "none_missing"]
 
@@ -127,7 +138,7 @@ class Errors:
     def by_key(self) -> dict[str, float]:
         """Those that there are, by their names in report.json."""
         whole = {
-            **{BALANCE_ERRORS[name]: rms for name, rms in self.balances.items()},
+            **{error_of(name): rms for name, rms in self.balances.items()},
             "pump_speed_rms_rad_per_s": self.pump_speed,
             "position_rms_m": self.position,
             "load_pressure_rms_Pa": self.load_pressure,

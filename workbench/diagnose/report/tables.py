@@ -8,7 +8,7 @@ from workbench.diagnose.report.names import ERRORS, interval, percent, quantity,
 from workbench.diagnose.report.parameters import Row, parameter_rows
 from workbench.diagnose.report.series import scale_of, unit_of
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import BALANCE_ERRORS, ENDED, Diagnosis
+from workbench.diagnose.result import ENDED, Diagnosis, error_of
 from workbench.diagnose.selection.selection import Step, gain
 from workbench.parameters.sets import known_units
 from workbench.publish.tables import shown_number
@@ -45,7 +45,7 @@ def error_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """
     uses = (("fit", diagnosis.errors.fit), ("held-out", diagnosis.errors.held_out))
     models = [errors for _, use in uses for errors in (use.before, use.after)]
-    floors = {BALANCE_ERRORS[result.balance.name]: result.balance.floor for result in diagnosis.results}
+    floors = {error_of(result.balance.name): result.balance.floor for result in diagnosis.results}
     lines = []
     for key in dict.fromkeys(key for errors in models for key in errors.by_key):
         words, unit, shown = ERRORS.get(key, (plain_name(key), "1", "1"))

@@ -25,6 +25,9 @@ SHOWN_BY: Mapping[str, tuple[str, ...]] = {
 }
 """The channels that show a state of that name, in any plant."""
 
+ORDER: Mapping[str, int] = {"flow": 0, "force": 1}
+"""Of the balances that come first."""
+
 FOLLOWS = ("spool_position", "rotation_angle")
 """States that may as well be simulated where no channel shows them. Any other that a rig could measure may not: a
 pressure that is simulated beside a measured motion runs away from it."""
@@ -86,13 +89,14 @@ def dependences(plant: Plant) -> Dependences:
 
 
 def balances_shown(plant: Plant, channels: Collection[str]) -> Iterator[str]:
-    """The balances of a plant whose residual these channels give: what is wrong with the flow disturbs the motion, not
-    the other way round, so that the balance of forces comes behind those that it depends on.
+    """The balances of a plant whose residual these channels give, in the order in which they are looked at: what is
+    wrong with the flow disturbs the motion, not the other way round, and friction is found along the rod before what
+    it does around it.
     """
     structure = dependences(plant)
     commands = {plant.command, plant.rotary_command}
     known = [state for state in structure.states if shown(channels, state)]
-    for name, balance in sorted(plant.balances.items(), key=lambda item: item[0] == "force"):
+    for name, balance in sorted(plant.balances.items(), key=lambda item: ORDER.get(item[0], len(ORDER))):
         if not all(shown(channels, state) for state in balance.states) or balance.states[0] in FOLLOWS:
             continue
         hidden = structure.reached(balance.states, known)

@@ -20,7 +20,7 @@ from workbench.parameters.corrected import Entry, parameter_file
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
 from workbench.publish.tables import Table, shown_number, write_frame
-from workbench.records.schema import NUISANCES
+from workbench.records.schema import CHANNELS, NUISANCES
 from workbench.toml.units import factor
 
 RESULT = "identified.json"
@@ -147,7 +147,7 @@ def notes_of(identification: Identification) -> list[str]:
             for name, why in fit.unidentified.items()
         ]
         for name, before in fit.before.items():
-            unit = "m" if name == "position" else "Pa" if name.startswith("pressure") else "rad/s"
+            unit = CHANNELS[name]
             shown = SHOWN.get(unit, unit)
             values = [shown_number(factor(unit, shown) * value, 3) for value in (before, fit.rms[name])]
             notes.append(f"{name}, simulated against measured: {values[0]} {shown} rms as declared, {values[1]} after.")
