@@ -86,11 +86,11 @@ class Along:
         known = [name for name in self.names if shown(motion.channels, name)]
         return dependences(self.plant).reached(start, known)
 
-    def by_input(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
+    def by_input(self, motion: Motion, hidden: Collection[str]) -> frozenset[str]:
         """Those of the hidden states that recorded inputs alone drive, whatever the motion is."""
-        hidden, depends, fed = self.hidden(motion, start), dependences(self.plant), self._fed(motion)
+        depends, fed = dependences(self.plant), self._fed(motion)
         driven = {name for name in hidden if any(depends.inputs[each] & fed for each in depends.reached([name], []))}
-        return frozenset(name for name in driven if depends.reached([name], []) <= hidden)
+        return frozenset(name for name in driven if depends.reached([name], []) <= set(hidden))
 
     def _fed(self, motion: Motion) -> frozenset[str]:
         """The inputs that channels give."""
@@ -124,6 +124,7 @@ class Along:
             inputs,
             to_array(parameters),
             simulated,
+            self._columns(self.by_input(motion, hidden)),
             self._columns(contact),
             np.array([self.names.index(name) for name in wanted], dtype=np.int64),
             self.names.index("velocity"),
@@ -228,7 +229,7 @@ class Along:
 
     def _made_by_inputs(self, motion: Motion, tracked: Tracked, states: Sequence[str]) -> np.ndarray | None:
         """What inputs as recorded make of rates (instants, states), by what they drive; None where none does."""
-        by_input = self.by_input(motion, states)
+        by_input = self.by_input(motion, self.hidden(motion, states))
         if not by_input:
             return None
         whole, columns = tracked.states(slice(None)), self._columns(by_input)

@@ -5,8 +5,6 @@ The states that a rig shows are put in as they were measured; the rates of the o
 a valve's lag and a sliding bristle are:
 
     z <- z + h r (1 - exp(-d)) / d,   d = -h dr/dz
-
-and go at the first step where that would bring them in the end.
 """
 
 from typing import Any
@@ -37,6 +35,7 @@ def walk(
     inputs: Any,
     parameters: Any,
     hidden: Any,
+    settled: Any,
     contact: Any,
     wanted: Any,
     velocity: int,
@@ -48,6 +47,8 @@ def walk(
     sample_time: float,
 ) -> Any:
     """The `hidden` states (instants, hidden) along a motion, and the rates (instants, wanted) that go with them.
+
+    They begin as at rest, those that are `settled` where the first input holds them.
 
     States are numbered; `known` has the columns of those that are `shown`, all others are as at `rest`. `contact` are
     those that the contact remembers. Where it is `still` the velocity is noise, below `creep` (m/s): the contact is
@@ -88,11 +89,14 @@ def walk(
             tracked[k, j] = z[hidden[j]]
         for j in range(wanted.size):
             asked[k, j] = rates[wanted[j]]
+        if k == 0:
+            for i in settled:
+                z[i] -= rates[i] / slopes[i] if slopes[i] < 0.0 else 0.0
+                rates[i] = 0.0
         for i in hidden:
             decay = -sample_time * slopes[i]
             if decay > STRAIGHT:
-                share = 1.0 if k == 0 else -np.expm1(-decay)
-                z[i] -= share * rates[i] / slopes[i]
+                z[i] -= -np.expm1(-decay) * rates[i] / slopes[i]
             else:
                 z[i] += sample_time * rates[i]
         if still[k] and not stands:

@@ -1,0 +1,100 @@
+"""Balances of every plant: what a record of it leaves of its own equations, with no code for that plant."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plants.interface import Plant
+from plants.registry import plants
+from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.balances import with_possible_effects
+from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.shown import balances_shown
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.records.reading import Record
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Setup
+from workbench.simulation.simulate import simulate
+
+VALUES = {
+    **read_parameters(named_sets()["owen2001_simulation"]),
+    "pump_displacement": 2.5e-7,
+    "force_gain": 100.0,
+    "stribeck": 0.0,
+}
+"""Without the fall of friction at low speed: nothing then breaks away faster than a smoothed record shows."""
+
+SPEED = 10.0
+"""rad/s of a rod that can turn."""
+
+SLIDES = 5e-3
+"""m/s. Slower, a reversal is near: the smoothing of a record blurs what friction does there."""
+
+AMPLITUDES = {"valve_voltage": 0.3, "pump_speed": 40.0, "drive_force": 900.0, "drive_voltage": 9.0}
+
+
+def values_of(plant: Plant) -> dict[str, float]:
+    """The parameters; a drive has a spring, so that a force moves it to and fro."""
+    return {**VALUES, "spring_stiffness": 2e4} if plant.command.startswith("drive") else VALUES
+
+
+def motion_along(plant: Plant, flow: str = "derived") -> Motion:
+    """10 s of a plant under a command, as its sensors show them without noise."""
+    parameters = build(plant.Parameters, values_of(plant), flow)
+    state, inputs = plant.equilibrium(parameters, SPEED * VALUES["piston_radius"])
+    command = Multisine(AMPLITUDES[plant.command], 0.2, (1, 2))
+    run = simulate(Setup(plant, parameters, state, inputs, 10.0, feeds=(Feed(plant.command, command),)))
+    assert run.outcome == "completed"
+    channels = {name: run.measurements[:, place] for place, name in enumerate(plant.channels)}
+    channels[plant.command] = run.inputs[:, plant.input_index(plant.command)]
+    if plant.rotary_command is not None:
+        channels["rotation_speed"] = channels.get("rotation_speed", np.full(run.time.size, SPEED))
+    if plant.rotary_command == "motor_voltage":
+        channels["motor_voltage"] = run.inputs[:, plant.input_index("motor_voltage")]
+    return motion_of(Record("made", Path("made"), "fit", 0.0, run.time, channels, np.ones(run.time.size, dtype=bool)))
+
+
+def left(along: Along, motion: Motion, balance: str) -> float:
+    """Rms of a balance where the rod slides, as a share of what is large in it."""
+    sliding = (motion.valid & (np.abs(motion.velocity) > SLIDES))[:: motion.thinning]
+    large = {
+        "force": VALUES["coulomb"],
+        "flow": VALUES["piston_area_1"] * float(np.std(motion.velocity)),
+        "rotation": VALUES["coulomb"] * VALUES["piston_radius"],
+        "motor": 1.0,
+    }
+    residuals = along.residuals(motion, values_of(along.plant), balance)
+    return max(float(np.sqrt(np.mean(residual[sliding] ** 2))) for residual in residuals) / large[balance]
+
+
+@pytest.mark.parametrize("plant", plants().values(), ids=lambda plant: plant.name)
+def test_every_plant_leaves_next_to_nothing_of_its_own_balances(plant: Plant) -> None:
+    motion = motion_along(plant)
+    along = Along(with_possible_effects(plant, motion.channels), "derived")
+    balances = list(balances_shown(along.plant, motion.channels))
+    assert "force" in balances
+    assert ("flow" in balances) == (plant.command in ("valve_voltage", "pump_speed"))
+    assert ("rotation" in balances) == (plant.rotary_command == "motor_voltage")
+    for name in balances:
+        assert left(along, motion, name) < 0.01, name
+
+
+def test_the_flow_law_of_an_experiment_holds_for_its_balances() -> None:
+    plant = plants()["non_rotating"]
+    motion = motion_along(plant, "chapter3")
+    shares = {
+        flow: left(Along(with_possible_effects(plant, motion.channels), flow), motion, "flow")
+        for flow in ("derived", "chapter3")
+    }
+    assert shares["chapter3"] < 0.01
+    assert shares["derived"] > 0.2
+
+
+def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:
+    plant = plants()["rotating_isotropic"]
+    assert list(balances_shown(plant, ["position", "pressure_1", "pressure_2"])) == []
+    turning = ["position", "pressure_1", "pressure_2", "rotation_speed"]
+    assert list(balances_shown(plant, turning)) == ["force"]
+    assert list(balances_shown(plant, [*turning, "valve_voltage"])) == ["flow", "force"]
+    assert list(balances_shown(plant, [*turning, "motor_current"])) == ["force", "rotation"]
