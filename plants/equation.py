@@ -32,7 +32,10 @@ import numpy as np
 Scalar: TypeAlias = Any
 """A float, a NumPy array of floats, or a CasADi symbol: whatever the caller works in."""
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+Equation: TypeAlias = Callable[..., Any]
+"""A function of scalars and of NamedTuples of them, which NumPy, compiled code and CasADi run alike."""
+
+Function = TypeVar("Function", bound=Equation)
 
 EQUATION_FOLDERS = (
     "plants",

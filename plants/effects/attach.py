@@ -1,23 +1,20 @@
 """A plant with effects: its equations, with what effects change of what goes in and of what comes out."""
 
 import functools
-import typing
 import zlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from plants.effects.interface import COMMAND, Change, Effect, Moment
+from plants.effects.moment import moment_of, slip_of
 from plants.effects.registry import effects as registered
-from plants.equation import Scalar, changed, equation, extended, fields, members, named_tuple, retyped
-from plants.friction import length
+from plants.equation import Equation, Scalar, changed, equation, extended, fields, members, named_tuple, retyped
 from plants.interface import Measurement, Plant
 from plants.laws.interface import Nothing
 
-Chain = Callable[..., Any]
-"""An equation (value, moment, state, parameters) -> value: all that effects change of it."""
+Chain = Equation
+"""An equation (value, moment, memory, parameters, own) -> value: all that effects change of it."""
 
 OWN = "effects"
 """The field of the parameters, and of the states, that holds those of the effects, each in a field of its name."""
@@ -81,7 +78,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     parameters_class = retyped(plant.Parameters, suffix, **{OWN: own_class})
     state_class = retyped(plant.State, suffix, **{OWN: memory_class}) if remembering else plant.State
 
-    at, slip_of, command = _moment_of(plant), _slip_of(plant), plant.input_index(plant.command)
+    at, slip, command = moment_of(plant), slip_of(plant), plant.input_index(plant.command)
     chained = functools.partial(_chained, plant, effects)
     altered, driven = chained(plant.Parameters, "parameters"), chained(plant.Inputs, "inputs")
     by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
@@ -101,8 +98,9 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         moment, memory, own = at(time, state, inputs, p), state.effects, p.effects
         into = driven(inputs, moment, memory, p, own)
         rates = by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
-        slip = slip_of(moment, rates)
-        return extended(state_class, rates, remembered(memory, slip, inputs[command], moment, memory, p, own))
+        return extended(
+            state_class, rates, remembered(memory, slip(moment, rates), inputs[command], moment, memory, p, own)
+        )
 
     @equation
     def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
@@ -215,7 +213,7 @@ def _unchanged(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any
     return value
 
 
-def _remembered(effects: Sequence[Effect]) -> Callable[..., Any]:
+def _remembered(effects: Sequence[Effect]) -> Equation:
     """Rates of what the effects remember, given that: (rates, slip, command, moment, memory, p, own) -> rates."""
 
     @equation
@@ -229,7 +227,7 @@ def _remembered(effects: Sequence[Effect]) -> Callable[..., Any]:
     return chain
 
 
-def _next_memory(before: Callable[..., Any], place: int, remember: Any, index: int) -> Callable[..., Any]:
+def _next_memory(before: Equation, place: int, remember: Any, index: int) -> Equation:
     """The chain with the rates of another effect's memory."""
 
     @equation
@@ -240,7 +238,7 @@ def _next_memory(before: Callable[..., Any], place: int, remember: Any, index: i
     return chain
 
 
-def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Callable[..., Any]:
+def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Equation:
     """What all effects remember, out of the states of the plant that has them."""
 
     @equation
@@ -252,123 +250,3 @@ def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Callable[..., Any
         return state.effects
 
     return memory if remembering else nothing
-
-
-def _moment_of(plant: Plant) -> Callable[..., Moment]:
-    """What effects know of an instant of a plant, from time, state, inputs and parameters."""
-    surface_speed = _surface_speed_of(plant)
-    radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
-    spool = _path(plant.State, "spool_position", otherwise=0.0)
-    pressures_of = _pressures_of(plant)
-    stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
-    if "stroke" in members(plant.Parameters):
-        stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
-
-    @equation
-    def moment(time: Scalar, state: Any, inputs: Any, p: Any) -> Moment:
-        surface, pressures = surface_speed(state, inputs), pressures_of(state, inputs, p)
-        return Moment(
-            time,
-            state.position,
-            state.velocity,
-            surface,
-            surface / radius(p),
-            pressures[0],
-            pressures[1],
-            spool(state),
-            stroke(p),
-        )
-
-    return moment
-
-
-def _path(cls: Any, *names: str, otherwise: float) -> Callable[..., Any]:
-    """What stands in a tuple of a class at a field, or at a field of a field; `otherwise` where it has none."""
-    places = []
-    for name in names:
-        if name not in getattr(cls, "_fields", ()):
-            return _constant(otherwise)
-        places.append(cls._fields.index(name))
-        cls = typing.get_type_hints(cls)[name]
-    if len(places) == 1:
-        (place,) = places
-
-        @equation
-        def member(value: Any) -> Any:
-            return value[place]
-
-        return member
-    outer, inner = places
-
-    @equation
-    def nested_member(value: Any) -> Any:
-        return value[outer][inner]
-
-    return nested_member
-
-
-def _constant(number: float) -> Callable[..., Any]:
-    @equation
-    def constant(value: Any) -> float:
-        return number
-
-    return constant
-
-
-def _surface_speed_of(plant: Plant) -> Callable[..., Any]:
-    """The speed (m/s) of the rod's surface, a state or an input; 0 of a rod that does not turn."""
-    name = "surface_speed"
-    by_state, by_input = _path(plant.State, name, otherwise=0.0), _path(plant.Inputs, name, otherwise=0.0)
-    is_input = name in members(plant.Inputs)
-
-    @equation
-    def of_state(state: Any, inputs: Any) -> Any:
-        return by_state(state)
-
-    @equation
-    def of_input(state: Any, inputs: Any) -> Any:
-        return by_input(inputs)
-
-    return of_input if is_input else of_state
-
-
-def _pressures_of(plant: Plant) -> Callable[..., Any]:
-    """Both pressures (Pa): inputs, or what the sensors of a plant show; NaN of one that has none."""
-    shown = plant.measure
-
-    @equation
-    def of_input(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
-        return inputs.pressure_1, inputs.pressure_2
-
-    @equation
-    def of_sensors(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
-        readings = shown(state, p)
-        return readings.pressure_1, readings.pressure_2
-
-    return of_input if "pressure_1" in members(plant.Inputs) else of_sensors
-
-
-def _slip_of(plant: Plant) -> Callable[..., Any]:
-    """The velocity (m/s) at which the contact slides: that of the surfaces less the rate at which bristles bend."""
-    contact = typing.get_type_hints(plant.State).get(plant.contact)
-    axial = _path(plant.State, plant.contact, "bristle_axial", otherwise=0.0)
-    rotary = _path(plant.State, plant.contact, "bristle_rotary", otherwise=0.0)
-    scalar = _path(plant.State, plant.contact, "bristle_deflection", otherwise=0.0)
-    in_plane = "bristle_axial" in getattr(contact, "_fields", ())
-    turns = {"surface_speed"} & {*members(plant.State), *members(plant.Inputs)}
-
-    @equation
-    def along(moment: Moment, rates: Any) -> Any:
-        return moment.velocity - scalar(rates)
-
-    @equation
-    def helical(moment: Moment, rates: Any) -> Any:
-        return length(moment.velocity, moment.surface_speed) - scalar(rates)
-
-    @equation
-    def plane(moment: Moment, rates: Any) -> Any:
-        return length(moment.velocity - axial(rates), moment.surface_speed - rotary(rates))
-
-    if in_plane:
-        return plane
-    return helical if turns else along

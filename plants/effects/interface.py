@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
-from plants.equation import fields
+from plants.equation import Equation, fields
 from plants.laws.interface import Nothing
 
 FREE = 1e300
@@ -68,7 +68,7 @@ class Number:
     scale: Callable[[Scales], float] = plain
 
 
-Change = Callable[..., Any]
+Change = Equation
 """An equation (value, moment, memory, parameters, own) -> value of an effect."""
 
 
@@ -112,7 +112,7 @@ class Effect:
     inputs: Mapping[str, Change] = field(default_factory=dict)
     rates: Mapping[str, Change] = field(default_factory=dict)
     readings: Mapping[str, Change] = field(default_factory=dict)
-    remember: Callable[..., Any] | None = None
+    remember: Equation | None = None
     at_rest: Callable[[float], Any] | None = None
 
     @property

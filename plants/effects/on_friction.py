@@ -8,9 +8,11 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants.effects.interface import FREE, Effect, Moment, Number, Scales
-from plants.equation import Scalar, equation, select, when
+from plants.equation import Scalar, changed, equation, select, when
 from plants.friction import Friction, LuGre, length, stribeck_level
 from plants.laws.interface import Nothing
+
+VISCOUS = LuGre._fields.index("viscous")
 
 LEAST_FRICTION = 0.05
 """Share of its friction that a contact keeps along the stroke. With none at all LuGre's bristle would be renewed at
@@ -214,14 +216,7 @@ def drifted(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: Dr
 
 @equation
 def _thinner(own: LuGre, share: Scalar) -> LuGre:
-    return LuGre(
-        own.coulomb,
-        own.stribeck,
-        own.viscous * share,
-        own.stribeck_velocity,
-        own.bristle_stiffness,
-        own.bristle_damping,
-    )
+    return changed(own, VISCOUS, own.viscous * share)
 
 
 def per_duration(scales: Scales) -> float:

@@ -1,0 +1,131 @@
+"""What effects know of an instant of a plant, found in its own states, inputs and parameters."""
+
+import typing
+from typing import Any
+
+import numpy as np
+
+from plants.effects.interface import Moment
+from plants.equation import Equation, Scalar, equation, members
+from plants.friction import length
+from plants.interface import Plant
+
+
+def moment_of(plant: Plant) -> Equation:
+    """What effects know of an instant of a plant, from time, state, inputs and parameters."""
+    surface_speed = _surface_speed_of(plant)
+    radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
+    spool = _path(plant.State, "spool_position", otherwise=0.0)
+    pressures_of = _pressures_of(plant)
+    stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
+    if "stroke" in members(plant.Parameters):
+        stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
+
+    @equation
+    def moment(time: Scalar, state: Any, inputs: Any, p: Any) -> Moment:
+        surface, pressures = surface_speed(state, inputs), pressures_of(state, inputs, p)
+        return Moment(
+            time,
+            state.position,
+            state.velocity,
+            surface,
+            surface / radius(p),
+            pressures[0],
+            pressures[1],
+            spool(state),
+            stroke(p),
+        )
+
+    return moment
+
+
+def _path(cls: Any, *names: str, otherwise: float) -> Equation:
+    """What stands in a tuple of a class at a field, or at a field of a field; `otherwise` where it has none."""
+    places = []
+    for name in names:
+        if name not in getattr(cls, "_fields", ()):
+            return _constant(otherwise)
+        places.append(cls._fields.index(name))
+        cls = typing.get_type_hints(cls)[name]
+    if len(places) == 1:
+        (place,) = places
+
+        @equation
+        def member(value: Any) -> Any:
+            return value[place]
+
+        return member
+    outer, inner = places
+
+    @equation
+    def nested_member(value: Any) -> Any:
+        return value[outer][inner]
+
+    return nested_member
+
+
+def _constant(number: float) -> Equation:
+    @equation
+    def constant(value: Any) -> float:
+        return number
+
+    return constant
+
+
+def _surface_speed_of(plant: Plant) -> Equation:
+    """The speed (m/s) of the rod's surface, a state or an input; 0 of a rod that does not turn."""
+    name = "surface_speed"
+    by_state, by_input = _path(plant.State, name, otherwise=0.0), _path(plant.Inputs, name, otherwise=0.0)
+    is_input = name in members(plant.Inputs)
+
+    @equation
+    def of_state(state: Any, inputs: Any) -> Any:
+        return by_state(state)
+
+    @equation
+    def of_input(state: Any, inputs: Any) -> Any:
+        return by_input(inputs)
+
+    return of_input if is_input else of_state
+
+
+def _pressures_of(plant: Plant) -> Equation:
+    """Both pressures (Pa): inputs, or what the sensors of a plant show; NaN of one that has none."""
+    shown = plant.measure
+
+    @equation
+    def of_input(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
+        return inputs.pressure_1, inputs.pressure_2
+
+    @equation
+    def of_sensors(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Scalar]:
+        readings = shown(state, p)
+        return readings.pressure_1, readings.pressure_2
+
+    return of_input if "pressure_1" in members(plant.Inputs) else of_sensors
+
+
+def slip_of(plant: Plant) -> Equation:
+    """The velocity (m/s) at which the contact slides: that of the surfaces less the rate at which bristles bend."""
+    contact = typing.get_type_hints(plant.State).get(plant.contact)
+    axial = _path(plant.State, plant.contact, "bristle_axial", otherwise=0.0)
+    rotary = _path(plant.State, plant.contact, "bristle_rotary", otherwise=0.0)
+    scalar = _path(plant.State, plant.contact, "bristle_deflection", otherwise=0.0)
+    in_plane = "bristle_axial" in getattr(contact, "_fields", ())
+    turns = {"surface_speed"} & {*members(plant.State), *members(plant.Inputs)}
+
+    @equation
+    def along(moment: Moment, rates: Any) -> Any:
+        return moment.velocity - scalar(rates)
+
+    @equation
+    def helical(moment: Moment, rates: Any) -> Any:
+        return length(moment.velocity, moment.surface_speed) - scalar(rates)
+
+    @equation
+    def plane(moment: Moment, rates: Any) -> Any:
+        return length(moment.velocity - axial(rates), moment.surface_speed - rotary(rates))
+
+    if in_plane:
+        return plane
+    return helical if turns else along
