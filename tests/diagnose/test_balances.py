@@ -8,7 +8,6 @@ import pytest
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.balances import with_possible_effects
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import balances_shown
 from workbench.parameters.sets import build, named_sets, read_parameters
@@ -71,8 +70,8 @@ def left(along: Along, motion: Motion, balance: str) -> float:
 @pytest.mark.parametrize("plant", plants().values(), ids=lambda plant: plant.name)
 def test_every_plant_leaves_next_to_nothing_of_its_own_balances(plant: Plant) -> None:
     motion = motion_along(plant)
-    along = Along(with_possible_effects(plant, motion.channels), "derived")
-    balances = list(balances_shown(along.plant, motion.channels))
+    along = Along(plant, "derived")
+    balances = list(balances_shown(plant, motion.channels))
     assert "force" in balances
     assert ("flow" in balances) == (plant.command in ("valve_voltage", "pump_speed"))
     assert ("rotation" in balances) == (plant.rotary_command == "motor_voltage")
@@ -83,10 +82,7 @@ def test_every_plant_leaves_next_to_nothing_of_its_own_balances(plant: Plant) ->
 def test_the_flow_law_of_an_experiment_holds_for_its_balances() -> None:
     plant = plants()["non_rotating"]
     motion = motion_along(plant, "chapter3")
-    shares = {
-        flow: left(Along(with_possible_effects(plant, motion.channels), flow), motion, "flow")
-        for flow in ("derived", "chapter3")
-    }
+    shares = {flow: left(Along(plant, flow), motion, "flow") for flow in ("derived", "chapter3")}
     assert shares["chapter3"] < 0.01
     assert shares["derived"] > 0.2
 

@@ -33,9 +33,9 @@ CHANNELS = {
 NOISE = {"position": 5e-6, "pressure_1": 2e3, "pressure_2": 2e3, "rotation_speed": 2e-3, "motor_current": 1e-3}
 
 
-def stage_of(folder: Path, effects: dict[str, float]) -> ResidualStage:
-    """The residual stage of 20 s of a turning rod with these effects."""
-    setup = registered("rotating_isotropic", rpm=15.0, duration=20.0)
+def stage_of(folder: Path, effects: dict[str, float], duration: float) -> ResidualStage:
+    """The residual stage of so many seconds of a turning rod with these effects."""
+    setup = registered("rotating_isotropic", rpm=15.0, duration=duration)
     plant = setup.plant.with_effects(*meant(setup.plant, [*effects]))
     parameters = build(plant.Parameters, {**TRUTH, **effects})
     state, inputs = plant.equilibrium(parameters, 15.0 * 2.0 * np.pi / 60.0 * TRUTH["piston_radius"])
@@ -72,7 +72,7 @@ def named(stage: ResidualStage) -> dict[str, dict[str, float]]:
 
 
 def test_a_valve_s_overlap_and_friction_along_the_stroke_are_named(tmp_path: Path) -> None:
-    stage = stage_of(tmp_path, {"valve_overlap": 1e-5, "friction_curvature": 0.8})
+    stage = stage_of(tmp_path, {"valve_overlap": 1e-5, "friction_curvature": 0.8}, 15.0)
     added = named(stage)
     assert set(added) == {"valve_deadband", "position_dependent_friction"}
     assert added["valve_deadband"]["valve_overlap"] == pytest.approx(1e-5, rel=2e-3)
@@ -81,6 +81,6 @@ def test_a_valve_s_overlap_and_friction_along_the_stroke_are_named(tmp_path: Pat
 
 
 def test_a_rotating_plant_without_effects_is_left_alone(tmp_path: Path) -> None:
-    stage = stage_of(tmp_path, {})
+    stage = stage_of(tmp_path, {}, 8.0)
     assert named(stage) == {}
     assert all(dependence is None for dependence in stage.dependences)
