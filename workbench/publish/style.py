@@ -1,18 +1,38 @@
 """How figures look: colours that a colour-blind reader and a grey printer can tell apart, text that fits a page."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypedDict
 
 import matplotlib as mpl
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+
+class LineStyle(TypedDict, total=False):
+    """How a line is drawn, in matplotlib's words."""
+
+    color: str
+    linestyle: str | tuple[int, tuple[int, ...]]
+    linewidth: float
+    marker: str
+    zorder: float
+
+
 # Okabe and Ito's palette, without its yellow, which print loses, and a wine red; each with a dash of its own.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#882255")
-DASHES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)))
+DASHES: Sequence[str | tuple[int, tuple[int, ...]]] = (
+    "-",
+    "--",
+    "-.",
+    ":",
+    (0, (5, 1)),
+    (0, (3, 1, 1, 1)),
+    (0, (1, 1)),
+    (0, (8, 2, 2, 2)),
+)
 MARKERS = ("o", "s", "^", "D", "v", "P", "x", "*")
-REFERENCE: dict[str, Any] = {"color": "#bbbbbb", "linestyle": "-", "linewidth": 3.5, "zorder": 1.5}
+REFERENCE: LineStyle = {"color": "#bbbbbb", "linestyle": "-", "linewidth": 3.5, "zorder": 1.5}
 """What others are held against: light and thick, under the curves, so that none that lies on it hides it."""
 
 WIDTH = 6.4
@@ -38,7 +58,7 @@ _SETTINGS: Any = {
 }
 
 
-def line_style(number: int, first_dash: int = 0) -> dict[str, Any]:
+def line_style(number: int, first_dash: int = 0) -> LineStyle:
     """Colour and dash of the curve of this number; a colour comes back only with another dash."""
     colours = len(COLOURS)
     return {

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from workbench.study.names import unit_of_column
 from workbench.toml.quantities import rpm_si
@@ -11,12 +10,12 @@ from workbench.toml.units import QuantityError, factor, si, unit_written
 RPM = "rpm"
 
 
-def are_names(values: Sequence[Any]) -> bool:
+def are_names(values: Sequence[object]) -> bool:
     """Whether values are names, such as those of controllers, and neither numbers nor quantities with a unit."""
     return any(isinstance(value, bool) or unit_written(value) is None for value in values)
 
 
-def shown_unit(axis: str, values: Sequence[Any], unit: str | None) -> str:
+def shown_unit(axis: str, values: Sequence[object], unit: str | None) -> str:
     """The unit in which an axis is shown: `unit` if it is given, else that of its values; "1" where none is known.
 
     Raises:
@@ -33,7 +32,7 @@ def shown_unit(axis: str, values: Sequence[Any], unit: str | None) -> str:
     return unit
 
 
-def numbers(axis: str, values: Sequence[Any], unit: str) -> list[float]:
+def numbers(axis: str, values: Sequence[object], unit: str) -> list[float]:
     """Values in `unit`; bare numbers are in rpm on the axis of that name, else in the unit of a column or in SI.
 
     Raises:
@@ -44,7 +43,7 @@ def numbers(axis: str, values: Sequence[Any], unit: str) -> list[float]:
         speeds = [round(rpm_si(_number(value)) * 30.0 / math.pi, 6) for value in values]  # as those of the cases
         return [speed * _factor(RPM, unit) for speed in speeds]
     if own:
-        return [float(value) * _factor(own, unit) for value in values]
+        return [float(str(value)) * _factor(own, unit) for value in values]
     if unit == "1":
         return [si(_number(value), unit_written(value) or "1") for value in values]
     return [si(_number(value), unit) / si(f"1 {unit}", unit) for value in values]
@@ -60,6 +59,6 @@ def _own_unit(axis: str) -> str:
     return "" if "." in axis or unit == "1" else unit
 
 
-def _number(value: Any) -> Any:
+def _number(value: object) -> object:
     """A bare number as one, although it is text; text with a unit as it is."""
-    return float(value) if unit_written(value) == "" else value
+    return float(str(value)) if unit_written(value) == "" else value

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import NamedTuple
 
 from plants.interface import Plant
 from workbench.toml.reading import Key, SchemaError
 
 
 @contextmanager
-def designing(what: str, plant: Plant, belief: Any, key: Key) -> Iterator[None]:
+def designing(what: str, plant: Plant, belief: NamedTuple, key: Key) -> Iterator[None]:
     """While gains are designed: settings that do not serve, and parameters that the plant lacks, become mistakes.
 
     Args:
@@ -36,5 +36,5 @@ def designing(what: str, plant: Plant, belief: Any, key: Key) -> Iterator[None]:
         ) from None
 
 
-def _part_of(whole: Any, part: Any) -> bool:
+def _part_of(whole: object, part: object) -> bool:
     return whole is part or (isinstance(whole, tuple) and any(_part_of(item, part) for item in whole))

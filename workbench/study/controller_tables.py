@@ -61,7 +61,7 @@ def parse_controller(tables: CaseTables, plant: Plant, folder: Path) -> Controll
     return ControllerCase(name, str(tables.controllers[name]["type"]), controller, settings, signal, fed)
 
 
-def _chosen(kind: str, name: str | None, available: Mapping[str, Any]) -> str | None:
+def _chosen(kind: str, name: str | None, available: Mapping[str, object]) -> str | None:
     """The name that an axis gives, or that of the only one there is."""
     if name is None and len(available) > 1:
         *others, last = available
@@ -100,7 +100,7 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
     return controller, settings(**values)
 
 
-def _setting_value(item: Setting, value: Any, command_unit: str) -> float | str:
+def _setting_value(item: Setting, value: object, command_unit: str) -> float | str:
     """A setting's value in SI, or its choice.
 
     Raises:
@@ -117,7 +117,7 @@ def _setting_value(item: Setting, value: Any, command_unit: str) -> float | str:
     return value
 
 
-def _reference(name: str, table: dict[str, Any], unit: str, folder: Path) -> ReferenceSignal:
+def _reference(name: str, table: Mapping[str, object], unit: str, folder: Path) -> ReferenceSignal:
     key = ("references", name)
     kind = table.get("kind")
     if kind is None:

@@ -28,7 +28,7 @@ class ScenarioFile(Strict):
     simulation: dict[str, Any] = {}
 
     @property
-    def overrides(self) -> dict[str, Any]:
+    def overrides(self) -> dict[str, object]:
         """The tables that it has."""
         return self.model_dump(exclude={"title", "source"}, exclude_unset=True)
 

@@ -2,7 +2,8 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from contextlib import suppress
+from typing import SupportsFloat
 
 from controllers.interface import Controller
 from controllers.registry import controllers
@@ -92,21 +93,21 @@ def shown_factor(unit: str, shown: str) -> float:
     return 1.0 if shown == "1" else factor(unit, shown)
 
 
-def matches(columns: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
+def matches(columns: Mapping[str, object], where: Mapping[str, object]) -> bool:
     """Whether a case has the values that `where` asks for; numbers are compared as numbers, "460" being one."""
     return all(comparable(columns.get(key)) == comparable(value) for key, value in where.items())
 
 
-def comparable(value: Any) -> float | str:
+def comparable(value: object) -> float | str:
     """A value such that equal ones compare equal: a number where it is one, however it is written."""
     if isinstance(value, list | dict):
         return json.dumps(value)
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return str(value)
+    if isinstance(value, str | float | SupportsFloat):  # SupportsFloat alone would do, slower
+        with suppress(TypeError, ValueError):
+            return float(value)
+    return str(value)
 
 
-def in_words(where: Mapping[str, Any]) -> str:
+def in_words(where: Mapping[str, object]) -> str:
     """Conditions as a message says them."""
     return ", ".join(f"{key} {value}" for key, value in where.items())

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from plants import motor
 from plants.equation import NEGATIVE
@@ -61,7 +61,7 @@ def read_values(tables: CaseTables, case: Case) -> ParameterValues:
     return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder)), believed, source)
 
 
-def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str) -> dict[str, float]:
+def _values(parameters: str, overrides: Mapping[str, object], folder: Path, table: str) -> dict[str, float]:
     """Values of a set or file with `set` overrides, by canonical name; a plain name sets both directions."""
     try:
         values = dict(read_parameters(parameter_path(parameters, folder)))
@@ -77,7 +77,7 @@ def _values(parameters: str, overrides: dict[str, Any], folder: Path, table: str
     return values
 
 
-def _rotated(plant: Plant, values: Mapping[str, float], table: Mapping[str, Any]) -> Mapping[str, float]:
+def _rotated(plant: Plant, values: Mapping[str, float], table: Mapping[str, object]) -> Mapping[str, float]:
     """Values with what a study says of rotation in [plant]: `inertia`, `motor` and `motor_limits`.
 
     Inertia "mass" is the thesis's M R^2 (section 3.3.1.2). A "consistent" motor has the back-EMF constant of its torque
@@ -96,7 +96,7 @@ def _rotated(plant: Plant, values: Mapping[str, float], table: Mapping[str, Any]
     return values
 
 
-def build_truth(plant: Plant, tables: CaseTables, read: ParameterValues) -> Any:
+def build_truth(plant: Plant, tables: CaseTables, read: ParameterValues) -> NamedTuple:
     """The plant's parameters: the values of [plant], with its `spread` and `scale` over them, in that order.
 
     Raises:
@@ -134,7 +134,7 @@ def _spread(values: dict[str, float], tables: CaseTables, deviations: Mapping[st
                 values[each] = drawn(each, values[each], times * deviations[each], tables.simulation.seed)
 
 
-def build_belief(plant: Plant, tables: CaseTables, declared: Mapping[str, Any], read: ParameterValues) -> Any:
+def build_belief(plant: Plant, tables: CaseTables, declared: Mapping[str, object], read: ParameterValues) -> NamedTuple:
     """What controllers believe the parameters to be, of a plant table as `declared`.
 
     Whether the motor has limits is on its nameplate: there belief follows the truth.
@@ -144,6 +144,6 @@ def build_belief(plant: Plant, tables: CaseTables, declared: Mapping[str, Any], 
     """
     try:
         values = _rotated(plant, read.believed, {**declared, "motor_limits": tables.plant.motor_limits})
-        return build(plant.Parameters, values, tables.belief.flow or declared.get("flow", "derived"))
+        return build(plant.Parameters, values, tables.belief.flow or str(declared.get("flow", "derived")))
     except UserError as error:
         raise SchemaError(("belief", "parameters"), f'"{read.source}" does not serve {plant.name}: {error}') from None

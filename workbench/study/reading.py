@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from workbench.errors import nearest
 from workbench.study.layers import LAYERS, Layer
@@ -22,7 +21,7 @@ def read_study(path: Path) -> Study:
     return study_of(*files.read_toml(path), path)
 
 
-def study_of(data: dict[str, Any], text: str, path: Path) -> Study:
+def study_of(data: Mapping[str, object], text: str, path: Path) -> Study:
     """The study with this content, checked as that of a file (not yet its cases).
 
     `path` is where it stands, or would: what it names is looked for beside it. `text` is what the file holds, by whose

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from controllers import rotation_on_demand, speed_servo
 from controllers.interface import Controller
@@ -155,7 +155,9 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     return Resolved(setup, simulation.transient, band, settings, belief, simulation.hold_limit)
 
 
-def _position_loop(wanted: ControllerCase, settings: Any, plant: Plant, belief: Any, sample_time: float) -> Loop:
+def _position_loop(
+    wanted: ControllerCase, settings: NamedTuple, plant: Plant, belief: NamedTuple, sample_time: float
+) -> Loop:
     """The controller with its gains, designed for what it believes of the plant."""
     controller = wanted.controller
     with designing(f'type "{wanted.type}"', plant, belief, ("controllers", wanted.name)):
@@ -164,12 +166,13 @@ def _position_loop(wanted: ControllerCase, settings: Any, plant: Plant, belief: 
         return Loop(controller, controller.design(settings, belief, sample_time))
 
 
-def _within_limits(state: Any, parameters: Any) -> Any:
+def _within_limits(state: NamedTuple, parameters: Any) -> NamedTuple:
     """The state with no more current than the motor's limit: a rod that takes more to turn will slow down."""
-    if "motor_current" not in state._fields:
+    current = state._asdict().get("motor_current")
+    if current is None:
         return state
     limit = float(current_limit(parameters.motor))
-    return state._replace(motor_current=min(max(state.motor_current, -limit), limit))
+    return state._replace(motor_current=min(max(current, -limit), limit))
 
 
 def _gauged(plant: Plant, controller: Controller, tables: CaseTables) -> Plant:
@@ -201,8 +204,8 @@ def _rotation(plant: Plant, parameters: Any, tables: CaseTables) -> tuple[float,
 
 
 def _rotary(
-    plant: Plant, belief: Any, rotation_speed: float, surface_speed: float, tables: CaseTables
-) -> tuple[Loop | None, Any]:
+    plant: Plant, belief: NamedTuple, rotation_speed: float, surface_speed: float, tables: CaseTables
+) -> tuple[Loop | None, NamedTuple]:
     """What controls the rotation, if anything does, and the inputs, as believed, without what it then gives."""
     rotation, command = tables.plant.rotation, plant.rotary_command
     believed, inputs = plant.equilibrium(belief, surface_speed)
@@ -217,7 +220,7 @@ def _rotary(
     if rotation in ("ideal", "voltage"):
         return None, inputs
     current = getattr(believed, "motor_current", 0.0)
-    settings: Any
+    settings: NamedTuple
     if rotation == "servo":
         controller, settings = speed_servo.SPEED_SERVO, speed_servo.Settings(rotation_speed, current)
     elif tables.plant.switch_speed is not None:  # it belongs to "switched"

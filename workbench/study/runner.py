@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
-from typing import Any
 
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.registry import SOLVER
@@ -35,7 +34,7 @@ Progress = Callable[[int, int, Case], None]
 
 def run_case(
     study: Study, case: Case, keep: Path | None, record: Path | None = None, resolved: Resolved | None = None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`.
 
     `resolved` is what the case runs, where that need not travel to another process. A mistake in the file has been
@@ -43,7 +42,7 @@ def run_case(
     """
     resolved = resolved or resolve(study, case)
     run = simulate(resolved.setup)
-    values: dict[str, Any] = {**case.columns, **figures_of(resolved, run, solver_error=case.tells_solver_error)}
+    values: dict[str, object] = {**case.columns, **figures_of(resolved, run, solver_error=case.tells_solver_error)}
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)
@@ -112,7 +111,7 @@ def run_study(
         done = store.done() - missing
         waiting = [case for case in planned.cases if case.index not in done]
         with workers(jobs, cluster) as executor:
-            futures: dict[Future[dict[str, Any]], Case] = {
+            futures: dict[Future[dict[str, object]], Case] = {
                 executor.submit(
                     run_case,
                     study,
@@ -134,12 +133,12 @@ def run_study(
         store.close()
 
 
-def _storable(values: Mapping[str, Any]) -> dict[str, Any]:
+def _storable(values: Mapping[str, object]) -> dict[str, object]:
     """Values as SQLite keeps them; lists and tables of a dotted axis as JSON."""
     return {key: json.dumps(value) if isinstance(value, list | dict) else value for key, value in values.items()}
 
 
-def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) -> dict[str, Any]:
+def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) -> dict[str, object]:
     return {
         "title": planned.study.file.title,
         **planned.identity,

@@ -49,7 +49,7 @@ class Checked:
     resolved: Sequence[Resolved]
     axes: Sequence[str]
     figures: Sequence[str]
-    chosen: Callable[[Key, Mapping[str, Any]], object]
+    chosen: Callable[[Key, Mapping[str, object]], object]
     key: Key = ()
 
 
@@ -132,20 +132,20 @@ def file_model(used: Collection[str]) -> type[StudyFile]:
     return create_model("StudyFile", __base__=StudyFile, **tables)
 
 
-def _content(section: Section[Any]) -> Any:
+def _content(section: Section[T]) -> object:
     """What may stand under the name of a section."""
     return (list[section.table] if section.several else section.table) | None  # type: ignore[name-defined]
 
 
-def sections_of(study: Study) -> list[tuple[Section[Any], Any]]:
+def sections_of(study: Study) -> list[tuple[Section[Any], Strict]]:
     """The sections of a study, each with its table."""
     return [(section, table) for section, table, _ in placed(study)]
 
 
-def placed(study: Study) -> list[tuple[Section[Any], Any, Key]]:
+def placed(study: Study) -> list[tuple[Section[Any], Strict, Key]]:
     """The sections of a study, each with its table, or with one of several, and where that stands."""
     contents = {name: getattr(study.file, name, None) for name in places()}
-    found: list[tuple[Section[Any], Any, Key]] = []
+    found: list[tuple[Section[Any], Strict, Key]] = []
     for name, content in contents.items():
         if isinstance(content, list):
             found += [(load(name), table, (name, i)) for i, table in enumerate(content)]

@@ -14,7 +14,6 @@ import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -101,7 +100,7 @@ class Store:
         """Indices of the finished cases."""
         return {index for (index,) in self._connection.execute(f"SELECT {INDEX} FROM results")}
 
-    def add(self, index: int, values: Mapping[str, Any]) -> None:
+    def add(self, index: int, values: Mapping[str, object]) -> None:
         """Commit one finished case."""
         row = [index, *(values.get(column) for column in self.columns)]
         with self._connection:
@@ -143,7 +142,7 @@ def export(frame: pd.DataFrame, folder: Path) -> None:
     write_whole(folder / "results.parquet", lambda path: frame.to_parquet(path, index=False))
 
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
+def write_json(path: Path, content: Mapping[str, object]) -> None:
     """Write a JSON file, whole or not at all."""
     text = json.dumps(content, indent=2, sort_keys=True) + "\n"
     write_whole(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

@@ -85,7 +85,7 @@ class Case:
     tells_solver_error: bool = True
 
     @property
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, object]:
         """The columns that tell this case from the others."""
         return {**({CASE: self.name} if self.name is not None else {}), **self.axes}
 
@@ -100,7 +100,7 @@ class Case:
         return ", ".join(f"{name} {value}" for name, value in self.columns.items()) or "the only case"
 
 
-def rpm_of(tables: Mapping[str, Any]) -> float:
+def rpm_of(tables: Mapping[str, object]) -> float:
     """The speed of rotation (rpm) that the tables of a case ask for, in whole millionths."""
     return round(rpm_si(tables.get("rpm", 0.0)) * 30.0 / math.pi, 6)
 
@@ -121,7 +121,7 @@ def located(study: Study, case: Case, key: files.Key, message: str) -> UserError
         parts = tuple(axis.split("."))
         if parts == tuple(map(str, key[: len(parts)])):
             return study.error((*axes_key(study, case.name), axis, *key[len(parts) :]), message)
-    layers: list[tuple[files.Key, Any]] = [((), study.file.model_dump(include=set(OVERRIDES)))]
+    layers: list[tuple[files.Key, object]] = [((), study.file.model_dump(include=set(OVERRIDES)))]
     if case.name:
         layers.append((("cases", case.name), study.file.cases[case.name]))
     for axis, layer in LAYERS.items():
@@ -136,7 +136,7 @@ def located(study: Study, case: Case, key: files.Key, message: str) -> UserError
     return study.error((*place, *key), message)
 
 
-def _depth(table: Any, key: files.Key) -> int:
+def _depth(table: object, key: files.Key) -> int:
     """How many parts of `key` lead into `table`."""
     for depth, part in enumerate(key):
         if isinstance(table, list) and isinstance(part, int) and part < len(table):

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -104,7 +103,7 @@ def _factor(factors: FactorTable, share: float) -> float:
     return factors.min + (factors.max - factors.min) * share
 
 
-def _noise(channel: str, key: str, value: Any) -> float:
+def _noise(channel: str, key: str, value: object) -> float:
     if channel not in CHANNEL_UNITS:
         raise SchemaError(("uncertainty", "noise", channel), f"no such sensor; expected {', '.join(CHANNEL_UNITS)}")
     try:

@@ -34,9 +34,9 @@ def unfold(study: Study) -> list[Case]:
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     for name, overrides in named:
         tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
-        axes = overrides.get("axes", tables.pop("axes"))
+        given = overrides.get("axes", tables.pop("axes"))
         tables.pop("axes", None)
-        _check_axes(study, name, axes, tables)
+        axes = _checked_axes(study, name, given, tables)
         for values in itertools.product(*axes.values()):
             point = dict(zip(axes, values, strict=True))
             filled, declared = _at_point(study, name, tables, point, read)
@@ -44,18 +44,20 @@ def unfold(study: Study) -> list[Case]:
     return cases
 
 
-def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
     """`base` with `overrides` laid over it, table by table; lists and values are replaced."""
     result = dict(copy.deepcopy(dict(base)))
     for key, value in overrides.items():
-        if isinstance(value, Mapping) and isinstance(result.get(key), Mapping):
-            result[key] = merged(result[key], value)
+        below = result.get(key)
+        if isinstance(value, Mapping) and isinstance(below, Mapping):
+            result[key] = merged(below, value)
         else:
             result[key] = copy.deepcopy(value)
     return result
 
 
-def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, Any]) -> None:
+def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[str, Any]) -> dict[str, list[object]]:
+    """The axes, each a list of values that there are."""
     place = axes_key(study, case)
     if not isinstance(axes, dict):
         raise study.error(place, "expected a table of lists")
@@ -90,6 +92,7 @@ def _check_axes(study: Study, case: str | None, axes: Any, tables: Mapping[str, 
             name = axis.partition(".")[2].split(".")[0]
             if name not in tables[section]:
                 raise study.error(key, f'unknown {section[:-1]} "{name}"; {nearest(name, tables[section])}')
+    return axes
 
 
 def _at_point(
@@ -124,13 +127,14 @@ def _at_point(
 
 def _with_gains(
     study: Study, tables: Mapping[str, Any], machine: str | None, read: Callable[[Path], GainFile]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Controllers with what their gain files say for a case's speed and machine.
 
     Of controllers beside the case's own a file that has nothing for this speed is left: they have cases of their own.
     """
     controllers = tables["controllers"]
-    found, own = dict(controllers), tables.get("controller") or next(iter(controllers), None)
+    found: dict[str, object] = dict(controllers)
+    own = tables.get("controller") or next(iter(controllers), None)
     for name, table in controllers.items():
         if not isinstance(table, dict) or KEY not in table:
             continue  # what is no table is told when the case is resolved

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 
@@ -77,8 +76,8 @@ class Checks:
             self._table(("tables", i), table)
         for i, figure in enumerate(self.study.file.figures):
             self._figure(("figures", i), figure)
-        for section, table, key in placed(self.study):
-            section.check(table, replace(self._checked, key=key))
+        for section, content, key in placed(self.study):
+            section.check(content, replace(self._checked, key=key))
         self.without_use()
 
     @property
@@ -123,7 +122,7 @@ class Checks:
             if probe.event is not None:
                 self._signal(("probes", name, "event"), probe.event, probed)
 
-    def _chosen(self, key: Key, where: Mapping[str, Any], *, one: bool) -> list[int]:
+    def _chosen(self, key: Key, where: Mapping[str, object], *, one: bool) -> list[int]:
         """Places of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
         for name in where:
             check_name(self.study, (*key, "where", name), "column", name, self.columns)
@@ -141,7 +140,7 @@ class Checks:
             if numeric and are_names([value]):
                 raise self.study.error((*key, "published"), f'got "{value}", expected a number as {axis} has them')
 
-    def _values(self, axis: str) -> list[Any]:
+    def _values(self, axis: str) -> list[object]:
         """What the cases have on an axis."""
         return [case.columns[axis] for case in self.cases if axis in case.columns]
 
@@ -268,7 +267,7 @@ class Checks:
 
     def _of_machine(self, case: Case, key: Key) -> bool:
         """Whether the machine of a case says this."""
-        table: Any = self.study.file.machines.get(str(case.axes.get(MACHINE.axis)), {})
+        table: object = self.study.file.machines.get(str(case.axes.get(MACHINE.axis)), {})
         for part in key:
             if not isinstance(table, Mapping) or part not in table:
                 return False

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from workbench.errors import UserError
 from workbench.publish.pictures import save
-from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, figure_style, line_style, marker
+from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
 from workbench.publish.tables import shown_number, with_unit
 from workbench.study.axis_values import are_names, numbers, shown_unit
 from workbench.study.names import shown_factor, signal_units, unit_of_column
@@ -60,7 +60,7 @@ def _draw_panel(
         labelled = any(earlier.label for earlier in panel.curves[:i])
         continued = labelled and not curve.label  # it goes on with the line before it
         number += curve.style != "reference" and not continued
-        style = dict(REFERENCE) if curve.style == "reference" else line_style(number, first_dash)
+        style = REFERENCE.copy() if curve.style == "reference" else line_style(number, first_dash)
         if curve.style == "points":
             style |= {"linestyle": "none", "marker": marker(number)}
         if panel.x in frame.columns:
@@ -98,9 +98,7 @@ def _draw_measured(axes: Axes, panel: Panel, x_unit: str, measured: Sequence[Ove
         axes.plot(curve.x * x_scale, curve.y * y_scale, label=None if number else "measured", **REFERENCE)
 
 
-def _draw_signal(
-    axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.DataFrame, style: dict[str, Any]
-) -> None:
+def _draw_signal(axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.DataFrame, style: LineStyle) -> None:
     x_name, units = curve.x or panel.x, signal_units()
     for name in (x_name, curve.y):
         if name not in table:
@@ -141,17 +139,18 @@ def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> st
 
 
 def _draw_column(
-    axes: Axes, panel: Panel, x_unit: str, curve: Curve, frame: pd.DataFrame, number: int, style: dict[str, Any]
+    axes: Axes, panel: Panel, x_unit: str, curve: Curve, frame: pd.DataFrame, number: int, style: LineStyle
 ) -> None:
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
     scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
     names = are_names(frame[panel.x].dropna().tolist())
 
-    def placed(values: Sequence[Any]) -> Sequence[Any]:
+    def placed(values: Sequence[float | str]) -> Sequence[float | str]:
         return values if names else numbers(panel.x, values, x_unit)
 
     x = placed(found[panel.x].tolist())
-    axes.plot(x, found[curve.y] * scale, label=curve.label or None, **{"marker": marker(number), **style})
+    marked: LineStyle = {"marker": marker(number), **style}
+    axes.plot(x, found[curve.y] * scale, label=curve.label or None, **marked)
     if curve.published:
         axes.plot(
             placed(list(curve.published)),

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -65,7 +64,7 @@ def _units(frame: pd.DataFrame, stored: Mapping[int, Sequence[str]], over_axis: 
 
 
 def _unknown(
-    name: str, units: Mapping[str, str], frame: pd.DataFrame, stored: Mapping[int, Any], where: Mapping[str, Any]
+    name: str, units: Mapping[str, str], frame: pd.DataFrame, stored: Mapping[int, object], where: Mapping[str, str]
 ) -> UserError:
     if name in frame.columns:
         return UserError(f'"{name}" is a column of the results: draw it against an axis of the study, such as --x rpm')
@@ -129,10 +128,10 @@ def _in_plain_words(name: str) -> str:
     return without_unit(name).replace("_", " ")
 
 
-def _axis_value(axis: str, value: Any) -> str:
+def _axis_value(axis: str, value: object) -> str:
     """The value of an axis in a legend or a title: "460 rpm", "tafazoli", "coulomb 1.3"."""
     if axis == "rpm":
-        return value if "rpm" in str(value) else f"{value} rpm"
+        return str(value) if "rpm" in str(value) else f"{value} rpm"
     return str(value).replace("_", " ") if isinstance(value, str) else f"{axis.split('.')[-1]} {value}"
 
 

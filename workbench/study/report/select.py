@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -11,7 +10,7 @@ from workbench.study.names import in_words, matches
 from workbench.study.store import trajectory_path
 
 
-def rows(frame: pd.DataFrame, where: Mapping[str, Any]) -> pd.DataFrame:
+def rows(frame: pd.DataFrame, where: Mapping[str, object]) -> pd.DataFrame:
     """The rows whose axes have the values in `where`.
 
     Raises:
@@ -24,7 +23,7 @@ def rows(frame: pd.DataFrame, where: Mapping[str, Any]) -> pd.DataFrame:
     return frame[keep]
 
 
-def one_row(frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.Series:
+def one_row(frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> pd.Series:
     """The single row that `where` picks.
 
     Raises:
@@ -37,13 +36,13 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.S
     return found.iloc[0]
 
 
-def _axes(row: pd.Series) -> dict[str, Any]:
+def _axes(row: pd.Series) -> dict[str, object]:
     """The values of a row's axes."""
     names = [str(name) for name in row.index]
     return {name: row[name] for name in names[: names.index("outcome")] if pd.notna(row[name])}
 
 
-def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purpose: str) -> pd.DataFrame:
+def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> pd.DataFrame:
     """The trajectory of the single case that `where` picks.
 
     Raises:
@@ -60,7 +59,7 @@ def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, Any], purp
     return pd.read_parquet(path)
 
 
-def columns_of(frame: pd.DataFrame, columns: list[str], where: Mapping[str, Any]) -> pd.DataFrame:
+def columns_of(frame: pd.DataFrame, columns: list[str], where: Mapping[str, object]) -> pd.DataFrame:
     """Axes and the chosen columns (all where none is chosen) of the cases that `where` picks.
 
     Raises:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from workbench.study.names import comparable, in_words, matches
 from workbench.study.report.schema import Column, TableSpec
@@ -22,14 +21,14 @@ class Heading:
 
     place: int
     column: Column
-    across: Any = None
+    across: object = None
 
 
 @dataclass(frozen=True)
 class Line:
     """One line: the values of the index and of the open axes, and by heading the place of its case, None without."""
 
-    values: Mapping[str, Any]
+    values: Mapping[str, object]
     cases: Sequence[int | None]
 
 
@@ -41,7 +40,7 @@ class Layout:
     lines: Sequence[Line]
 
 
-def lay_out(table: TableSpec, records: Sequence[Mapping[str, Any]], axes: Sequence[str]) -> Layout:
+def lay_out(table: TableSpec, records: Sequence[Mapping[str, object]], axes: Sequence[str]) -> Layout:
     """The lines of a table over its index.
 
     Args:
@@ -58,7 +57,7 @@ def lay_out(table: TableSpec, records: Sequence[Mapping[str, Any]], axes: Sequen
     told = {*table.where, index, str(table.across), *(name for column in table.columns for name in column.where)}
     others = [name for name in axes if name not in told and len({_value(records[i], name) for i in every}) > 1]
     headings, found = _headings(table, records, picked)
-    lines: dict[tuple[Any, ...], list[int | None]] = {}
+    lines: dict[tuple[float | str | None, ...], list[int | None]] = {}
     for number, (heading, cases) in enumerate(zip(headings, found, strict=True)):
         for i in cases:
             line = lines.setdefault(_place(records[i], (index, *others)), [None] * len(headings))
@@ -70,12 +69,12 @@ def lay_out(table: TableSpec, records: Sequence[Mapping[str, Any]], axes: Sequen
     return Layout(headings, [Line(_named(records, line, (index, *others)), line) for line in ordered])
 
 
-def _picked(records: Sequence[Mapping[str, Any]], where: Mapping[str, Any]) -> list[int]:
+def _picked(records: Sequence[Mapping[str, object]], where: Mapping[str, object]) -> list[int]:
     return [i for i, record in enumerate(records) if matches(record, where)]
 
 
 def _headings(
-    table: TableSpec, records: Sequence[Mapping[str, Any]], picked: Sequence[Sequence[int]]
+    table: TableSpec, records: Sequence[Mapping[str, object]], picked: Sequence[Sequence[int]]
 ) -> tuple[list[Heading], list[list[int]]]:
     """The headings, and the cases of each."""
     headings: list[Heading] = []
@@ -95,7 +94,7 @@ def _headings(
 
 
 def _two_in_one(
-    table: TableSpec, heading: Heading, one: Mapping[str, Any], other: Mapping[str, Any], axes: Sequence[str]
+    table: TableSpec, heading: Heading, one: Mapping[str, object], other: Mapping[str, object], axes: Sequence[str]
 ) -> LayoutError:
     apart = [name for name in axes if _value(one, name) != _value(other, name)] or [str(table.index)]
     place = in_words({str(table.index): one.get(str(table.index))})
@@ -106,16 +105,18 @@ def _two_in_one(
     )
 
 
-def _value(record: Mapping[str, Any], name: str) -> Any:
+def _value(record: Mapping[str, object], name: str) -> float | str | None:
     """A value to compare; None where there is none."""
     value = comparable(record.get(name))
     return None if record.get(name) is None or value != value else value
 
 
-def _place(record: Mapping[str, Any], names: Sequence[str]) -> tuple[Any, ...]:
+def _place(record: Mapping[str, object], names: Sequence[str]) -> tuple[float | str | None, ...]:
     return tuple(_value(record, name) for name in names)
 
 
-def _named(records: Sequence[Mapping[str, Any]], line: Sequence[int | None], names: Sequence[str]) -> dict[str, Any]:
+def _named(
+    records: Sequence[Mapping[str, object]], line: Sequence[int | None], names: Sequence[str]
+) -> dict[str, object]:
     first = records[next(i for i in line if i is not None)]
     return {name: first.get(name) for name in names}

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TypeAlias
 
 import pandas as pd
 
@@ -24,6 +24,9 @@ OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
 SOLVER_ERROR = "solver_error_m"
 
+ResultRow: TypeAlias = Mapping[str, float | str | None]
+"""A row of the results, by column."""
+
 
 def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     """The table of a spec, as text ready to be shown. A figure that does not apply is empty.
@@ -34,7 +37,7 @@ def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
 
 
-def _shown(row: Mapping[str, Any], figure: Column | Row) -> tuple[str, float | None]:
+def _shown(row: ResultRow, figure: Column | Row) -> tuple[str, float | None]:
     """A figure of a case as text in the unit shown, and as a number in it if it is one."""
     value = row[figure.result]
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -46,10 +49,10 @@ def _shown(row: Mapping[str, Any], figure: Column | Row) -> tuple[str, float | N
     return (f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)), number
 
 
-def _floor(row: Mapping[str, Any], figure: Column | Row) -> float:
+def _floor(row: ResultRow, figure: Column | Row) -> float:
     """The magnitude, in the unit shown, below which a figure of a case says nothing."""
     solver_error = row.get(SOLVER_ERROR) if figure.result.endswith("_error_m") else None
-    if figure.result == SOLVER_ERROR or solver_error is None or math.isnan(solver_error):
+    if figure.result == SOLVER_ERROR or isinstance(solver_error, str | None) or math.isnan(solver_error):
         return figure.least
     return max(figure.least, float(solver_error) * shown_factor("m", figure.unit))
 
@@ -93,8 +96,8 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
 def _cells(
     spec: TableSpec,
     heading: Heading,
-    cases: Sequence[Mapping[str, Any] | None],
-    values: Sequence[Any],
+    cases: Sequence[ResultRow | None],
+    values: Sequence[object],
     several: bool,
 ) -> list[dict[str, str]]:
     """What stands under a heading, line by line: a figure with its place, or beside its published value."""
@@ -114,9 +117,7 @@ def _cells(
     return found
 
 
-def _placed(
-    column: Column, shown: Sequence[tuple[str, float | None]], cases: Sequence[Mapping[str, Any] | None]
-) -> list[str]:
+def _placed(column: Column, shown: Sequence[tuple[str, float | None]], cases: Sequence[ResultRow | None]) -> list[str]:
     """Figures with their places: the smallest in magnitude first, a power by its value; what says nothing is 0."""
     sizes = [
         None if number is None or case is None else _size(column, number, _floor(case, column))
@@ -134,12 +135,12 @@ def _size(column: Column, number: float, floor: float) -> float:
     return number if unit_of_column(column.result) == "W" else abs(number)
 
 
-def _published(column: Column, value: Any) -> float | None:
+def _published(column: Column, value: object) -> float | None:
     """The published figure at this value of the axis."""
     return next((number for key, number in column.published.items() if matches({"": value}, {"": key})), None)
 
 
-def _label(value: Any) -> str:
+def _label(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
