@@ -13,6 +13,7 @@ class LineStyle(TypedDict, total=False):
     """How a line is drawn, in matplotlib's words."""
 
     color: str
+    label: str
     linestyle: str | tuple[int, tuple[int, ...]]
     linewidth: float
     marker: str

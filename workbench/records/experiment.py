@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from glob import glob
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from plants.effects.attach import meant
 from plants.equation import NEGATIVE, fields, to_array
@@ -30,6 +30,7 @@ from workbench.records.schema import (
     FigureTable,
     PlantTable,
     PublishedTable,
+    Raw,
     RecordTable,
 )
 from workbench.toml import reading as files
@@ -93,7 +94,7 @@ class Experiment:
     figures: tuple[FigureTable, ...] = ()
     true_sensors: Mapping[str, float] = field(default_factory=dict)
 
-    def parameters(self, changes: Mapping[str, float] | None = None) -> Any:
+    def parameters(self, changes: Mapping[str, float] | None = None) -> NamedTuple:
         """The plant's parameters, declared or with `changes` by canonical name.
 
         Raises:
@@ -107,7 +108,7 @@ class Experiment:
         return {**self.values, **dict(zip(names, to_array(self.parameters()).tolist(), strict=True))}
 
 
-def is_experiment(data: Mapping[str, Any]) -> bool:
+def is_experiment(data: Mapping[str, object]) -> bool:
     """Whether the content of a TOML file is that of an experiment."""
     records = data.get("records")
     return "channels" in data or (isinstance(records, list) and any(isinstance(item, dict) for item in records))
@@ -266,7 +267,7 @@ def _quantity(value: float | str, unit: str, place: files.Key) -> float:
         raise files.SchemaError(place, str(error)) from None
 
 
-def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
+def _accuracies(table: Mapping[str, Raw]) -> dict[str, float]:
     found = _sensors(table, ("sensors",))
     for name, number in found.items():
         if number < 0.0:
@@ -274,7 +275,7 @@ def _accuracies(table: Mapping[str, Any]) -> dict[str, float]:
     return found
 
 
-def _sensors(table: Mapping[str, Any], place: files.Key) -> dict[str, float]:
+def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
     """Errors of sensors (SI) by name."""
     found = {}
     for name, value in table.items():

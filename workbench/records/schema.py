@@ -1,7 +1,7 @@
 """What may stand in an experiment file."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field, StrictFloat, StrictInt, model_validator
 
@@ -92,7 +92,7 @@ class FitTable(files.Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _bounds_by_name(cls, data: Any) -> Any:
+    def _bounds_by_name(cls, data: object) -> object:
         if not isinstance(data, dict):
             return data
         named = {key: value for key, value in data.items() if isinstance(value, dict) and key in known_units()}

@@ -8,7 +8,6 @@ Settings are those of `controllers.pid`: kp (command/m), ki (command/(m s)), kd 
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import control
 import numpy as np
@@ -19,7 +18,7 @@ from workbench.errors import UserError
 from workbench.linear.margins import Margins
 from workbench.linear.open_loop import margins
 from workbench.linear.slow_model import SlowModel, slow_model
-from workbench.simulation.simulate import Loop, Setup
+from workbench.simulation.setup import Loop, Numbers, Setup
 from workbench.tune.relay_experiment import relay_test
 
 PidGains = dict[str, float]
@@ -154,7 +153,7 @@ def lqr(model: SlowModel, acceptable_error: float, largest_command: float, integ
 
 
 def starting_points(
-    setup: Setup, belief: Any, speed: float, largest_command: float | None = None
+    setup: Setup, belief: Numbers, speed: float, largest_command: float | None = None
 ) -> list[StartingPoint]:
     """What a control engineer would begin with, by each of the classic methods, with the margins that it has.
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 from controllers.interface import Controller
 from controllers.settings import Setting, Tuned, idle, settings_of
@@ -50,7 +50,9 @@ class Dimension:
         return min(max(float(f"{value:.{SHORT}g}"), self.low), self.high)
 
 
-def space_of(name: str, controller: Controller, settings: Any, table: TuneTable, command_unit: str) -> list[Dimension]:
+def space_of(
+    name: str, controller: Controller, settings: NamedTuple, table: TuneTable, command_unit: str
+) -> list[Dimension]:
     """The dimensions of a controller's gains.
 
     Without a table of its own under `gains` all settings are tuned that have a documented range, count, and are not 0:

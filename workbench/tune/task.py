@@ -4,7 +4,7 @@ import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import Any
+from typing import NamedTuple
 
 from controllers.interface import Controller
 from controllers.settings import settings_of
@@ -30,7 +30,7 @@ class Task:
     study: Study
     name: str
     controller: Controller
-    settings: Any
+    settings: NamedTuple
     cases: Sequence[ParsedCase]
     dimensions: Sequence[Dimension]
     uncertainty: UncertaintyTable
@@ -58,7 +58,7 @@ class Task:
             dimension.name: min(max(dimension.start, dimension.low), dimension.high) for dimension in self.dimensions
         }
 
-    def settings_at(self, point: Point) -> Any:
+    def settings_at(self, point: Point) -> NamedTuple:
         """The controller's settings at a point."""
         return self.settings._replace(**{name: value for name, value in point.items() if name not in (RPM, THRESHOLD)})
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from workbench.errors import UserError
 from workbench.linear.margins import Response
 from workbench.linear.open_loop import Margins, margins, open_loop
-from workbench.publish.style import figure_style
+from workbench.publish.style import LineStyle, figure_style
 from workbench.simulation.simulate import Setup
 from workbench.study.resolve import Resolved
 from workbench.tune.objective import SLOW, fastest
@@ -103,7 +103,7 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
         figure, panels = grid(2, 1, f"{data.label}: loop before and after", 2.3, sharex="all")
         amplitude, phase = panels[:, 0]
         for when, curve in data.curves.items():
-            _draw(amplitude, phase, curve, dict(SIDES[when]))
+            _draw(amplitude, phase, curve, SIDES[when].copy())
         amplitude.axhline(0.0, color="#666666", linewidth=0.8)
         _half_turns(phase)
         amplitude.set_ylabel("amplitude (dB)")
@@ -114,7 +114,7 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
     return Picture(figure, _caption(data))
 
 
-def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: dict[str, Any]) -> None:
+def _draw(amplitude: Axes, phase: Axes, curve: Curve, style: LineStyle) -> None:
     """A loop and its margins: from the curve to 0 dB and to -180 degrees."""
     label = "\n".join(wrap(f"{style.pop('label')}: {_words(curve)}", LABEL))
     amplitude.plot(curve.frequency, curve.amplitude, label=label, **style)

@@ -10,15 +10,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.publish.pictures import Picture
-from workbench.publish.style import COLOURS
+from workbench.publish.style import COLOURS, LineStyle
 
-BEFORE: dict[str, Any] = {
+BEFORE: LineStyle = {
     "color": COLOURS[1],
     "linestyle": "--",
     "linewidth": 1.1,
     "label": "before (the study's gains)",
 }
-AFTER: dict[str, Any] = {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.4, "label": "after (tuned)"}
+AFTER: LineStyle = {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.4, "label": "after (tuned)"}
 SIDES = {"before": BEFORE, "after": AFTER}
 
 WIDE = 8.0
