@@ -77,7 +77,7 @@ def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
     record's command is shifted as a whole.
     """
     told = (effects()[name] for name in effects_told(plant, channels))
-    return plant.with_effects(*(effect for effect in told if ARRIVES not in effect.numbers))
+    return (plant.bare or plant).with_effects(*(effect for effect in told if ARRIVES not in effect.numbers))
 
 
 def can_be_told(effect: Effect, plant: Plant, channels: Collection[str]) -> bool:
