@@ -1,10 +1,13 @@
 """A plant's hidden states along a measured motion, in compiled code: contact, spool, and what effects remember.
 
 The states that a rig shows are put in as they were measured; the rates of the others are those of the plant's own
-`derivatives`. They advance by the exact solution for a rate that is linear in the state and inputs that are held, which
-a valve's lag and a sliding bristle are:
+`derivatives`. From their rates r0 at an instant, and r1 with the next instant's motion, they advance by
 
-    z <- z + h r (1 - exp(-d)) / d,   d = -h dr/dz
+    z <- z + h (w0(d0) r0 + w1(d1) r1),   d = -h dr/dz,   w0 = (f - e^-d) / d,   w1 = (1 - f) / d,   f = (1 - e^-d) / d
+
+which is exact where r is linear in z and in time, as of a valve's lag and a sliding bristle (an exponential integrator
+of second order; Cox and Matthews 2002). Bristles that relax within a sample then have no lag that comes of the samples,
+which their damping would show; with a slope of either end no reversal makes them overshoot.
 """
 
 from typing import Any
@@ -17,12 +20,12 @@ from workbench.simulation.compilation import call_derivatives
 NUDGE = 1e-3
 """Of a state's typical magnitude, by which it is moved for a difference quotient."""
 
-STRAIGHT = 1e-9
-"""Decay in a step below which the step is a straight line."""
+STRAIGHT = 1e-6
+"""Decay in a step below which the step is a straight line: its weights then cancel to less than that."""
 
 REFRESHED = 5e-3
-"""s after which dr/dz is found anew. Measured signals are smoothed over more than that, and where a state settles it
-does not depend on it."""
+"""s after which dr/dz of states that inputs alone drive is found anew: where such a state settles it does not depend
+on it."""
 
 
 @njit(cache=True)
@@ -48,20 +51,23 @@ def walk(
 ) -> Any:
     """The `hidden` states (instants, hidden) along a motion, and the rates (instants, wanted) that go with them.
 
-    They begin as at rest, those that are `settled` where the first input holds them.
+    They begin as at rest, those that are `settled`, by the inputs alone, where the first input holds them.
 
-    States are numbered; `known` has the columns of those that are `shown`, all others are as at `rest`. `contact` are
-    those that the contact remembers. Where it is `still` the velocity is noise, below `creep` (m/s): the contact is
-    taken to stand, is bent by the way that the noise makes, and slips only at its full deflection; its rates are those
-    of the bend without the velocity, and of the velocity without the bend. Where it is also `resting` its friction is
-    what holds it, and its bend that which gives the measured `acceleration`: simulated from a velocity that is noise it
-    would relax as if it crept.
+    Where noise hides the velocity (`still`) the contact is only as loaded as the measured acceleration (m/s^2) asks
+    for, and never beyond sliding; it does not slide then, or the noise's velocity would wear it. Either it rests
+    (`resting`), or it creeps: friction then is of the mean creep, and its bend follows the mean motion, since damping and
+    sliding have no linear response to the noise. At rest the bend that sliding left is taken as it was measured, and
+    held, and an effect's friction acts in no direction. What fluctuates there is noise, whose bristles would have to be
+    bent, and a bend would relax as if it crept.
     """
     count, size = time.size, rest.size
     tracked, asked = np.empty((count, hidden.size)), np.empty((count, wanted.size))
     z, x, rates, other = rest.copy(), rest.copy(), np.empty(size), np.empty(size)
-    free, bends, slopes = np.empty(size), np.empty(size), np.zeros(size)
-    p, steps, age, most = address(parameters), inputs.shape[1], 0, max(round(REFRESHED / sample_time), 1)
+    free, bends, slopes = np.empty(size), np.empty(size), np.empty(size)
+    ahead, slopes_ahead, slopes_known = np.empty(size), np.empty(size), False
+    p, steps = address(parameters), inputs.shape[1]
+    by_motion = hidden.size > settled.size
+    most = 1 if by_motion else max(round(REFRESHED / sample_time), 1)
     for k in range(count):
         for j in range(shown.size):
             x[shown[j]] = known[k, j]
@@ -78,13 +84,8 @@ def walk(
             for i in contact:
                 z[i] = x[i]
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
-        if age == 0:
-            for i in hidden:
-                x[i] = z[i] + nudges[i]
-            call_derivatives(derivatives, time[k], address(x), u, p, address(other))
-            for i in hidden:
-                slopes[i] = (other[i] - rates[i]) / nudges[i]
-        age = (age + 1) % most
+        if not slopes_known and k % most == 0:
+            _slopes(derivatives, time[k], x, u, p, hidden, nudges, rates, other, slopes)
         for j in range(hidden.size):
             tracked[k, j] = z[hidden[j]]
         for j in range(wanted.size):
@@ -92,17 +93,19 @@ def walk(
         if k == 0:
             for i in settled:
                 z[i] -= rates[i] / slopes[i] if slopes[i] < 0.0 else 0.0
-                rates[i] = 0.0
+                x[i], rates[i] = z[i], 0.0
+        slopes_known = by_motion and not still[k] and k + 1 < count and not still[k + 1]
+        ahead[:], slopes_ahead[:] = rates, slopes
+        if slopes_known:
+            for j in range(shown.size):
+                x[shown[j]] = known[k + 1, j]
+            call_derivatives(derivatives, time[k] + sample_time, address(x), u, p, address(ahead))
+            _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, nudges, ahead, other, slopes_ahead)
         for i in hidden:
-            decay = -sample_time * slopes[i]
-            if decay > STRAIGHT:
-                z[i] -= -np.expm1(-decay) * rates[i] / slopes[i]
-            else:
-                z[i] += sample_time * rates[i]
+            z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
+        slopes[:] = slopes_ahead
         if still[k] and not stands:
             x[velocity] = speed
-            for j in range(hidden.size):
-                x[hidden[j]] = tracked[k, j]
             for i in contact:
                 bends[i], x[i] = x[i], 0.0
             call_derivatives(derivatives, time[k], address(x), u, p, address(other))
@@ -116,6 +119,39 @@ def walk(
             for i in contact:
                 z[i] = x[i]
     return tracked, asked
+
+
+@njit(cache=True)
+def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
+    """Mean rate over a step, from a state's rate and what the next instant's motion makes of it."""
+    first = second = 0.5
+    if decay > STRAIGHT:
+        first = (-np.expm1(-decay) / decay - np.exp(-decay)) / decay
+    if decay_ahead > STRAIGHT:
+        second = (1.0 + np.expm1(-decay_ahead) / decay_ahead) / decay_ahead
+    return first * rate + second * ahead
+
+
+@njit(cache=True)
+def _slopes(
+    derivatives: int,
+    time: float,
+    state: Any,
+    inputs: Any,
+    parameters: Any,
+    hidden: Any,
+    nudges: Any,
+    rates: Any,
+    other: Any,
+    slopes: Any,
+) -> None:
+    """dr/dz of the hidden states, all nudged at once."""
+    for i in hidden:
+        state[i] += nudges[i]
+    call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
+    for i in hidden:
+        state[i] -= nudges[i]
+        slopes[i] = (other[i] - rates[i]) / nudges[i]
 
 
 @njit(cache=True)
