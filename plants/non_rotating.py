@@ -60,8 +60,10 @@ def measure(state: State, p: Parameters) -> Measurement:
 
 
 def holding_load_pressure(h: Hydraulics, body: Mass) -> float:
-    """P_L (Pa) that balances the constant load, for equal areas; held by a closed valve if no oil leaks."""
-    return float(body.load_force / hyd.piston_area(h))
+    """P_L (Pa) that balances the constant load, held by a closed valve if no oil leaks: P1 A1 - P2 A2 = F_load."""
+    total = h.supply_pressure + h.tank_pressure
+    by_areas = 0.5 * total * (h.piston_area_1 - h.piston_area_2)
+    return float((body.load_force - by_areas) / hyd.piston_area(h))
 
 
 def voltage_limit(p: Parameters) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from plants.effects.interface import COMMAND, Change, Effect, Moment
+from plants.effects.interface import COMMAND, DISTURBANCE, Change, Effect, Moment
 from plants.effects.moment import moment_of, slip_of
 from plants.effects.registry import effects as registered
 from plants.equation import Equation, Scalar, changed, equation, extended, fields, members, named_tuple, retyped
@@ -123,14 +123,18 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         return state_class(*state, memory_class(*kept))
 
     def resting(p: Any, state: Any, inputs: Any) -> Any:
-        """The parameters as effects make them of a machine at rest."""
-        return altered(p, at(0.0, state, inputs, p), memory_of(state), p, p.effects)
+        """The parameters as effects make them of a machine at rest; what disturbs it there is a load."""
+        moment, memory, own = at(0.0, state, inputs, p), memory_of(state), p.effects
+        at_rest = altered(p, moment, memory, p, own)
+        if "body" not in members(plant.Parameters) or DISTURBANCE not in members(plant.Inputs):
+            return at_rest
+        load = at_rest.body.load_force + driven(inputs, moment, memory, p, own).disturbance_force
+        return at_rest._replace(body=at_rest.body._replace(load_force=load))
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
         """At rest for long, with parameters as the effects make them there."""
-        state = rested(*plant.equilibrium(p, surface_speed))
-        inputs = plant.equilibrium(p, surface_speed)[1]
-        state, inputs = plant.equilibrium(resting(p, state, inputs), surface_speed)
+        state, inputs = plant.equilibrium(p, surface_speed)
+        state, inputs = plant.equilibrium(resting(p, rested(state, inputs), inputs), surface_speed)
         return rested(state, inputs), inputs
 
     refit = plant.refit

@@ -18,6 +18,10 @@ COMMAND = "command"
 """In the place of an input's name: the one that the position controller drives, whatever it is called."""
 
 
+DISTURBANCE = "disturbance_force"
+"""The input by which a force on the mass that is no plant's own acts, against the motion."""
+
+
 class Moment(NamedTuple):
     """What the equations of an effect know of an instant.
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.interface import Effect, Moment, Number, Scales
+from plants.effects.interface import DISTURBANCE, Effect, Moment, Number, Scales
 from plants.equation import Scalar, equation
 from plants.laws.interface import Nothing
 
@@ -54,7 +54,7 @@ QUADRATIC_DRAG = Effect(
     source="Merritt 1967",
     numbers={"drag_coefficient": Number(0.0, 200.0, 0.02, force_by_speed_squared)},
     Own=Drag,
-    inputs={"disturbance_force": drag},
+    inputs={DISTURBANCE: drag},
 )
 
 
@@ -89,7 +89,7 @@ SPRING_LOAD = Effect(
     numbers={"spring_stiffness": Number(-1000.0, 1000.0, 0.1, force_by_travel)},
     needs=("position",),
     Own=Spring,
-    inputs={"disturbance_force": spring},
+    inputs={DISTURBANCE: spring},
 )
 
 
@@ -134,6 +134,6 @@ ROTATION_PERIODIC_FORCE = Effect(
     needs=("rotation_angle",),
     Own=Ripple,
     Memory=Angle,
-    inputs={"disturbance_force": ripple},
+    inputs={DISTURBANCE: ripple},
     remember=turning,
 )

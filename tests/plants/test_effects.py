@@ -133,6 +133,16 @@ def run(plant: Plant, values: dict[str, float]) -> np.ndarray:
     return result.signals["position"]
 
 
+@pytest.mark.parametrize("name", ["non_rotating", "two_chamber", "rotating_isotropic", "pump_cylinder", "drive_force"])
+def test_a_plant_with_effects_rests_in_its_equilibrium(name: str) -> None:
+    """A force over the angle, and areas that differ: oil or drive hold them."""
+    plant = whole(plants()[name])
+    parameters = build(plant.Parameters, {**TRUTH, "cosine_force": 80.0, "area_ratio": 0.8})
+    state, inputs = plant.equilibrium(parameters, 0.0)
+    rate = float(plant.derivatives(0.0, state, inputs, parameters).velocity)
+    assert abs(rate) * TRUTH["mass"] < 1e-6
+
+
 class Pull(NamedTuple):
     magnet_force: Annotated[float, "N"] = 0.0
 
