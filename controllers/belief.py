@@ -7,44 +7,17 @@ A `design` whose belief is one of these needs that part of every plant; one that
 from typing import Protocol, runtime_checkable
 
 from plants.anisotropic import Film, Guide
-from plants.friction import Friction, LuGre
-from plants.hydraulics import Hydraulics, Mass
-from plants.motor import Motor
+from plants.friction import HasFriction, LuGre
+from plants.hydraulics import Hydraulic, Moving
+from plants.motor import HasMotor
 
 
-@runtime_checkable
-class Hydraulic(Protocol):
-    """A valve and a cylinder: the command has a velocity gain, and the force is measured as pressures."""
-
-    @property
-    def hydraulics(self) -> Hydraulics: ...
-
-
-@runtime_checkable
-class HasFriction(Protocol):
-    """A contact along which something slides, with LuGre's numbers for either direction."""
-
-    @property
-    def friction(self) -> Friction: ...
-
-
-class Sliding(HasFriction, Protocol):
+class Sliding(HasFriction, Moving, Protocol):
     """A mass that slides with friction."""
-
-    @property
-    def body(self) -> Mass: ...
 
 
 class HydraulicSliding(Hydraulic, Sliding, Protocol):
     """A mass that slides with friction, moved by a valve and a cylinder."""
-
-
-@runtime_checkable
-class HasMotor(Protocol):
-    """A motor that can turn the rod."""
-
-    @property
-    def motor(self) -> Motor: ...
 
 
 class Turned(HasFriction, HasMotor, Protocol):

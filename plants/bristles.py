@@ -62,22 +62,22 @@ class BristleLaw:
     """
 
     name: str
-    Bristles: Any
-    Parameters: type
+    Bristles: type[NamedTuple]
+    Parameters: type[NamedTuple]
     friction: Callable[..., tuple[Scalar, Scalar, Any]]
     steady: Callable[..., tuple[Scalar, Scalar]]
     turning: str
 
     @property
-    def at_rest(self) -> Any:
+    def at_rest(self) -> NamedTuple:
         """Bristles that are not bent."""
-        return self.Bristles(*(0.0 for _ in self.Bristles._fields))
+        return self.Bristles._make(0.0 for _ in self.Bristles._fields)
 
-    def around(self, deflection: float) -> Any:
+    def around(self, deflection: float) -> NamedTuple:
         """Bristles that are bent (m) around the rod only."""
         return self.at_rest._replace(**{self.turning: deflection})
 
-    def steady_rotation(self, parameters: Any, surface_speed: float) -> tuple[Any, float]:
+    def steady_rotation(self, parameters: NamedTuple, surface_speed: float) -> tuple[NamedTuple, float]:
         """Bristles and rotary friction (N) of a rod that turns at `surface_speed` (m/s) without moving along.
 
         The rate of a bristle is linear in its deflection: 0 at rate(0) / (rate(0) - rate(1)).

@@ -11,16 +11,17 @@ import os
 import secrets
 import typing
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numba
 from llvmlite import ir
 from numba import types
 from numba.core.bytecode import FunctionIdentity
+from numba.core.typing import Signature
 from numba.extending import intrinsic, overload, register_jitable
 
 from plants.cache import cache_folder
-from plants.equation import changed, extended, select, source_hash, tell_compiler, when
+from plants.equation import Equation, changed, extended, select, source_hash, tell_compiler, when
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(cache_folder() / "compiled" / source_hash())
@@ -91,7 +92,7 @@ def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
 POINTER = types.CPointer(types.float64)
 
 
-def _numba_type(cls: Any) -> Any:
+def _numba_type(cls: type[NamedTuple]) -> types.BaseTuple:
     hints = typing.get_type_hints(cls)
     members = [types.float64 if hints[n] is float else _numba_type(hints[n]) for n in cls._fields]
     return types.BaseTuple.from_types(members, cls)
@@ -175,7 +176,7 @@ def _store(typingctx: Any, pointer: Any, index: Any, value: Any) -> Any:
     return types.void(POINTER, types.intp, types.float64), codegen
 
 
-def caller(signature: Any) -> Any:
+def caller(signature: Signature) -> Any:
     """An intrinsic `call(address, *arguments)`: in compiled code, call the C function of `signature` at an address.
 
     Addresses are plain integers, so that an engine takes them at no cost.
@@ -211,7 +212,15 @@ def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
     return None
 
 
-def compiled(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+class CFunction(Protocol):
+    """Compiled code, which lives as long as this object does."""
+
+    @property
+    def address(self) -> int:
+        """Where it stands."""
+
+
+def compiled(signature: Signature) -> Callable[[Equation], CFunction]:
     """Decorator: a C function of `signature`, cached on disk; dividing by zero gives infinity, as in NumPy."""
     return numba.cfunc(signature, cache=True, error_model="numpy")
 

@@ -6,13 +6,13 @@ Friction by any law of `plants.laws`, an optional spring to a point that moves (
 
 import functools
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from plants.equation import Scalar, equation
 from plants.friction import Friction
-from plants.hydraulics import FORCE, Mass, end_stop_force
+from plants.hydraulics import FORCE, Mass, Moving, end_stop_force
 from plants.interface import Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE
@@ -79,8 +79,19 @@ class Signals(NamedTuple):
     spring_force: Annotated[float, "N"]
 
 
+class Stroked(Moving, Protocol):
+    """Parameters of a mass that moves between two ends."""
+
+    @property
+    def stroke(self) -> float: ...
+
+
+InputsT = TypeVar("InputsT", bound=Inputs | PressedInputs | VoltageInputs)
+ParametersT = TypeVar("ParametersT", bound=Parameters | VoltageParameters)
+
+
 @equation
-def force_command(inputs: Inputs, p: Parameters) -> Scalar:
+def force_command(inputs: Inputs | PressedInputs, p: Parameters) -> Scalar:
     """Force (N) of the drive."""
     return inputs.drive_force
 
@@ -125,7 +136,7 @@ def force_gain(p: VoltageParameters) -> float:
     return p.force_gain
 
 
-def travel(p: Any) -> float:
+def travel(p: Stroked) -> float:
     """Distance (m) between the end stops, if they are modelled."""
     return p.stroke if p.body.end_stop_stiffness else np.inf
 
@@ -133,16 +144,16 @@ def travel(p: Any) -> float:
 def _drive(
     law: FrictionLaw,
     command: str,
-    force: Callable[[Any, Any], Scalar],
-    inputs_class: Any,
-    templates: tuple[Any, ...],
-    limit: Callable[[Any], float],
-    gain: Callable[[Any], float],
+    force: Callable[[InputsT, ParametersT], Scalar],
+    inputs_class: type[InputsT],
+    parameters: type[ParametersT],
+    limit: Callable[[ParametersT], float],
+    gain: Callable[[ParametersT], float],
     refit: Callable[[FrictionLaw], Plant],
 ) -> Plant:
     """The drive with a friction law: `force` (N) of its inputs, `gain` (N a unit) of its command."""
     friction = law.friction
-    state_class, parameters_class, signals_class = fitted(law, *templates)
+    state_class, parameters_class, signals_class = fitted(law, State, parameters, Signals)
     unbent = at_rest(law)
 
     @equation
@@ -172,7 +183,7 @@ def _drive(
             p.spring_stiffness * (inputs.spring_end - state.position),
         )
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
+    def equilibrium(p: ParametersT, surface_speed: float) -> tuple[NamedTuple, InputsT]:
         """At rest at the origin, a constant load held by the drive."""
         return state_class(0.0, 0.0, unbent), inputs_class(p.body.load_force / gain(p), 0.0, 0.0)
 
@@ -202,23 +213,21 @@ def _drive(
 @functools.cache
 def driven_by_force(law: FrictionLaw) -> Plant:
     """The mass that a force (N) drives, with a friction law."""
-    templates = (State, Parameters, Signals)
-    return _drive(law, "drive_force", force_command, Inputs, templates, force_limit, unit_gain, driven_by_force)
+    return _drive(law, "drive_force", force_command, Inputs, Parameters, force_limit, unit_gain, driven_by_force)
 
 
 @functools.cache
 def driven_by_pressed_force(law: FrictionLaw) -> Plant:
     """The mass that a measured force (N) drives, with a friction law whose effects may depend on pressures."""
-    templates, refit = (State, Parameters, Signals), driven_by_pressed_force
-    return _drive(law, "drive_force", force_command, PressedInputs, templates, force_limit, unit_gain, refit)
+    refit = driven_by_pressed_force
+    return _drive(law, "drive_force", force_command, PressedInputs, Parameters, force_limit, unit_gain, refit)
 
 
 @functools.cache
 def driven_by_voltage(law: FrictionLaw) -> Plant:
     """The mass that a voltage (V) drives through a force gain, with a friction law."""
-    templates = (State, VoltageParameters, Signals)
-    limit, refit = voltage_limit, driven_by_voltage
-    return _drive(law, "drive_voltage", voltage_command, VoltageInputs, templates, limit, force_gain, refit)
+    command, inputs, parameters = voltage_command, VoltageInputs, VoltageParameters
+    return _drive(law, "drive_voltage", command, inputs, parameters, voltage_limit, force_gain, driven_by_voltage)
 
 
 DRIVE_FORCE, DRIVE_VOLTAGE = driven_by_force(LUGRE), driven_by_voltage(LUGRE)

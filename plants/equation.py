@@ -22,10 +22,10 @@ import inspect
 import sys
 import typing
 from collections import namedtuple
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar, TypeVarTuple
 
 import numpy as np
 
@@ -36,6 +36,11 @@ Equation: TypeAlias = Callable[..., Any]
 """A function of scalars and of NamedTuples of them, which NumPy, compiled code and CasADi run alike."""
 
 Function = TypeVar("Function", bound=Equation)
+
+NumbersT = TypeVar("NumbersT", bound=NamedTuple)
+"""A class of states, inputs or parameters."""
+
+Arguments = TypeVarTuple("Arguments")
 
 EQUATION_FOLDERS = (
     "plants",
@@ -63,10 +68,10 @@ def source_hash(folders: tuple[str, ...] = EQUATION_FOLDERS) -> str:
     return digest.hexdigest()[:16]
 
 
-_waiting: list[Callable[..., Any]] = []
+_waiting: list[Equation] = []
 """Equations that compiled code has not been told of yet: without a simulation nothing of numba is imported."""
 
-_tell: Callable[[Callable[..., Any]], object] = _waiting.append
+_tell: Callable[[Equation], object] = _waiting.append
 
 
 def equation(function: Function) -> Function:
@@ -75,7 +80,7 @@ def equation(function: Function) -> Function:
     return function
 
 
-def tell_compiler(tell: Callable[[Callable[..., Any]], object]) -> None:
+def tell_compiler(tell: Callable[[Equation], object]) -> None:
     """Hand every equation, those that are still to come too, to `tell`; `plants.compiled` does, when it is imported."""
     global _tell
     _tell = tell
@@ -89,7 +94,9 @@ def select(condition: Scalar, when_true: Scalar, when_false: Scalar) -> Scalar:
     return np.where(condition, when_true, when_false)
 
 
-def when(condition: Scalar, function: Callable[..., Scalar], otherwise: Scalar, *arguments: Any) -> Scalar:
+def when(
+    condition: Scalar, function: Callable[[*Arguments], Scalar], otherwise: Scalar, *arguments: *Arguments
+) -> Scalar:
     """`function(*arguments)` where `condition` holds, else `otherwise`: a `select` that compiled code need not pay for.
 
     For an equation whose result is known without it, such as that of an effect which a plant has not.
@@ -97,14 +104,14 @@ def when(condition: Scalar, function: Callable[..., Scalar], otherwise: Scalar, 
     return select(condition, function(*arguments), otherwise)
 
 
-def changed(value: Any, place: int, new: Any) -> Any:
+def changed(value: NumbersT, place: int, new: Scalar | tuple[Scalar, ...]) -> NumbersT:
     """The NamedTuple `value` with another member at a place, a constant: its `_replace` for compiled code too."""
     return value._replace(**{value._fields[place]: new})
 
 
-def extended(cls: Any, value: Any, last: Any) -> Any:
+def extended(cls: type[NumbersT], value: tuple[Scalar, ...], last: tuple[Scalar, ...]) -> NumbersT:
     """A NamedTuple of class `cls`: the members of another, and one behind them."""
-    return cls(*value, last)
+    return cls._make((*value, last))
 
 
 class Field(NamedTuple):
@@ -124,18 +131,18 @@ ROTARY = "rotary"
 """The same for what acts around the rod: `_rotary`."""
 
 
-def members(cls: Any) -> tuple[str, ...]:
+def members(cls: type[NamedTuple]) -> tuple[str, ...]:
     """The fields of a NamedTuple class, nested ones as one each."""
-    return tuple(cls._fields)
+    return cls._fields
 
 
 @functools.cache
-def fields(cls: Any) -> tuple[Field, ...]:
+def fields(cls: type[NamedTuple]) -> tuple[Field, ...]:
     """The numbers of a NamedTuple class in their order in memory, nested ones spread out."""
     return tuple(_walk(cls, ""))
 
 
-def _walk(cls: Any, suffix: str) -> Iterator[Field]:
+def _walk(cls: type[NamedTuple], suffix: str) -> Iterator[Field]:
     hints = typing.get_type_hints(cls, include_extras=True)
     for name in cls._fields:
         hint = hints[name]
@@ -150,7 +157,9 @@ def _walk(cls: Any, suffix: str) -> Iterator[Field]:
 _named_tuple: Any = namedtuple  # its names come from data here, which the type checker does not follow
 
 
-def named_tuple(name: str, module: str, members: Mapping[str, Any], defaults: Mapping[str, Any], doc: str) -> Any:
+def named_tuple(
+    name: str, module: str, members: Mapping[str, type], defaults: Mapping[str, Scalar], doc: str | None
+) -> type:
     """A NamedTuple class with these members and their types, made once.
 
     It is an attribute of the module of that name, by which the cache of compiled code knows it.
@@ -164,7 +173,7 @@ def named_tuple(name: str, module: str, members: Mapping[str, Any], defaults: Ma
     return getattr(place, name)
 
 
-def retyped(template: Any, suffix: str, **nested: type) -> Any:
+def retyped(template: type[NamedTuple], suffix: str, **nested: type) -> type:
     """The NamedTuple class `template` with other classes in its nested fields, or further ones behind its own.
 
     It is an attribute of the template's module, called TEMPLATE_SUFFIX. A further field has its class without arguments
@@ -177,19 +186,19 @@ def retyped(template: Any, suffix: str, **nested: type) -> Any:
     return named_tuple(name, template.__module__, {**hints, **nested}, defaults, template.__doc__)
 
 
-def to_array(value: Any) -> np.ndarray:
+def to_array(value: tuple[Scalar, ...]) -> np.ndarray:
     """A (nested) NamedTuple of floats as one vector, in the order of `fields`."""
     return np.array(list(leaves(value)), dtype=float)
 
 
-def replaced(value: Any, numbers: Mapping[str, float]) -> Any:
+def replaced(value: NumbersT, numbers: Mapping[str, float]) -> NumbersT:
     """A (nested) NamedTuple with other values of some of its numbers, by their names in `fields`."""
-    cls: Any = type(value)
+    cls = type(value)
     names = [item.name for item in fields(cls)]
     return from_array(cls, [numbers.get(name, old) for name, old in zip(names, leaves(value), strict=True)])
 
 
-def leaves(value: Any) -> Iterator[Any]:
+def leaves(value: Scalar | tuple[Scalar, ...]) -> Iterator[Scalar]:
     """The numbers, arrays or symbols of a (nested) NamedTuple, in the order of `fields`."""
     if isinstance(value, tuple):
         for item in value:
@@ -198,27 +207,27 @@ def leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def from_array(cls: Any, values: Any) -> Any:
+def from_array(cls: type[NumbersT], values: Iterable[Scalar]) -> NumbersT:
     """The inverse of `to_array`; a value may be a float, an array over time or a CasADi symbol."""
     return _build(cls, iter(values))
 
 
 @functools.cache
-def _plain_hints(cls: Any) -> dict[str, Any]:
+def _plain_hints(cls: type[NamedTuple]) -> dict[str, type]:
     return typing.get_type_hints(cls)
 
 
-def _build(cls: Any, values: Iterator[Any]) -> Any:
+def _build(cls: type[NumbersT], values: Iterator[Scalar]) -> NumbersT:
     hints = _plain_hints(cls)
-    return cls(*(next(values) if hints[n] is float else _build(hints[n], values) for n in cls._fields))
+    return cls._make(next(values) if hints[n] is float else _build(hints[n], values) for n in cls._fields)
 
 
-def fingerprint(function: Callable[..., Any]) -> str:
+def fingerprint(function: Equation) -> str:
     """A hash of the packages that `function` and the functions in it are from: plug-ins lie outside the cache's key."""
     return " ".join(package_hash(module) for module in sorted(_modules(inspect.unwrap(function))))
 
 
-def _modules(function: Callable[..., Any]) -> set[str]:
+def _modules(function: Equation) -> set[str]:
     """The modules of a function and of the functions in its closure."""
     held = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
     inner = [inspect.unwrap(item) for item in held if inspect.isfunction(item)]

@@ -4,7 +4,7 @@ All forces are in N and oppose the motion when they have the sign of the velocit
 friction is one of these laws too, with parameters of its own.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -38,6 +38,14 @@ class Friction(NamedTuple):
 
     positive: LuGre
     negative: LuGre
+
+
+@runtime_checkable
+class HasFriction(Protocol):
+    """Parameters of a contact along which something slides, with LuGre's numbers for either direction."""
+
+    @property
+    def friction(self) -> Friction: ...
 
 
 @equation

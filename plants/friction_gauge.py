@@ -30,7 +30,7 @@ def gauged(plant: Plant) -> Plant:
     if plant.rotary_command == "surface_speed":
         raise ValueError(f'{plant.name} has no friction gauge: its speed is imposed; take rotation = "servo"')
     bare, signals = plant.measure, plant.signals
-    at_rest = plant.Inputs(*(0.0 for _ in fields(plant.Inputs)))
+    at_rest = plant.Inputs._make(0.0 for _ in fields(plant.Inputs))
 
     @equation
     def measure(state: Any, p: Any) -> Measurement:

@@ -4,7 +4,7 @@ The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal p
 piston seal are ideal; `valve_overlap` and `leakage_coefficient` are what a real one adds, and 0 by default.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -48,12 +48,27 @@ class Mass(NamedTuple):
     end_stop_damping: Annotated[float, "s/m"]
 
 
-def mass(p: Any) -> tuple[float]:
+@runtime_checkable
+class Hydraulic(Protocol):
+    """Parameters of a valve and a cylinder: the command has a velocity gain, and the force is measured as pressures."""
+
+    @property
+    def hydraulics(self) -> Hydraulics: ...
+
+
+class Moving(Protocol):
+    """Parameters of a mass that moves."""
+
+    @property
+    def body(self) -> Mass: ...
+
+
+def mass(p: Moving) -> tuple[float]:
     """M (kg): the force that an acceleration takes."""
     return (p.body.mass,)
 
 
-def valve_time(p: Any) -> tuple[float]:
+def valve_time(p: Hydraulic) -> tuple[float]:
     """tau_sv (s): the way of the spool's target that a rate of the spool takes."""
     return (p.hydraulics.valve_time_constant,)
 

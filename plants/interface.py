@@ -4,9 +4,13 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from plants.equation import fields, from_array
+
+if TYPE_CHECKING:
+    from plants.effects.interface import Effect
+    from plants.laws.interface import FrictionLaw
 
 
 class Measurement(NamedTuple):
@@ -31,7 +35,7 @@ SENSORS = tuple(name for name in Measurement._fields if name != GAUGE)
 """Channels that a rig can have: the first of a `Measurement`, in its order."""
 
 
-def unlimited(parameters: Any) -> float:
+def unlimited(parameters: object) -> float:
     """The travel (m) of a plant without end stops, the limit of a rotary command without one."""
     return math.inf
 
@@ -69,10 +73,10 @@ class Plant:
 
     name: str
     summary: str
-    State: type
-    Inputs: type
-    Parameters: type
-    Signals: type
+    State: type[NamedTuple]
+    Inputs: type[NamedTuple]
+    Parameters: type[NamedTuple]
+    Signals: type[NamedTuple]
     derivatives: Callable[..., Any]
     signals: Callable[..., Any]
     measure: Callable[..., Any]
@@ -84,13 +88,13 @@ class Plant:
     travel: Callable[[Any], float] = unlimited
     rotary_limit: Callable[[Any], float] = unlimited
     friction: str = ""
-    refit: Callable[[Any], "Plant"] | None = None
+    refit: Callable[["FrictionLaw"], "Plant"] | None = None
     contact: str = ""
     effects: tuple[str, ...] = ()
     bare: "Plant | None" = None
 
-    def with_friction(self, law: Any) -> "Plant":
-        """The same plant with another friction law, a `plants.laws.interface.FrictionLaw`.
+    def with_friction(self, law: "FrictionLaw") -> "Plant":
+        """The same plant with another friction law.
 
         Raises:
             ValueError: it takes no other, or the law has no form for it.
@@ -101,8 +105,8 @@ class Plant:
             raise ValueError(f'plant "{self.name}" has a friction of its own and takes no law')
         return self.refit(law)
 
-    def with_effects(self, *effects: Any) -> "Plant":
-        """The same plant with effects (`plants.effects.interface.Effect`), neutral until their parameters are given.
+    def with_effects(self, *effects: "Effect") -> "Plant":
+        """The same plant with effects, neutral until their parameters are given.
 
         They add to those that it has, and act in the order of the registry. The parameters get a field `effects`, the
         states too where an effect remembers.

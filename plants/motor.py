@@ -1,6 +1,6 @@
 """The motor that rotates piston and rod, in forces and velocities at the piston's surface (thesis 3.3.1)."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -30,6 +30,14 @@ class Motor(NamedTuple):
     motor_peak_current: Annotated[float, "A"] = np.inf
     motor_voltage_limit: Annotated[float, "V"] = np.inf
     motor_speed_limit: Annotated[float, "rad/s"] = np.inf
+
+
+@runtime_checkable
+class HasMotor(Protocol):
+    """Parameters of a motor that can turn the rod."""
+
+    @property
+    def motor(self) -> Motor: ...
 
 
 LIMITS = ("motor_peak_torque", "motor_peak_current", "motor_voltage_limit", "motor_speed_limit")

@@ -11,7 +11,7 @@ import numpy as np
 from plants import hydraulics as hyd
 from plants.equation import Scalar, equation
 from plants.friction import Friction
-from plants.hydraulics import Hydraulics, Mass
+from plants.hydraulics import Hydraulic, Hydraulics, Mass
 from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE, Bristle
@@ -76,7 +76,7 @@ def travel(p: Parameters) -> float:
     return p.hydraulics.stroke if p.body.end_stop_stiffness else np.inf
 
 
-def load_pressure_capacity(p: Any) -> tuple[float]:
+def load_pressure_capacity(p: Hydraulic) -> tuple[float]:
     """V_t / (4 beta) (m^3/Pa): the flow that a rate of the load pressure takes."""
     return (hyd.oil_volume(p.hydraulics) / (4.0 * p.hydraulics.bulk_modulus),)
 
@@ -151,7 +151,7 @@ def actuator(law: FrictionLaw) -> Plant:
             state.load_pressure * flow,
         )
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+    def equilibrium(p: Parameters, surface_speed: float) -> tuple[NamedTuple, Inputs]:
         """At rest in mid-stroke with the valve closed; this plant does not rotate."""
         return state_class(0.0, 0.0, holding_load_pressure(p.hydraulics, p.body), unbent, 0.0), Inputs(0.0, 0.0)
 

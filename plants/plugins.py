@@ -9,7 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from plants.equation import package_hash
 
-T = TypeVar("T")
+T = TypeVar("T", covariant=True)
 Check: TypeAlias = Callable[[Any], None]
 
 

@@ -76,7 +76,7 @@ def oil_volume(p: Any) -> Scalar:
     return p.hose_volume + 0.5 * p.piston_area_1 * p.stroke
 
 
-def load_pressure_capacity(p: Any) -> tuple[float]:
+def load_pressure_capacity(p: Parameters) -> tuple[float]:
     """V / beta (m^3/Pa): the flow that a rate of the load pressure takes."""
     return (oil_volume(p) / p.bulk_modulus,)
 
@@ -150,7 +150,7 @@ def pumped(law: FrictionLaw) -> Plant:
             state.load_pressure * flow,
         )
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+    def equilibrium(p: Parameters, surface_speed: float) -> tuple[NamedTuple, Inputs]:
         """At rest in mid-stroke, the load held by the oil and the leakage by the pump."""
         tank = p.tank_pressure * (p.piston_area_1 - p.area_ratio * p.piston_area_2)
         load = p.body.load_force - tank

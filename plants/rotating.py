@@ -11,12 +11,13 @@ import numpy as np
 
 from plants import hydraulics as hyd
 from plants import motor as mot
-from plants.bristles import BristleLaw, PlaneBristle
+from plants.bristles import AnisotropicParameters, BristleLaw, Parameters, PlaneBristle
 from plants.equation import Scalar, equation, retyped
 from plants.friction import helical_speed
 from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
 from plants.laws.lugre import LUGRE
+from plants.motor import HasMotor
 from plants.non_rotating import BALANCES, holding_load_pressure, travel, voltage_limit
 
 
@@ -135,7 +136,7 @@ def readings(state: Any, surface_speed: Scalar, current: Scalar, p: Any) -> Meas
     return Measurement(state.position, pressure_1, pressure_2, surface_speed / p.motor.piston_radius, current)
 
 
-def with_bristles(template: Any, plane: BristleLaw) -> Any:
+def with_bristles(template: type[NamedTuple], plane: BristleLaw) -> type:
     """The class of states of a plant with these bristles, made from that with the bristle in the plane."""
     if plane.Bristles is PlaneBristle:
         return template
@@ -164,17 +165,17 @@ def measure(state: Any, p: Any) -> Measurement:
     return readings(state, state.surface_speed, state.motor_current, p)
 
 
-def motor_voltage_limit(p: Any) -> float:
+def motor_voltage_limit(p: HasMotor) -> float:
     """Limit (V) of the motor's drive."""
     return float(p.motor.motor_voltage_limit)
 
 
-def rotary_inertia(p: Any) -> tuple[float]:
+def rotary_inertia(p: HasMotor) -> tuple[float]:
     """J / r (N m s^2/m): the torque that an acceleration of the surface takes."""
     return (p.motor.rotary_inertia / p.motor.piston_radius,)
 
 
-def inductance(p: Any) -> tuple[float]:
+def inductance(p: HasMotor) -> tuple[float]:
     """L (V s/A): the voltage that a rate of the current takes."""
     return (p.motor.motor_inductance,)
 
@@ -219,7 +220,7 @@ def turned_by_motor(law: FrictionLaw, bristle: str) -> Plant:
         rotation = (state.surface_speed, state.motor_current, mot.drive_voltage(inputs.motor_voltage, p.motor))
         return all_signals(state, inputs, (axial, rotary), rotation, p)
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+    def equilibrium(p: Parameters | AnisotropicParameters, surface_speed: float) -> tuple[NamedTuple, Inputs]:
         """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
         bristles, rotary = plane.steady_rotation(p, surface_speed)
         current = float(mot.holding_current(rotary, p.motor))

@@ -6,7 +6,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants import motor as mot
-from plants.bristles import PlaneBristle
+from plants.bristles import AnisotropicParameters, Parameters, PlaneBristle
 from plants.equation import Scalar, equation
 from plants.interface import Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
@@ -64,7 +64,7 @@ def turned_ideally(law: FrictionLaw, bristle: str) -> Plant:
         voltage = mot.holding_voltage(current, inputs.surface_speed, p.motor)
         return all_signals(state, inputs, (axial, rotary), (inputs.surface_speed, current, voltage), p)
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+    def equilibrium(p: Parameters | AnisotropicParameters, surface_speed: float) -> tuple[NamedTuple, Inputs]:
         """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
         bristles, _ = plane.steady_rotation(p, surface_speed)
         pressure = holding_load_pressure(p.hydraulics, p.body)

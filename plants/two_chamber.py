@@ -10,7 +10,7 @@ import numpy as np
 
 from plants import hydraulics as hyd
 from plants.equation import Scalar, equation, select
-from plants.hydraulics import Hydraulics, edge_flow
+from plants.hydraulics import Hydraulic, Hydraulics, edge_flow
 from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
 from plants.laws.lugre import LUGRE, Bristle
@@ -70,7 +70,7 @@ def measure(state: State, p: Any) -> Measurement:
     return Measurement(state.position, state.pressure_1, state.pressure_2, 0.0, 0.0)
 
 
-def chamber_capacities(p: Any) -> tuple[float, float]:
+def chamber_capacities(p: Hydraulic) -> tuple[float, float]:
     """V / beta (m^3/Pa) of each chamber: the flow that a rate of its pressure takes."""
     volume_1, volume_2 = chamber_volumes(p.hydraulics)
     return volume_1 / p.hydraulics.bulk_modulus, volume_2 / p.hydraulics.bulk_modulus
@@ -121,7 +121,7 @@ def chambered(law: FrictionLaw) -> Plant:
             power,
         )
 
-    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Inputs]:
+    def equilibrium(p: Parameters, surface_speed: float) -> tuple[NamedTuple, Inputs]:
         """At rest in mid-stroke, the load held by the oil: P1 A1 - P2 A2 = F_load with P1 + P2 = P_s + P_T."""
         h = p.hydraulics
         total = h.supply_pressure + h.tank_pressure

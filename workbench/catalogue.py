@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
@@ -121,7 +120,7 @@ CATALOGUE: Mapping[str, Callable[[], list[str]]] = {
 """What gives the lines of each section, in the order in which they are shown; each imports what it alone needs."""
 
 
-def _broken(registry: Registry[Any]) -> list[str]:
+def _broken(registry: Registry[object]) -> list[str]:
     """Plug-ins that cannot be used, and why."""
     return [f"{name:22} {failure}" for name, failure in registry.broken().items()]
 

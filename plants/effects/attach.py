@@ -4,7 +4,7 @@ import functools
 import zlib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from plants.effects.interface import COMMAND, DISTURBANCE, Change, Effect, Moment
 from plants.effects.moment import moment_of, slip_of
@@ -152,12 +152,12 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     )
 
 
-def _together(name: str, members: Mapping[str, Any]) -> Any:
+def _together(name: str, members: Mapping[str, type]) -> type:
     """A class with a field for each effect, which has that effect's class, neutral by default."""
     return named_tuple(name, __name__, members, {effect: cls() for effect, cls in members.items()}, "Of each effect.")
 
 
-def _chained(plant: Plant, effects: Sequence[Effect], cls: Any, changes: str) -> Chain:
+def _chained(plant: Plant, effects: Sequence[Effect], cls: type[NamedTuple], changes: str) -> Chain:
     """All that effects change of a tuple of a class: an equation (value, moment, memory, parameters, own) -> value."""
     steps: dict[str, Chain] = {}
     for index, effect in enumerate(effects):
@@ -226,12 +226,12 @@ def _remembered(effects: Sequence[Effect]) -> Equation:
 
     for index, effect in enumerate(effects):
         place = _memory_index(effects, effect)
-        if place is not None:
+        if place is not None and effect.remember is not None:
             chain = _next_memory(chain, place, effect.remember, index)
     return chain
 
 
-def _next_memory(before: Equation, place: int, remember: Any, index: int) -> Equation:
+def _next_memory(before: Equation, place: int, remember: Equation, index: int) -> Equation:
     """The chain with the rates of another effect's memory."""
 
     @equation

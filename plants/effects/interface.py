@@ -6,7 +6,7 @@ measured motion it is a candidate for what a model lacks; in `Plant.with_effects
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 from plants.equation import Equation, fields
 from plants.laws.interface import Nothing
@@ -110,14 +110,14 @@ class Effect:
     acts_on: tuple[str, ...] = ()
     circular: bool = False
     requires: tuple[str, ...] = ()
-    Own: Any = Nothing
-    Memory: Any = Nothing
+    Own: type = Nothing
+    Memory: type = Nothing
     parameters: Mapping[str, Change] = field(default_factory=dict)
     inputs: Mapping[str, Change] = field(default_factory=dict)
     rates: Mapping[str, Change] = field(default_factory=dict)
     readings: Mapping[str, Change] = field(default_factory=dict)
     remember: Equation | None = None
-    at_rest: Callable[[float], Any] | None = None
+    at_rest: Callable[[float], NamedTuple] | None = None
 
     @property
     def variants(self) -> tuple[tuple[str, ...], ...]:

@@ -1,7 +1,7 @@
 """What effects know of an instant of a plant, found in its own states, inputs and parameters."""
 
 import typing
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def moment_of(plant: Plant) -> Equation:
     return moment
 
 
-def _path(cls: Any, *names: str, otherwise: float) -> Equation:
+def _path(cls: type[NamedTuple], *names: str, otherwise: float) -> Equation:
     """What stands in a tuple of a class at a field, or at a field of a field; `otherwise` where it has none."""
     places = []
     for name in names:

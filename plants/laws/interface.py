@@ -49,12 +49,12 @@ class FrictionLaw:
     friction: Callable[[Scalar, Any, Scalar, Any], tuple[Scalar, Any]]
     steady: Callable[[Scalar, Any], Scalar]
     uses: tuple[str, ...] = LuGre._fields
-    Contact: Any = Nothing
-    Extra: Any = Nothing
+    Contact: type[NamedTuple] = Nothing
+    Extra: type[NamedTuple] = Nothing
     plane: Mapping[str, BristleLaw] = field(default_factory=dict)
 
 
-def fitted(law: FrictionLaw, *templates: Any) -> tuple[Any, ...]:
+def fitted(law: FrictionLaw, *templates: type[NamedTuple]) -> tuple[type, ...]:
     """The classes of a plant's states, parameters and signals for a law, made from those for LuGre's.
 
     What the contact remembers is in their field `contact`; what the law has beside the contact's set is in the field
@@ -71,6 +71,6 @@ def fitted(law: FrictionLaw, *templates: Any) -> tuple[Any, ...]:
     return tuple(made)
 
 
-def at_rest(law: FrictionLaw) -> Any:
+def at_rest(law: FrictionLaw) -> NamedTuple:
     """What a contact remembers that has rested for long, without a load."""
-    return law.Contact(*(0.0 for _ in law.Contact._fields))
+    return law.Contact._make(0.0 for _ in law.Contact._fields)

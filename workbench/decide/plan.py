@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
 from workbench.decide.schema import DecideTable
@@ -55,7 +55,7 @@ class Plan:
         return self.draws > 1
 
     @property
-    def plant(self) -> Mapping[str, Any]:
+    def plant(self) -> Mapping[str, object]:
         """What is declared of the plant: the study's, under what its machine says."""
         return next(iter(self.cases[self.table.speed].values())).case.declared
 

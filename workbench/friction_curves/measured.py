@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field
 
-from plants import bristles
+from plants.bristles import AnisotropicParameters
 from plants.friction import LuGre, steady_friction
 from workbench.parameters.sets import build
 from workbench.records.friction import SLIDING
@@ -118,6 +118,6 @@ def _curve(rpm: float, direction: str, law: LuGre) -> Curve:
 
 def without_rotation(values: Mapping[str, float]) -> list[Curve]:
     """The curves of the axial set itself, at rpm 0."""
-    friction = build(bristles.ANISOTROPIC.Parameters, values).friction
+    friction = build(AnisotropicParameters, values).friction
     laws = {"forward": friction.positive, "backward": friction.negative}
     return [_curve(0.0, name, law) for name, law in laws.items()]

@@ -16,7 +16,7 @@ valve's flow away from the closed spool, and the difference between directions (
 """
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import control
 import numpy as np
@@ -28,7 +28,6 @@ from plants.equation import NEGATIVE, replaced
 from plants.friction import LuGre, stribeck_level
 from plants.interface import Plant
 from workbench.linear.linearise import linearise
-from workbench.simulation.setup import Numbers
 
 AMPLITUDES = np.logspace(-9, 3, 61)
 """m/s. Amplitudes of velocity among which intersections are looked for."""
@@ -164,7 +163,7 @@ def _refined(
     return Intersection(a, w, growth.real < 0.0)
 
 
-def friction_loop(plant: Plant, parameters: Numbers, gains: Gains) -> control.StateSpace:
+def friction_loop(plant: Plant, parameters: NamedTuple, gains: Gains) -> control.StateSpace:
     """H(s): from a force (N) that pushes the piston to its velocity (m/s), PID loop closed, without friction levels.
 
     Viscous friction stays in. The PID is continuous: command = -(K_p + K_i / s) x - K_d v, with v itself.
@@ -182,10 +181,9 @@ def friction_loop(plant: Plant, parameters: Numbers, gains: Gains) -> control.St
     return control.ss(whole, -np.vstack([force, zero]), np.hstack([velocity, zero]), 0.0)
 
 
-def _without_levels(parameters: Numbers) -> Numbers:
+def _without_levels(parameters: NamedTuple) -> NamedTuple:
     """Parameters whose friction along the rod is viscous alone, in both directions."""
-    viscous: Numbers = replaced(parameters, {name: 0.0 for level in LEVELS for name in (level, f"{level}_{NEGATIVE}")})
-    return viscous
+    return replaced(parameters, {name: 0.0 for level in LEVELS for name in (level, f"{level}_{NEGATIVE}")})
 
 
 def _influential(a: np.ndarray, c: np.ndarray) -> np.ndarray:

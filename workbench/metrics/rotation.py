@@ -1,11 +1,11 @@
 """How the rod really turns, what of that leaves the Stribeck range, and what its motor gives for it."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from plants.friction import Friction, blended, helical_speed
+from plants.motor import Motor
 from workbench.metrics.tracking import root_mean_square
 from workbench.simulation.motor_limits import at_a_limit
 
@@ -32,7 +32,7 @@ def below_stribeck_fraction(signals: Mapping[str, np.ndarray], samples: slice, f
     return float(np.mean(speed < blended(along / speed, along / speed, friction).stribeck_velocity))
 
 
-def motor_figures(signals: Mapping[str, np.ndarray], samples: slice, motor: Any) -> dict[str, float]:
+def motor_figures(signals: Mapping[str, np.ndarray], samples: slice, motor: Motor) -> dict[str, float]:
     """Share of the samples at a limit of torque, current or voltage; rms torque (N m); motor's loss (W).
 
     Torque is K_t i. The loss is what enters at the terminals less what reaches the rod, F_rotary w.

@@ -5,14 +5,13 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
 from plants.effects.registry import effects
-from plants.equation import NEGATIVE, ROTARY, fields, from_array
+from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.laws.registry import LAWS
 from plants.motor import LIMITS
@@ -198,7 +197,7 @@ def check_range(name: str, number: float) -> None:
         raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
 
 
-def build(cls: type, values: Mapping[str, float], flow: str = "derived") -> Any:
+def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived") -> NumbersT:
     """The parameters of a plant class from values by canonical name; values that it does not know are left out.
 
     A `_negative` value that is not given is that of the positive direction, and so is a `_rotary` one.

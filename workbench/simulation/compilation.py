@@ -5,13 +5,13 @@ import itertools
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numba import types
 
 from controllers.interface import Controller, Reference
-from plants.compiled import POINTER, caller, compiled, pack, unpack
+from plants.compiled import POINTER, CFunction, caller, compiled, pack, unpack
 from plants.equation import fingerprint
 from plants.interface import Measurement, Plant
 from workbench.errors import UserError
@@ -37,14 +37,6 @@ call_step, call_commit = caller(STEP), caller(COMMIT)
 
 COMPILING = threading.Lock()
 """Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
-
-
-class CFunction(Protocol):
-    """Compiled code, which lives as long as this object does."""
-
-    @property
-    def address(self) -> int:
-        """Where it stands."""
 
 
 def compile_derivatives(plant: Plant) -> CFunction:

@@ -21,7 +21,6 @@ from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
-from workbench.parameters.sets import build
 from workbench.simulation.simulate import Feed, Loop, Setup, simulate
 
 VALVE = "valve_voltage"
@@ -36,7 +35,7 @@ SEED = 20
 def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Motion | None:
     """The motion of the plant with `values` in the place of the recorded one; None where the plant diverges."""
     record, plant = motion.record, along.plant
-    parameters = build(plant.Parameters, values, along.flow)
+    parameters = along.parameters(values)
     state, inputs = along.at_rest(motion, values)
     known = np.isfinite(record.channels["position"])
     position = Sampled(record.time[known], motion.position[known])
