@@ -74,7 +74,7 @@ def candidates_of(comparison: Comparison) -> dict[Cell, list[Candidate]]:
     }
 
 
-def panel_rows(cells: Candidates, made: Callable[[Cell, Sequence[Candidate]], P]) -> list[list[P | None]]:
+def _rows(cells: Candidates, made: Callable[[Cell, Sequence[Candidate]], P]) -> list[list[P | None]]:
     """The panels of a scenario: a row a reference, a column a machine; None where there is no such cell."""
     references, machines = (list(dict.fromkeys(cell[i] for cell in cells)) for i in (2, 0))
     by_place = {(cell.reference, cell.machine): made(cell, candidates) for cell, candidates in cells.items()}
@@ -86,10 +86,10 @@ def shown(table: ComparisonTable, error: float) -> float:
     return float(np.maximum(error, 0.5 * table.negligible) * MM)
 
 
-def shown_interval(table: ComparisonTable, candidate: Candidate) -> Interval:
+def bar_of(table: ComparisonTable, candidate: Candidate, place: float) -> Bar:
     """The mean error of a candidate with its interval, as drawn."""
     size = candidate.mean_error(table.probability)
-    return Interval(shown(table, size.mean), shown(table, size.low), shown(table, size.high))
+    return Bar(place, Interval(shown(table, size.mean), shown(table, size.low), shown(table, size.high)))
 
 
 def error_axis(table: ComparisonTable, cell: Cell, candidates: Sequence[Candidate]) -> ErrorAxis:
@@ -114,8 +114,14 @@ def grid(rows: int, columns: int, title: str) -> tuple[Figure, list[Axes]]:
     return figure, list(figure.subplots(rows, columns, squeeze=False).ravel())
 
 
-def drawn(title: str, rows: Sequence[Sequence[P | None]], draw: Callable[[Axes, P], ErrorAxis]) -> Figure:
-    """A figure of these panels; `draw` returns the axis of errors of what it drew."""
+def drawn(
+    title: str,
+    cells: Candidates,
+    made: Callable[[Cell, Sequence[Candidate]], P],
+    draw: Callable[[Axes, P], ErrorAxis],
+) -> Figure:
+    """A figure of the panels that are `made` of cells; `draw` returns the axis of errors of what it drew."""
+    rows = _rows(cells, made)
     figure, panels = grid(len(rows), len(rows[0]), title)
     for axes, panel in zip(panels, (each for row in rows for each in row), strict=True):
         if panel is None:
@@ -135,6 +141,11 @@ def _scale(axes: Axes, scale: ErrorAxis) -> None:
     axes.axhspan(scale.floor / 3.0, scale.floor, color="#e4e4e4", zorder=0)
     plain_numbers(axes.yaxis)
     axes.set_ylabel(scale.label)
+
+
+def draw_others(axes: Axes, x: Sequence[float], errors: Sequence[float], size: float, line: str) -> None:
+    """Errors (mm) of all that is not named: small points, `line` between them."""
+    axes.plot(x, errors, linestyle=line, marker=".", color=OTHERS, linewidth=0.8, markersize=size, zorder=BEHIND)
 
 
 def draw_bars(axes: Axes, bars: Sequence[Bar], style: Style, label: str) -> None:

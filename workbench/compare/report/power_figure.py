@@ -8,18 +8,16 @@ from matplotlib.figure import Figure
 
 from workbench.compare.candidates import CLASSES, Candidate, Cell, Class, sound
 from workbench.compare.report.panels import (
-    BEHIND,
-    OTHERS,
     Bar,
     Candidates,
     ErrorAxis,
     Style,
+    bar_of,
     draw_bars,
+    draw_others,
     drawn,
     error_axis,
-    panel_rows,
     shown,
-    shown_interval,
 )
 from workbench.compare.result import Verdict
 from workbench.compare.schema import ComparisonTable
@@ -61,7 +59,7 @@ def power_panel(table: ComparisonTable, cell: Cell, candidates: Sequence[Candida
         [each.paid_power for each in holding],
         [shown(table, each.errors.mean()) for each in holding],
         [
-            Standing(kind, standing[kind].words, Bar(standing[kind].paid_power, shown_interval(table, standing[kind])))
+            Standing(kind, standing[kind].words, bar_of(table, standing[kind], standing[kind].paid_power))
             for kind in CLASSES
             if kind in standing
         ],
@@ -70,20 +68,11 @@ def power_panel(table: ComparisonTable, cell: Cell, candidates: Sequence[Candida
 
 def power_figure(table: ComparisonTable, cells: Candidates, verdicts: Mapping[Cell, Verdict], title: str) -> Figure:
     """The figure of the cells of a scenario."""
-    return drawn(title, panel_rows(cells, lambda cell, own: power_panel(table, cell, own, verdicts[cell])), _draw)
+    return drawn(title, cells, lambda cell, own: power_panel(table, cell, own, verdicts[cell]), _draw)
 
 
 def _draw(axes: Axes, panel: PowerPanel) -> ErrorAxis:
-    axes.plot(
-        panel.powers,
-        panel.errors,
-        linestyle="none",
-        marker=".",
-        color=OTHERS,
-        linewidth=0.8,
-        markersize=5.0,
-        zorder=BEHIND,
-    )
+    draw_others(axes, panel.powers, panel.errors, 5.0, "none")
     for each in panel.standing:
         draw_bars(axes, [each.bar], CLASS_STYLE[each.kind], f"{each.kind}: {each.words}")
     axes.set_xscale("log")

@@ -9,18 +9,16 @@ from matplotlib.figure import Figure
 
 from workbench.compare.candidates import Candidate, Cell, Family, order, sound
 from workbench.compare.report.panels import (
-    BEHIND,
-    OTHERS,
     Bar,
     Candidates,
     ErrorAxis,
     Style,
+    bar_of,
     draw_bars,
+    draw_others,
     drawn,
     error_axis,
-    panel_rows,
     shown,
-    shown_interval,
 )
 from workbench.compare.schema import ComparisonTable
 from workbench.publish.style import COLOURS
@@ -79,7 +77,7 @@ def speed_panel(table: ComparisonTable, cell: Cell, candidates: Sequence[Candida
 def _point(table: ComparisonTable, candidate: Candidate) -> SpeedPoint:
     place = candidate.rpm if candidate.rpm == 0 else candidate.real_rpm
     error = shown(table, float(np.nanmean(candidate.errors)))
-    return SpeedPoint(place, error, Bar(place, shown_interval(table, candidate)), bool(candidate.flaw))
+    return SpeedPoint(place, error, bar_of(table, candidate, place), bool(candidate.flaw))
 
 
 def best_of_families(candidates: Sequence[Candidate]) -> set[str]:
@@ -92,7 +90,7 @@ def best_of_families(candidates: Sequence[Candidate]) -> set[str]:
 
 def speed_figure(table: ComparisonTable, cells: Candidates, title: str) -> Figure:
     """The figure of the cells of a scenario."""
-    return drawn(title, panel_rows(cells, lambda cell, own: speed_panel(table, cell, own)), _draw)
+    return drawn(title, cells, lambda cell, own: speed_panel(table, cell, own), _draw)
 
 
 def _draw(axes: Axes, panel: SpeedPanel) -> ErrorAxis:
@@ -101,15 +99,8 @@ def _draw(axes: Axes, panel: SpeedPanel) -> ErrorAxis:
             label = f"{plain_name(line.controller)} ({line.family})"
             draw_bars(axes, [point.bar for point in line.points], FAMILY_STYLE[line.family], label)
         else:
-            axes.plot(
-                [point.real_rpm for point in line.points],
-                [point.error for point in line.points],
-                marker=".",
-                color=OTHERS,
-                linewidth=0.8,
-                markersize=3.0,
-                zorder=BEHIND,
-            )
+            rpm, errors = [point.real_rpm for point in line.points], [point.error for point in line.points]
+            draw_others(axes, rpm, errors, 3.0, "-")
         flawed = [(point.real_rpm, point.error) for point in line.points if point.flawed]
         if flawed:
             axes.plot(*zip(*flawed, strict=True), "x", color="#444444", markersize=5, zorder=3)
