@@ -6,8 +6,9 @@ from typing import Annotated, Any, NamedTuple
 
 from plants.anisotropic import Film, Guide, lugre_anisotropic, steady_anisotropic
 from plants.equation import Scalar, equation
-from plants.friction import Friction, LuGre, blended, helical_speed, lugre_helical, lugre_isotropic, stribeck_level
+from plants.friction import Friction, LuGre, lugre_helical, lugre_isotropic, stribeck_level
 from plants.hydraulics import Hydraulics, Mass
+from plants.laws.steady import steady_in_plane
 from plants.motor import Motor
 
 
@@ -104,16 +105,10 @@ def helical_friction(
     return along, around, HelicalBristle(rate)
 
 
-@equation
-def steady_equal(axial: Scalar, rotary: Scalar, p: Parameters) -> tuple[Scalar, Scalar]:
-    """Steady friction (N) along and around of both laws with one level: (g(v_h) / v_h + a2) times each speed."""
-    speed = helical_speed(axial, rotary)
-    law = blended(axial / speed, axial / speed, p.friction)
-    slope = stribeck_level(speed, law) / speed + law.viscous
-    return slope * axial, slope * rotary
+STEADY = steady_in_plane(stribeck_level)
+"""Of both laws with one level."""
 
-
-HELICAL = BristleLaw("helical", HelicalBristle, Parameters, helical_friction, steady_equal, "bristle_deflection")
+HELICAL = BristleLaw("helical", HelicalBristle, Parameters, helical_friction, STEADY, "bristle_deflection")
 
 
 # --- a bristle with a component along and one around ---------------------------------------------------------
@@ -130,7 +125,7 @@ def isotropic_friction(
     return along, around, PlaneBristle(rate_axial, rate_rotary)
 
 
-ISOTROPIC = BristleLaw("isotropic", PlaneBristle, Parameters, isotropic_friction, steady_equal, "bristle_rotary")
+ISOTROPIC = BristleLaw("isotropic", PlaneBristle, Parameters, isotropic_friction, STEADY, "bristle_rotary")
 
 
 # --- levels of their own along and around --------------------------------------------------------------------

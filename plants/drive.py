@@ -14,8 +14,8 @@ from plants.equation import Scalar, equation
 from plants.friction import Friction
 from plants.hydraulics import FORCE, Mass, Moving, end_stop_force
 from plants.interface import Measurement, Plant
-from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
-from plants.laws.lugre import LUGRE
+from plants.laws.interface import FrictionLaw, at_rest, fitted, friction_of
+from plants.laws.lugre import LUGRE, named
 
 
 class Bristle(NamedTuple):
@@ -152,27 +152,26 @@ def _drive(
     refit: Callable[[FrictionLaw], Plant],
 ) -> Plant:
     """The drive with a friction law: `force` (N) of its inputs, `gain` (N a unit) of its command."""
-    friction = law.friction
     state_class, parameters_class, signals_class = fitted(law, State, parameters, Signals)
-    unbent = at_rest(law)
 
     @equation
-    def friction_of(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Any]:
-        """Friction (N) and the rates of what the contact remembers."""
-        free = sum_of_forces(state, force(inputs, p), 0.0, inputs, p) / p.body.mass
-        return friction(state.velocity, state.contact, held_force(free, state.velocity, p.body.mass), p)
+    def free_acceleration(state: Any, inputs: Any, p: Any) -> Scalar:
+        """dv/dt (m/s^2) without friction."""
+        return sum_of_forces(state, force(inputs, p), 0.0, inputs, p) / p.body.mass
+
+    friction, unbent = friction_of(law, free_acceleration), at_rest(law)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the states."""
-        opposed, rates = friction_of(state, inputs, p)
+        opposed, rates = friction(state, inputs, p)
         total = sum_of_forces(state, force(inputs, p), opposed, inputs, p)
         return state_class(state.velocity, total / p.body.mass, rates)
 
     @equation
     def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """What is worth plotting."""
-        opposed, _ = friction_of(state, inputs, p)
+        opposed, _ = friction(state, inputs, p)
         return signals_class(
             state.position,
             state.velocity,
@@ -189,7 +188,7 @@ def _drive(
 
     driven = command.removeprefix("drive_")
     return Plant(
-        name=command if law is LUGRE else f"{command}_{law.name}",
+        name=named(command, law),
         summary=f"mass with friction and an optional spring, driven by a {driven}"
         + (" through a force gain" if driven == "voltage" else ""),
         State=state_class,

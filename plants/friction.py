@@ -101,6 +101,12 @@ def stribeck_level(speed: Scalar, p: LuGre) -> Scalar:
 
 
 @equation
+def coulomb_level(speed: Scalar, p: LuGre) -> Scalar:
+    """Steady friction without the viscous part (N) that is a0 at any speed."""
+    return p.coulomb
+
+
+@equation
 def stribeck_slope(speed: Scalar, p: LuGre) -> Scalar:
     """dg/dv (N s/m) of `stribeck_level` at a `speed` (m/s) of at least 0: not above 0, and 0 on its floor."""
     ratio = speed / p.stribeck_velocity

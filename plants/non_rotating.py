@@ -13,8 +13,8 @@ from plants.equation import Scalar, equation
 from plants.friction import Friction
 from plants.hydraulics import Hydraulic, Hydraulics, Mass
 from plants.interface import Balance, Measurement, Plant
-from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
-from plants.laws.lugre import LUGRE, Bristle
+from plants.laws.interface import FrictionLaw, at_rest, fitted, friction_of
+from plants.laws.lugre import LUGRE, Bristle, named
 
 
 class State(NamedTuple):
@@ -99,22 +99,14 @@ def free_acceleration(state: Any, inputs: Any, p: Any) -> Scalar:
 @functools.cache
 def actuator(law: FrictionLaw) -> Plant:
     """The actuator with a friction law."""
-    friction = law.friction
-    classes = fitted(law, State, Parameters, Signals)
-    state_class, parameters_class, signals_class = classes
-    unbent = at_rest(law)
-
-    @equation
-    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Any]:
-        """Friction (N) and the rates of what the contact remembers."""
-        held = held_force(free_acceleration(state, inputs, p), state.velocity, p.body.mass)
-        return friction(state.velocity, state.contact, held, p)
+    state_class, parameters_class, signals_class = fitted(law, State, Parameters, Signals)
+    friction, unbent = friction_of(law, free_acceleration), at_rest(law)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """Rates of the states. Thesis (3.35) to (3.38) with the valve of 3.2.1."""
         h = p.hydraulics
-        force, rates = friction_of(state, inputs, p)
+        force, rates = friction(state, inputs, p)
         flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
         return state_class(
             state.velocity,
@@ -132,7 +124,7 @@ def actuator(law: FrictionLaw) -> Plant:
         total: hydraulic alone.
         """
         h = p.hydraulics
-        force, _ = friction_of(state, inputs, p)
+        force, _ = friction(state, inputs, p)
         flow = hyd.load_flow(state.spool_position, state.load_pressure, h)
         pressure_1, pressure_2 = hyd.chamber_pressures(state.load_pressure, h)
         return signals_class(
@@ -156,7 +148,7 @@ def actuator(law: FrictionLaw) -> Plant:
         return state_class(0.0, 0.0, holding_load_pressure(p.hydraulics, p.body), unbent, 0.0), Inputs(0.0, 0.0)
 
     return Plant(
-        name="non_rotating" if law is LUGRE else f"non_rotating_{law.name}",
+        name=named("non_rotating", law),
         summary="hydraulic cylinder with servo valve (thesis 3.2)",
         State=state_class,
         Inputs=Inputs,

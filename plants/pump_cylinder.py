@@ -14,8 +14,8 @@ from plants.equation import Scalar, equation, select
 from plants.friction import Friction
 from plants.hydraulics import FORCE, Mass, end_stop_force
 from plants.interface import Balance, Measurement, Plant
-from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
-from plants.laws.lugre import LUGRE, Bristle
+from plants.laws.interface import FrictionLaw, at_rest, fitted, friction_of
+from plants.laws.lugre import LUGRE, Bristle, named
 
 
 class State(NamedTuple):
@@ -91,6 +91,12 @@ def sum_of_forces(state: Any, friction: Scalar, inputs: Inputs, p: Any) -> Scala
 
 
 @equation
+def free_acceleration(state: Any, inputs: Inputs, p: Any) -> Scalar:
+    """dv/dt (m/s^2) without friction."""
+    return sum_of_forces(state, 0.0, inputs, p) / p.body.mass
+
+
+@equation
 def load_pressure_rate(state: Any, inputs: Inputs, p: Any) -> Scalar:
     """dP_L/dt (Pa/s): (V/beta) dP_L/dt = D n - A v - C P_L, V = V_h + A1 L / 2, A that of the chamber which fills."""
     area = filling_area(state.velocity, p.piston_area_1, p.piston_area_2, p.area_ratio)
@@ -114,27 +120,20 @@ def pump_speed_limit(p: Parameters) -> float:
 @functools.cache
 def pumped(law: FrictionLaw) -> Plant:
     """The cylinder with a friction law."""
-    friction = law.friction
     state_class, parameters_class, signals_class = fitted(law, State, Parameters, Signals)
-    unbent = at_rest(law)
-
-    @equation
-    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Any]:
-        """Friction (N) and the rates of what the contact remembers."""
-        free = sum_of_forces(state, 0.0, inputs, p) / p.body.mass
-        return friction(state.velocity, state.contact, held_force(free, state.velocity, p.body.mass), p)
+    friction, unbent = friction_of(law, free_acceleration), at_rest(law)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """Rates of the states."""
-        opposed, rates = friction_of(state, inputs, p)
+        opposed, rates = friction(state, inputs, p)
         total = sum_of_forces(state, opposed, inputs, p)
         return state_class(state.velocity, total / p.body.mass, load_pressure_rate(state, inputs, p), rates)
 
     @equation
     def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """What is worth plotting; power is the pump's, P_L D n."""
-        opposed, _ = friction_of(state, inputs, p)
+        opposed, _ = friction(state, inputs, p)
         pressure_1, pressure_2 = chamber_pressures(state.load_pressure, p)
         flow = p.pump_displacement * inputs.pump_speed
         return signals_class(
@@ -159,7 +158,7 @@ def pumped(law: FrictionLaw) -> Plant:
         return state_class(0.0, 0.0, pressure, unbent), Inputs(leaking, 0.0)
 
     return Plant(
-        name="pump_cylinder" if law is LUGRE else f"pump_cylinder_{law.name}",
+        name=named("pump_cylinder", law),
         summary="hydraulic cylinder, fed by a pump without a valve",
         State=state_class,
         Inputs=Inputs,

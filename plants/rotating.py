@@ -16,7 +16,7 @@ from plants.equation import Scalar, equation, retyped
 from plants.friction import helical_speed
 from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
-from plants.laws.lugre import LUGRE
+from plants.laws.lugre import LUGRE, named
 from plants.motor import HasMotor
 from plants.non_rotating import BALANCES, holding_load_pressure, travel, voltage_limit
 
@@ -229,7 +229,7 @@ def turned_by_motor(law: FrictionLaw, bristle: str) -> Plant:
         return state_class(0.0, 0.0, pressure, surface_speed, bristles, current, 0.0), Inputs(0.0, voltage, 0.0)
 
     return Plant(
-        name=f"rotating_{bristle}" if law is LUGRE else f"rotating_{bristle}_{law.name}",
+        name=named(f"rotating_{bristle}", law),
         summary=f"rotating cylinder, {bristle} bristle, turned by a motor (thesis 3.3)",
         State=state_class,
         Inputs=Inputs,

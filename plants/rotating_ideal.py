@@ -10,7 +10,7 @@ from plants.bristles import AnisotropicParameters, Parameters, PlaneBristle
 from plants.equation import Scalar, equation
 from plants.interface import Measurement, Plant
 from plants.laws.interface import STICK_TIME, FrictionLaw
-from plants.laws.lugre import LUGRE
+from plants.laws.lugre import LUGRE, named
 from plants.non_rotating import BALANCES, holding_load_pressure, travel, voltage_limit
 from plants.rotating import Signals, all_signals, held_along, hydraulic_rates, in_plane, readings, with_bristles
 
@@ -71,7 +71,7 @@ def turned_ideally(law: FrictionLaw, bristle: str) -> Plant:
         return state_class(0.0, 0.0, pressure, bristles, 0.0), Inputs(0.0, surface_speed, 0.0)
 
     return Plant(
-        name=f"rotating_{bristle}_ideal" if law is LUGRE else f"rotating_{bristle}_ideal_{law.name}",
+        name=named(f"rotating_{bristle}_ideal", law),
         summary=f"rotating cylinder, {bristle} bristle, imposed speed of rotation",
         State=state_class,
         Inputs=Inputs,

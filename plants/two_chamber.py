@@ -4,6 +4,7 @@ With equal areas and no effect it is `non_rotating`: the chambers' pressures the
 """
 
 import functools
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -12,9 +13,9 @@ from plants import hydraulics as hyd
 from plants.equation import Scalar, equation, select
 from plants.hydraulics import Hydraulic, Hydraulics, edge_flow
 from plants.interface import Balance, Measurement, Plant
-from plants.laws.interface import FrictionLaw, at_rest, fitted, held_force
-from plants.laws.lugre import LUGRE, Bristle
-from plants.non_rotating import Inputs, Parameters, Signals, travel, voltage_limit
+from plants.laws.interface import FrictionLaw, at_rest, fitted, friction_of
+from plants.laws.lugre import LUGRE, Bristle, named
+from plants.non_rotating import BALANCES, Inputs, Parameters, Signals, actuator
 
 
 class State(NamedTuple):
@@ -52,6 +53,12 @@ def sum_of_forces(state: Any, friction: Scalar, inputs: Inputs, p: Any) -> Scala
 
 
 @equation
+def free_acceleration(state: Any, inputs: Inputs, p: Any) -> Scalar:
+    """dv/dt (m/s^2) without friction."""
+    return sum_of_forces(state, 0.0, inputs, p) / p.body.mass
+
+
+@equation
 def pressure_rates(state: Any, p: Any) -> tuple[Scalar, Scalar]:
     """dP_1/dt and dP_2/dt (Pa/s): continuity of each chamber, with leakage past the piston."""
     h = p.hydraulics
@@ -78,21 +85,14 @@ def chamber_capacities(p: Hydraulic) -> tuple[float, float]:
 
 @functools.cache
 def chambered(law: FrictionLaw) -> Plant:
-    """The actuator with a friction law."""
-    friction = law.friction
-    state_class, parameters_class, signals_class = fitted(law, State, Parameters, Signals)
-    unbent = at_rest(law)
-
-    @equation
-    def friction_of(state: Any, inputs: Inputs, p: Any) -> tuple[Scalar, Any]:
-        """Friction (N) and the rates of what the contact remembers."""
-        free = sum_of_forces(state, 0.0, inputs, p) / p.body.mass
-        return friction(state.velocity, state.contact, held_force(free, state.velocity, p.body.mass), p)
+    """The actuator with a friction law: `non_rotating` with other states and equations."""
+    state_class, signals_class = fitted(law, State, Signals)
+    friction, unbent = friction_of(law, free_acceleration), at_rest(law)
 
     @equation
     def derivatives(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """Rates of the states: Newton, a continuity equation for each chamber, the contact, the valve."""
-        opposed, rates = friction_of(state, inputs, p)
+        opposed, rates = friction(state, inputs, p)
         total = sum_of_forces(state, opposed, inputs, p)
         rate_1, rate_2 = pressure_rates(state, p)
         spool = hyd.spool_rate(state.spool_position, inputs.valve_voltage, p.hydraulics)
@@ -102,7 +102,7 @@ def chambered(law: FrictionLaw) -> Plant:
     def signals(time: Scalar, state: Any, inputs: Inputs, p: Any) -> Any:
         """What is worth plotting; power as in `non_rotating`."""
         h = p.hydraulics
-        opposed, _ = friction_of(state, inputs, p)
+        opposed, _ = friction(state, inputs, p)
         into, out = valve_flows(state.spool_position, state.pressure_1, state.pressure_2, h)
         power = state.pressure_1 * into - state.pressure_2 * out
         return signals_class(
@@ -128,28 +128,17 @@ def chambered(law: FrictionLaw) -> Plant:
         pressure_1 = (p.body.load_force + total * h.piston_area_2) / (h.piston_area_1 + h.piston_area_2)
         return state_class(0.0, 0.0, pressure_1, total - pressure_1, unbent, 0.0), Inputs(0.0, 0.0)
 
-    return Plant(
-        name="two_chamber" if law is LUGRE else f"two_chamber_{law.name}",
+    return replace(
+        actuator(law),
+        name=named("two_chamber", law),
         summary="hydraulic actuator with a pressure in each chamber",
         State=state_class,
-        Inputs=Inputs,
-        Parameters=parameters_class,
-        Signals=signals_class,
         derivatives=derivatives,
         signals=signals,
         measure=measure,
         equilibrium=equilibrium,
-        command_limit=voltage_limit,
-        travel=travel,
-        command="valve_voltage",
-        balances={
-            "force": hyd.FORCE,
-            "flow": Balance(("pressure_1", "pressure_2"), "m^3/s", chamber_capacities),
-            "valve": hyd.VALVE,
-        },
-        friction=law.name,
+        balances={**BALANCES, "flow": Balance(("pressure_1", "pressure_2"), "m^3/s", chamber_capacities)},
         refit=chambered,
-        contact="contact",
     )
 
 

@@ -2,14 +2,13 @@
 
 from typing import Any
 
-import numpy as np
-
 from plants.bristles import BristleLaw, Parameters, PlaneBristle
 from plants.equation import Scalar, equation
-from plants.friction import Friction, LuGre, blended, directed, helical_speed, lugre_isotropic
+from plants.friction import Friction, LuGre, coulomb_level, directed, lugre_isotropic
 from plants.friction import dahl as dahl_contact
 from plants.laws.interface import FrictionLaw
 from plants.laws.lugre import Bristle
+from plants.laws.steady import steady_along, steady_in_plane
 
 
 @equation
@@ -18,13 +17,6 @@ def friction(velocity: Scalar, contact: Bristle, held: Scalar, p: Any) -> tuple[
     own = directed(velocity, contact.bristle_deflection, p.friction)
     force, rate = dahl_contact(velocity, contact.bristle_deflection, own.coulomb, own.bristle_stiffness)
     return force + own.viscous * velocity, Bristle(rate)
-
-
-@equation
-def steady(velocity: Scalar, p: Any) -> Scalar:
-    """a0 sgn(v) + a2 v (N)."""
-    own = directed(velocity, velocity, p.friction)
-    return own.coulomb * np.sign(velocity) + own.viscous * velocity
 
 
 @equation
@@ -45,26 +37,17 @@ def isotropic_friction(
     return along, around, PlaneBristle(rate_axial, rate_rotary)
 
 
-@equation
-def isotropic_steady(axial: Scalar, rotary: Scalar, p: Parameters) -> tuple[Scalar, Scalar]:
-    """(a0 / v_h + a2) times each speed (N)."""
-    speed = helical_speed(axial, rotary)
-    own = blended(axial / speed, axial / speed, p.friction)
-    slope = own.coulomb / speed + own.viscous
-    return slope * axial, slope * rotary
-
-
 DAHL = FrictionLaw(
     name="dahl",
     summary="elastic before it slides, at one level whatever the speed",
     source="Dahl 1968",
     friction=friction,
-    steady=steady,
+    steady=steady_along(coulomb_level),
     uses=("coulomb", "viscous", "bristle_stiffness"),
     Contact=Bristle,
     plane={
         "isotropic": BristleLaw(
-            "isotropic", PlaneBristle, Parameters, isotropic_friction, isotropic_steady, "bristle_rotary"
+            "isotropic", PlaneBristle, Parameters, isotropic_friction, steady_in_plane(coulomb_level), "bristle_rotary"
         )
     },
 )

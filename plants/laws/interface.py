@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from plants.bristles import BristleLaw
-from plants.equation import Scalar, equation, retyped
+from plants.equation import Equation, Scalar, equation, retyped
 from plants.friction import LuGre
 
 STICK_TIME = 1e-4
@@ -69,6 +69,21 @@ def fitted(law: FrictionLaw, *templates: type[NamedTuple]) -> tuple[type, ...]:
             nested = {} if own._fields == law.Contact._fields else {"contact": law.Contact}
         made.append(retyped(template, law.name, **nested) if nested else template)
     return tuple(made)
+
+
+def friction_of(law: FrictionLaw, free_acceleration: Equation) -> Equation:
+    """The friction (N) on a mass that slides along a line, and the rates of what its contact remembers.
+
+    Both equations are of (state, inputs, parameters); `free_acceleration` (m/s^2) is that of the mass without friction.
+    """
+    friction = law.friction
+
+    @equation
+    def on_mass(state: Any, inputs: Any, p: Any) -> tuple[Scalar, Any]:
+        held = held_force(free_acceleration(state, inputs, p), state.velocity, p.body.mass)
+        return friction(state.velocity, state.contact, held, p)
+
+    return on_mass
 
 
 def at_rest(law: FrictionLaw) -> NamedTuple:

@@ -4,8 +4,9 @@ from typing import Annotated, Any, NamedTuple
 
 from plants import bristles
 from plants.equation import Scalar, equation
-from plants.friction import directed, lugre, steady_friction
+from plants.friction import lugre, stribeck_level
 from plants.laws.interface import FrictionLaw
+from plants.laws.steady import steady_along
 
 
 class Bristle(NamedTuple):
@@ -21,10 +22,7 @@ def friction(velocity: Scalar, contact: Bristle, held: Scalar, p: Any) -> tuple[
     return force, Bristle(rate)
 
 
-@equation
-def steady(velocity: Scalar, p: Any) -> Scalar:
-    """See `plants.friction.steady_friction`."""
-    return steady_friction(velocity, directed(velocity, velocity, p.friction))
+steady = steady_along(stribeck_level)
 
 
 LUGRE = FrictionLaw(
@@ -36,3 +34,8 @@ LUGRE = FrictionLaw(
     Contact=Bristle,
     plane={law.name: law for law in (bristles.HELICAL, bristles.ISOTROPIC, bristles.ANISOTROPIC)},
 )
+
+
+def named(plant: str, law: FrictionLaw) -> str:
+    """The name of a plant with a law: of that with LuGre's, the thesis's, it says nothing."""
+    return plant if law is LUGRE else f"{plant}_{law.name}"

@@ -7,26 +7,18 @@ it is about to stop, `held` is within, and brings it to rest within `STICK_TIME`
 exceeds the level at rest. A switch at a speed, as Karnopp has it (1985), would creep below that speed.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from plants.bristles import BristleLaw, Parameters
 from plants.equation import Scalar, equation, select
-from plants.friction import Friction, LuGre, blended, directed, helical_speed, length, stribeck_level
+from plants.friction import Friction, blended, coulomb_level, helical_speed, length, stribeck_level
 from plants.laws.interface import FrictionLaw, Nothing
+from plants.laws.steady import Level, steady_along, steady_in_plane
 
 
-@equation
-def coulomb_level(speed: Scalar, own: LuGre) -> Scalar:
-    """a0 (N), at any speed."""
-    return own.coulomb
-
-
-def _law(
-    name: str, summary: str, source: str, level: Callable[[Scalar, LuGre], Scalar], uses: tuple[str, ...]
-) -> FrictionLaw:
+def _law(name: str, summary: str, source: str, level: Level, uses: tuple[str, ...]) -> FrictionLaw:
     """The law of a level (N) over the speed (m/s), along a line and in the plane."""
 
     @equation
@@ -36,12 +28,6 @@ def _law(
         most, least = level(velocity, both.positive), -level(velocity, both.negative)
         viscous = select(velocity >= 0.0, both.positive.viscous, both.negative.viscous)
         return np.minimum(np.maximum(held, least), most) + viscous * velocity, Nothing()
-
-    @equation
-    def steady(velocity: Scalar, p: Any) -> Scalar:
-        """g(v) sgn(v) + a2 v (N)."""
-        own = directed(velocity, velocity, p.friction)
-        return level(velocity, own) * np.sign(velocity) + own.viscous * velocity
 
     @equation
     def isotropic(
@@ -54,22 +40,14 @@ def _law(
         share = np.minimum(level(speed, own) / size, 1.0)
         return share * held[0] + own.viscous * axial, share * held[1] + own.viscous * rotary, Nothing()
 
-    @equation
-    def isotropic_steady(axial: Scalar, rotary: Scalar, p: Parameters) -> tuple[Scalar, Scalar]:
-        """(g(v_h) / v_h + a2) times each speed (N)."""
-        speed = helical_speed(axial, rotary)
-        own = blended(axial / speed, axial / speed, p.friction)
-        slope = level(speed, own) / speed + own.viscous
-        return slope * axial, slope * rotary
-
     return FrictionLaw(
         name=name,
         summary=summary,
         source=source,
         friction=friction,
-        steady=steady,
+        steady=steady_along(level),
         uses=uses,
-        plane={"isotropic": BristleLaw("isotropic", Nothing, Parameters, isotropic, isotropic_steady, "")},
+        plane={"isotropic": BristleLaw("isotropic", Nothing, Parameters, isotropic, steady_in_plane(level), "")},
     )
 
 
