@@ -250,10 +250,8 @@ def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, Cha
             message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
             raise files.SchemaError(("channels", name, "unit"), message) from None
         cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
-        place: files.Key = ("channels", name, "offset")
-        offset = (
-            table.offset * scale if isinstance(table.offset, float) else _quantity(table.offset, units[name], place)
-        )
+        raw = table.offset
+        offset = raw * scale if isinstance(raw, float) else _quantity(raw, units[name], ("channels", name, "offset"))
         specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
     if "time" not in specs:
         raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
