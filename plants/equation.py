@@ -38,7 +38,7 @@ Equation: TypeAlias = Callable[..., Any]
 Function = TypeVar("Function", bound=Equation)
 
 NumbersT = TypeVar("NumbersT", bound=NamedTuple)
-"""A class of states, inputs or parameters."""
+"""States, inputs, parameters or gains: floats, and tuples of them."""
 
 Arguments = TypeVarTuple("Arguments")
 
@@ -158,7 +158,11 @@ _named_tuple: Any = namedtuple  # its names come from data here, which the type 
 
 
 def named_tuple(
-    name: str, module: str, members: Mapping[str, type], defaults: Mapping[str, Scalar], doc: str | None
+    name: str,
+    module: str,
+    members: Mapping[str, type],
+    defaults: Mapping[str, float | tuple[Scalar, ...]],
+    doc: str | None,
 ) -> type:
     """A NamedTuple class with these members and their types, made once.
 

@@ -115,7 +115,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
 
-    def rested(state: Any, inputs: Any) -> Any:
+    def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
         """The state with what the effects remember of a machine that has rested for long."""
         if not remembering:
             return state
