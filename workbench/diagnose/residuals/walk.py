@@ -56,9 +56,9 @@ def walk(
     Where noise hides the velocity (`still`) the contact is only as loaded as the measured acceleration (m/s^2) asks
     for, and never beyond sliding; it does not slide then, or the noise's velocity would wear it. Either it rests
     (`resting`), or it creeps: friction then is of the mean creep, and its bend follows the mean motion, since damping
-    and sliding have no linear response to the noise. At rest the bend that sliding left is taken as it was measured, and
-    held, and an effect's friction acts in no direction. What fluctuates there is noise, whose bristles would have to be
-    bent, and a bend would relax as if it crept.
+    and sliding have no linear response to the noise. At rest the bend that sliding left is taken as it was measured,
+    and held, and an effect's friction acts in no direction. What fluctuates there is noise, whose bristles would have
+    to be bent, and a bend would relax as if it crept.
     """
     count, size = time.size, rest.size
     tracked, asked = np.empty((count, hidden.size)), np.empty((count, wanted.size))
