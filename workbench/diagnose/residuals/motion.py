@@ -35,6 +35,14 @@ CROSSING = 0.1
 SHARP = 6.0
 """Standard deviations of noise by which half the window has to differ from the whole for a channel to be blurred."""
 
+LEVELS = 4096
+"""Levels that a channel's range has at most, those of twelve bits. A simulated record without any noise would have
+effects of the digits in which its samples differ from its motion."""
+
+CLEAN = 5e-3
+"""Share of a channel's deviation up to which no difference is a blur: in a record with less noise than that all is
+blurred else, and nothing is left to judge."""
+
 DIFFERENTIATED = ("pressure_1", "pressure_2", "rotation_speed", "motor_current")
 """Channels that show a state of which a balance gives the rate."""
 
@@ -206,11 +214,14 @@ def white_noise(values: np.ndarray) -> float:
     """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks.
 
     It is at least that of the steps in which a converter counts, uniform over one step: a slow signal rests on them.
+    And it is at least that of twelve bits.
     """
     known = values[np.isfinite(values)]
     third, levels = np.diff(known, 3), np.diff(np.unique(known))
-    step = float(np.min(levels)) if levels.size else 0.0
-    return max(float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)), step / np.sqrt(12.0)) if third.size else 0.0
+    if not third.size:
+        return 0.0
+    step = max(float(np.min(levels)) if levels.size else 0.0, float(np.ptp(known)) / LEVELS)
+    return max(float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)), step / float(np.sqrt(12.0)))
 
 
 def motion_of(record: Record) -> Motion:
@@ -260,7 +271,8 @@ def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], poi
     fast = np.zeros(next(iter(channels.values())).size)
     for name in ("pressure_1", "pressure_2", "force"):
         if name in channels:
-            limit = SHARP * noise[name] * float(np.linalg.norm(_kernel(half)))
+            least = CLEAN * float(np.std(channels[name]))
+            limit = SHARP * max(noise[name], least) * float(np.linalg.norm(_kernel(half)))
             fast += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
     return np.asarray(maximum_filter1d((fast > 0).astype(float), points) > 0)
 

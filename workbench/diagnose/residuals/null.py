@@ -7,6 +7,7 @@ residual on records without any effect, and more of it than the sensors' noise a
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -21,12 +22,13 @@ from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
-from workbench.simulation.simulate import Feed, Loop, Setup, simulate
+from workbench.simulation.setup import Feed, Loop, Setup
+from workbench.simulation.simulate import simulate
 
-VALVE = "valve_voltage"
+VALVE, FLOW = "valve_voltage", "flow"
 
 TRACKING = 20.0
-"""rad/s. Crossover of the loop that keeps the simulation beside the record: its own valve voltage drifts away."""
+"""rad/s. Crossover of the loop that keeps the simulation beside the record: by its own command it drifts away."""
 
 SEED = 20
 """Of the generator of the noise that is added: the same experiment gives the same floors."""
@@ -39,7 +41,6 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
     state, inputs = along.at_rest(motion, values)
     known = np.isfinite(record.channels["position"])
     position = Sampled(record.time[known], motion.position[known])
-    gain = TRACKING / float(no_load_velocity_gain(parameters.hydraulics))
     feeds = [
         Feed(name, Sampled(record.time, input_along(name, motion, values, raw=True)), linear=name != plant.command)
         for name in (item.name for item in fields(plant.Inputs))
@@ -52,7 +53,7 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
             state=state._replace(position=float(motion.position[0])),
             inputs=inputs,
             duration=float(record.time[-1]),
-            loop=Loop(PID, PID.design(pid.Settings(kp=gain), parameters, record.sample_time)),
+            loop=Loop(PID, PID.design(_tracking(along, parameters, state, inputs), parameters, record.sample_time)),
             reference=position,
             feeds=tuple(feeds),
             sample_time=record.sample_time,
@@ -73,6 +74,17 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
     return motion_of(replace(record, channels=channels))
 
 
+def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Settings:
+    """A loop that tracks a position: of a flow, which sets a velocity, or of a force, which sets an acceleration."""
+    plant = along.plant
+    if FLOW in plant.balances:
+        return pid.Settings(kp=TRACKING / float(no_load_velocity_gain(parameters.hydraulics)))
+    pushed = inputs._replace(**{plant.command: 1.0})
+    rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
+    push = float(next(rates)) - float(next(rates))
+    return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)
+
+
 SPOILT = 1.3
 """Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where
 the record did not."""
@@ -87,9 +99,13 @@ def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> B
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:
-    """All balances with such floors, of a valve-driven actuator with both pressures; others as they are."""
-    motions = balances[0].motions
-    if along.plant.command != VALVE or not motions[0].has(VALVE, "position", "pressure_1", "pressure_2"):
+    """All balances with such floors, where the records show all that a simulation is held against, and drives it: of an
+    actuator with a valve both pressures; of a mass under a force no pressure beside it. Others are left as they are.
+    """
+    motions, plant = balances[0].motions, along.plant
+    pressures = [motions[0].has(name) for name in ("pressure_1", "pressure_2")]
+    beside = all(pressures) if plant.command == VALVE else FLOW not in plant.balances and not any(pressures)
+    if not (beside and motions[0].has("position") and given_by(motions[0].channels, plant.command)):
         return list(balances)
     null = [null_motion(along, motion, values, i) for i, motion in enumerate(motions)]
     complete = [motion for motion in null if motion is not None]

@@ -1,0 +1,51 @@
+"""A record is held against what the same plant would leave if nothing were missing."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from plants.registry import plants
+from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
+from workbench.diagnose.residual_stage import ResidualStage, residual_stage
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.progress import silent
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Setup
+from workbench.simulation.simulate import simulate
+
+SPRING = 2e4
+TRUTH = {**read_parameters(named_sets()["owen2001_simulation"]), "spring_stiffness": SPRING}
+
+
+def stage_of_a_drive(folder: Path, channel: str, noise: float) -> ResidualStage:
+    """15 s of a mass that a force of 900 N drives against a spring: it sticks, and bristles show every noise."""
+    plant = plants()["drive_force"]
+    parameters = build(plant.Parameters, TRUTH)
+    state, inputs = plant.equilibrium(parameters, 0.0)
+    feed = Feed(plant.command, Multisine(900.0, 0.2, (1, 2, 3)))
+    run = simulate(Setup(plant, parameters, state, inputs, 15.0, feeds=(feed,)))
+    position = run.measurements[:, 0] + noise * np.random.default_rng(1).standard_normal(run.time.size)
+    force = run.inputs[:, plant.input_index(plant.command)]
+    pd.DataFrame({"time": run.time, "force": force, "position": position}).to_parquet(folder / "record.parquet")
+    (folder / "experiment.toml").write_text(
+        f'title = "a drive"\n[plant]\nmodel = "drive_force"\nparameters = "owen2001_simulation"\n'
+        f'[plant.set]\nspring_stiffness = "{SPRING} N/m"\n[channels]\ntime = {{ column = "time", unit = "s" }}\n'
+        f'{channel} = {{ column = "force", unit = "N" }}\nposition = {{ column = "position", unit = "m" }}\n'
+        '[[records]]\nfile = "record.parquet"\n'
+    )
+    experiment = read_experiment(folder / "experiment.toml")
+    check_experiment(experiment)
+    motions = motions_of(experiment, read_records(experiment))
+    return residual_stage(experiment, motions, declared_values(experiment), None, silent)
+
+
+@pytest.mark.parametrize(("channel", "noise"), [("force", 5e-6), ("command", 5e-6), ("command", 0.0)])
+def test_a_drive_that_lacks_nothing_is_left_alone(tmp_path: Path, channel: str, noise: float) -> None:
+    (result,) = stage_of_a_drive(tmp_path, channel, noise).results
+    assert all(step.added is None for step in result.steps)
+    assert result.balance.simulated
+    assert 0.05 < result.before.rms < 1.5
