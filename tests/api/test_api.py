@@ -83,7 +83,7 @@ def test_a_room_is_called_as_its_question_and_stays_a_room() -> None:
 
 
 def test_controllers_of_other_packages_have_a_function(tmp_path: Path) -> None:
-    folder = site(tmp_path, declared=True)
+    folder = site(tmp_path)
     code = "import workbench as wb; print(wb.deadband_p(kp=5).table == wb.controller('deadband_p', kp=5).table)"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)

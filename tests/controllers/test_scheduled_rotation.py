@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command import changed, write
 from position_loops import BELIEF, H, replayed
 from support import registered
 
@@ -176,36 +177,19 @@ def test_schedule_follows_from_position_and_speed_sensors_alone(plant: str) -> N
 # --- in a study ---
 
 
-STUDY = """title = "t"
-[plant]
-model = "by_rpm"
-parameters = "owen2001_simulation"
-rotation = "scheduled"
-minimum_helical_speed = "50 mm/s"
-[axes]
-rpm = [0, 20]
-[controllers.p]
-type = "pid"
-kp = "500 V/m"
-[references.sine]
-kind = "sine"
-amplitude = "20 mm"
-frequency = "0.5 Hz"
-[simulation]
-duration = "1 s"
-"""
+TURNED = 'parameters = "owen2001_simulation"\nrotation = "scheduled"\nminimum_helical_speed = "50 mm/s"\n'
+SCHEDULED = changed('parameters = "owen2001_simulation"\n', TURNED, changed("[0, 460]", "[0, 20]"))
+"""The tests' small study, at rest and scheduled."""
 
 
 def setups(folder: Path, text: str) -> list[Setup]:
-    path = folder / "study.toml"
-    path.write_text(text, encoding="utf-8")
-    study = read_study(path)
+    study = read_study(write(folder, text))
     return [resolve(study, case).setup for case in unfold(study)]
 
 
 def test_study_asks_for_the_schedule(tmp_path: Path) -> None:
     """At 0 rpm the plant does not rotate; elsewhere the key says how fast, or else rpm does: 20 rpm of 19 mm."""
-    still, keyed = setups(tmp_path, STUDY)
+    still, keyed = setups(tmp_path, SCHEDULED)
     assert still.rotary is None
     assert keyed.rotary is not None
     assert keyed.rotary.controller is SCHEDULED_ROTATION["motor_voltage"]
@@ -215,10 +199,10 @@ def test_study_asks_for_the_schedule(tmp_path: Path) -> None:
     assert keyed.rotary.gains.servo.bias == pytest.approx(
         keyed.plant.equilibrium(keyed.parameters, 0.05)[0].motor_current, rel=1e-12
     )
-    _, by_rpm = setups(tmp_path, STUDY.replace('minimum_helical_speed = "50 mm/s"\n', ""))
+    _, by_rpm = setups(tmp_path, SCHEDULED.replace('minimum_helical_speed = "50 mm/s"\n', ""))
     assert by_rpm.rotation_speed == pytest.approx(20.0 * np.pi / 30.0, rel=1e-12)
     assert by_rpm.state.surface_speed == pytest.approx(20.0 * np.pi / 30.0 * RADIUS, rel=1e-12)
-    (ideal,) = setups(tmp_path, STUDY.replace("by_rpm", "rotating_isotropic_ideal").replace("0, 20", "20"))
+    (ideal,) = setups(tmp_path, SCHEDULED.replace("by_rpm", "rotating_isotropic_ideal").replace("0, 20", "20"))
     assert ideal.rotary is not None
     assert ideal.rotary.controller is SCHEDULED_ROTATION["surface_speed"]
     assert ideal.inputs.surface_speed == 0.0
@@ -226,4 +210,4 @@ def test_study_asks_for_the_schedule(tmp_path: Path) -> None:
 
 def test_minimum_without_schedule_is_a_mistake(tmp_path: Path) -> None:
     with pytest.raises(UserError, match='minimum_helical_speed belongs to rotation = "scheduled"'):
-        setups(tmp_path, STUDY.replace('"scheduled"', '"servo"'))
+        setups(tmp_path, SCHEDULED.replace('"scheduled"', '"servo"'))

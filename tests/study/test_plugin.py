@@ -47,17 +47,18 @@ def in_a_process(folder: Path, *arguments: str | Path) -> subprocess.CompletedPr
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The example, installed."""
-    visible(site(tmp_path, declared=True), monkeypatch)
+    visible(site(tmp_path), monkeypatch)
     yield
     sys.modules.pop("deadband_p", None)
 
 
-@pytest.mark.skipif("deadband_p" in controllers(), reason="the example is installed here")
 def test_the_module_alone_is_not_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing but the entry point names it: Python could import it, and a study still cannot name it."""
-    visible(site(tmp_path, declared=False), monkeypatch)
-    assert find_spec("deadband_p") is not None
-    fails(workbench("check", STUDY), 'controllers.mine.type: unknown controller "deadband_p"; expected one of pid, ')
+    """Nothing but an entry point names one: Python could import this one, and a study still cannot name it."""
+    write(tmp_path, (EXAMPLE / "deadband_p.py").read_text(encoding="utf-8"), "left_out.py")
+    visible(tmp_path, monkeypatch)
+    assert find_spec("left_out") is not None
+    study = write(tmp_path, changed('"deadband_p"', '"left_out"', STUDY.read_text(encoding="utf-8")))
+    fails(workbench("check", study), 'controllers.mine.type: unknown controller "left_out"; expected one of pid, ')
 
 
 @pytest.mark.usefixtures("installed")
@@ -92,7 +93,7 @@ def test_its_settings_are_checked_like_ours(tmp_path: Path, old: str, new: str, 
 def test_the_study_ends_at_the_deadband(tmp_path: Path) -> None:
     """The cylinder integrates: without overshoot it stops where the command becomes 0, at |e| = D."""
     out = tmp_path / "out"
-    done = in_a_process(site(tmp_path, declared=True), "run", STUDY, "--out", out)
+    done = in_a_process(site(tmp_path), "run", STUDY, "--out", out)
     assert done.returncode == 0, done.stderr
     results = pd.read_parquet(out / "results.parquet")
     assert list(results["outcome"]) == ["completed"] * 3
@@ -101,7 +102,7 @@ def test_the_study_ends_at_the_deadband(tmp_path: Path) -> None:
 
 def test_an_edited_plugin_cannot_be_resumed(tmp_path: Path) -> None:
     """Its file lies outside the program's; a study that does not name it is resumed all the same."""
-    module, out, plain = site(tmp_path, declared=True) / "deadband_p.py", tmp_path / "out", tmp_path / "plain"
+    module, out, plain = site(tmp_path) / "deadband_p.py", tmp_path / "out", tmp_path / "plain"
     text = STUDY.read_text(encoding="utf-8")
     short = write(tmp_path, changed('duration = "2 s"', 'duration = "0.01 s"', text))
     ours = write(tmp_path, DRIVE, "drive.toml")

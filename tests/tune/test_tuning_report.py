@@ -1,7 +1,5 @@
-"""The report of a tuning: its files, its tables against results.csv, its words, and what a kill leaves."""
+"""The report of a tuning: its files, its tables against results.csv, its words, its figures, and what a kill leaves."""
 
-import functools
-import html
 import json
 import math
 from dataclasses import replace
@@ -10,13 +8,12 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-import pandas as pd
 import pytest
-from command import Answer, changed, workbench, write
+from command import Answer, write
+from reported_tuning import STUDY, page, reported, results, table
 
 from workbench.linear.margins import Margins
 from workbench.linear.open_loop import margins
-from workbench.publish.pictures import save
 from workbench.study.reading import read_study
 from workbench.tune.prepare import prepared, task_for
 from workbench.tune.report import folder as report
@@ -26,81 +23,14 @@ from workbench.tune.report.importance import importance, importance_picture
 from workbench.tune.report.panels import SIDES
 from workbench.tune.report.rows import end_of
 from workbench.tune.report.step import largest_jump
-from workbench.tune.report.tables import differ_words, margin, number, with_interval
+from workbench.tune.report.tables import differ_words, margin, number
 from workbench.tune.report.words import first_lines
-from workbench.tune.result import Quantile, Tuning
+from workbench.tune.result import Tuning
 from workbench.tune.run import tune_all
 from workbench.tune.space import Dimension
 
-STUDY = """\
-title = "two controllers, tuned"
-question = "Which is better?"
-[plant]
-model = "non_rotating"
-parameters = "owen2001_simulation"
-
-[references.fast]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "2 Hz"
-
-[references.slow]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "1 Hz"
-
-[axes]
-reference = ["fast", "slow"]
-controller = ["p", "pd"]
-
-[controllers.p]
-type = "pid"
-kp = "600 V/m"
-
-[controllers.pd]
-type = "pid"
-kp = "500 V/m"
-kd = "2 V s/m"
-
-[simulation]
-duration = "1.5 s"
-transient = "0.5 s"
-
-[tune]
-trials = 16
-seeds = 2
-
-[tune.objective]
-rms_error = 1
-
-[tune.constraints]
-hold_duration = "1 s"
-
-[tune.gains.p]
-kp = { min = "100 V/m", max = "600 V/m" }
-"""
-"""The P controller is best at the end of its range, where the study has it."""
-
-WILD = '[controllers.wild]\ntype = "pid"\nkp = "20000 V/m"\n\n[simulation]'
-LIMITS = '[tune.gains.wild]\nkp = { min = "20000 V/m", max = "50000 V/m" }\n'
-
-ON_DRAWS = (
-    changed(
-        "trials = 16", "trials = 12\ndraws = 8\nfresh_draws = 8\nquantile = 0.5\nwhere = { reference = 'fast' }", STUDY
-    )
-    .replace("[simulation]", WILD)
-    .replace('"p", "pd"', '"p", "pd", "wild"')
-) + f"{LIMITS}[uncertainty]\nfriction = 0\n[uncertainty.scale]\nmass = {{ min = 0.8, max = 1.3 }}\n"
-"""Half of the machines is a quantile that eight draws bound."""
-
 FILES = {"study.toml", "results.csv", "trials.csv", "results.sqlite", "tuning.html", "run.json"}
 PICTURES = ("history", "importance", "step", "error", "bode_p", "bode_pd")
-
-
-def tuned(folder: Path, text: str) -> Answer:
-    """The command, with figures as PNG alone: the other formats take long."""
-    with mock.patch.object(report, "save", functools.partial(save, formats=("png",))):
-        return workbench("tune", write(folder, text), "--out", folder / "out")
 
 
 @pytest.fixture(scope="module")
@@ -110,33 +40,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def answer(folder: Path) -> Answer:
-    return tuned(folder, STUDY)
+    return reported(folder, STUDY)
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Answer]:
-    """A tuning on draws, with a controller that no gains make stable."""
-    folder = tmp_path_factory.mktemp("drawn")
-    return folder / "out", tuned(folder, ON_DRAWS)
-
-
-@pytest.fixture(scope="module")
-def tuning(tmp_path_factory: pytest.TempPathFactory) -> Tuning:
-    folder = tmp_path_factory.mktemp("found")
-    study, names = prepared(read_study(write(folder, STUDY)), ["all"], 16)
-    return tune_all(study, names, folder / "trials.sqlite")
-
-
-def results(out: Path) -> pd.DataFrame:
-    return pd.read_csv(out / "results.csv").set_index("controller")
-
-
-def table(out: Path, name: str) -> pd.DataFrame:
-    return pd.read_csv(out / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)
-
-
-def page(out: Path) -> str:
-    return html.unescape((out / "tuning.html").read_text(encoding="utf-8"))
+def tuning(folder: Path, answer: Answer) -> Tuning:
+    """The same, of the trials that the command left."""
+    study, names = prepared(read_study(folder / "study.toml"), ["all"], 16)
+    return tune_all(study, names, folder / "out" / "results.sqlite")
 
 
 # --- files ---
@@ -287,65 +198,6 @@ def test_the_page_says_what_was_held_equal(folder: Path, answer: Answer) -> None
     assert "Objective: rms error; each figure over that of p with the gains of the study" in text
     assert "a gain margin of at least 6 dB and a phase margin of at least 45 deg" in text
     assert "Draws: none" in text
-
-
-# --- draws, and a controller that cannot be made stable ---
-
-
-def test_a_controller_without_feasible_gains_is_told(drawn: tuple[Path, Answer]) -> None:
-    out, answer = drawn
-    assert answer.code == 0, answer.err
-    (line,) = [line for line in answer.out.splitlines() if line.startswith("wild: ")]
-    assert "no trial keeps all constraints" in line
-    assert line in page(out)
-    assert results(out).loc["wild", "outcome"] == line.removeprefix("wild: ").removesuffix(".")
-    assert table(out, "tuning").set_index("controller").loc["wild", "outcome"] == "no feasible gains"
-    assert not (out / "tuned" / "wild.toml").exists()
-    assert not (out / "figures" / "bode_wild.png").exists()
-    assert "No loop of wild: " in page(out)
-
-
-def test_taken_up_again_a_tuning_says_the_same(drawn: tuple[Path, Answer]) -> None:
-    """Trials that come from the file leave the same bytes."""
-    out, answer = drawn
-    before = {name: (out / name).read_bytes() for name in ("results.csv", "trials.csv", "tuning.html")}
-    with mock.patch.object(report, "save", functools.partial(save, formats=("png",))):
-        again = workbench("tune", out.parent / "study.toml", "--out", out, "--resume")
-    assert again == answer
-    assert before == {name: (out / name).read_bytes() for name in before}
-
-
-def test_quantiles_on_draws_have_intervals(drawn: tuple[Path, Answer]) -> None:
-    out, _ = drawn
-    cells, rows = table(out, "tuning").set_index("controller"), results(out)
-    for name in ("p", "pd"):
-        for kind in ("searched", "fresh"):
-            for when, key in (("before", "start"), ("after", "tuned")):
-                numbers = [rows.loc[name, f"{key}_on_{kind}_{part}"] for part in ("value", "low", "high")]
-                value, low, high = map(number, numbers)
-                assert cells.loc[name, f"0.5 quantile, {kind} draws, {when}"] == f"{value} ({low} to {high})"
-    assert rows.loc["pd", "objective"] == rows.loc["pd", "tuned_on_searched_value"]
-    assert rows.loc["pd", "objective_before"] == rows.loc["pd", "start_on_searched_value"]
-
-
-def test_the_page_says_whether_gains_are_fitted_to_their_draws(drawn: tuple[Path, Answer]) -> None:
-    out, _ = drawn
-    text, rows = page(out), results(out).loc[["p", "pd"]]
-    overlap = (rows["tuned_on_searched_low"] <= rows["tuned_on_fresh_high"]) & (
-        rows["tuned_on_fresh_low"] <= rows["tuned_on_searched_high"]
-    )
-    fine = " and ".join(overlap[overlap].index)
-    assert f"No sign of overfitting of {fine}: the intervals on searched and on fresh draws overlap." in text
-    assert "Best is pd with a 0.5 quantile of the objective on draws that the search has not seen of " in text
-    assert "over 8 drawn machines, the same for every controller, is made small; 8 others check it" in text
-
-
-def test_an_interval_says_why_it_has_no_end() -> None:
-    assert with_interval(Quantile(0.41, 0.38, 0.47, 100), 0.9) == "0.410 (0.380 to 0.470)"
-    few = with_interval(Quantile(0.41, 0.38, math.inf, 12), 0.9)
-    assert few == "0.410 (0.380 upwards, not bounded by so few draws)"
-    failing = with_interval(Quantile(0.41, 0.38, math.inf, 200), 0.9)
-    assert failing == "0.410 (0.380 upwards, infinite: runs fail on too many draws)"
 
 
 # --- figures ---
