@@ -56,7 +56,7 @@ study-decision: $(ENVIRONMENT)/ready
 	done
 
 test: lint
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal  # tests that share what a fixture made stay together
 
 lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/ruff check .

@@ -3,8 +3,10 @@
 import math
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import pytest
 from thesis_actuator import FORCE_GAIN
@@ -23,6 +25,22 @@ def no_progress() -> Iterator[None]:
     """A command says nothing of how far it is, however slow the machine: what it says is compared."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workbench.cli.progress.INTERVAL", math.inf)
+        yield
+
+
+@pytest.fixture(scope="module")
+def png_alone() -> Iterator[None]:
+    """Figures as PNG alone, for tests that look at no other format."""
+    with pictures_as_png():
+        yield
+
+
+@contextmanager
+def pictures_as_png() -> Iterator[None]:
+    """PDF and SVG take long."""
+    from workbench.publish.pictures import save
+
+    with mock.patch.object(save, "__defaults__", (("png",),)):
         yield
 
 
@@ -47,8 +65,25 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def diagnosis(experiment: Path) -> Any:
-    """What diagnosis finds in it."""
-    from workbench.diagnose.diagnose import diagnose
+def diagnosed(experiment: Path) -> tuple[Any, Any]:
+    """What the command answers, run once for all tests, and the diagnosis that it made."""
+    from command import workbench
 
-    return diagnose(experiment)
+    from workbench.diagnose import diagnose
+
+    made = []
+
+    def kept(*arguments: Any) -> Any:
+        made.append(whole(*arguments))
+        return made[-1]
+
+    whole = diagnose.diagnose
+    with pictures_as_png(), mock.patch.object(diagnose, "diagnose", kept):
+        answer = workbench("diagnose", experiment, "--out", experiment.parent / "out")
+    return answer, *made
+
+
+@pytest.fixture(scope="session")
+def diagnosis(diagnosed: tuple[Any, Any]) -> Any:
+    """What diagnosis finds in the experiment."""
+    return diagnosed[1]

@@ -22,6 +22,8 @@ from plants.registry import plants
 from workbench import api
 from workbench.study.store import read_results
 
+pytestmark = pytest.mark.usefixtures("png_alone")
+
 HEAVY = ("numpy", "pandas", "numba", "pydantic", "scipy", "matplotlib", "control", "casadi", "optuna")
 
 LOADED = """\

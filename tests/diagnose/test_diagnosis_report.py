@@ -1,10 +1,8 @@
 """The report of a diagnosis: the command end to end, its files, and what a kill leaves."""
 
-import functools
 import json
 import os
 from pathlib import Path
-from unittest import mock
 
 import pandas as pd
 import pytest
@@ -15,7 +13,6 @@ from experiments import TRUTH
 from workbench.diagnose.report import folder as report_folder
 from workbench.diagnose.result import Diagnosis
 from workbench.parameters.sets import read_deviations, read_parameters
-from workbench.publish.pictures import save
 
 STUDY = changed(
     'model = "by_rpm"\nparameters = "owen2001_simulation"\n\n[axes]\nrpm = [0, 460]\n',
@@ -29,10 +26,8 @@ def folder(experiment: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answer(folder: Path) -> Answer:
-    """The command, run once for all tests, with the figures as PNG alone: the other formats take long."""
-    with mock.patch.object(report_folder, "save", functools.partial(save, formats=("png",))):
-        return workbench("diagnose", folder / "experiment.toml", "--out", folder / "out")
+def answer(diagnosed: tuple[Answer, Diagnosis]) -> Answer:
+    return diagnosed[0]
 
 
 # --- the command ---

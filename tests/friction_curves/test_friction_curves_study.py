@@ -6,6 +6,8 @@ import pandas as pd
 import pytest
 from command import STUDIES, STUDY, changed, fails, ran, workbench, write
 
+pytestmark = pytest.mark.usefixtures("png_alone")
+
 MEASURED = STUDIES / "measured" / "owen2001_friction.toml"
 
 ASKED = """

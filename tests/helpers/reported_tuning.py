@@ -1,15 +1,10 @@
 """A small tuning with its report, as tests write and read it."""
 
-import functools
 import html
 from pathlib import Path
-from unittest import mock
 
 import pandas as pd
 from command import Answer, workbench, write
-
-from workbench.publish.pictures import save
-from workbench.tune.report import folder as report
 
 STUDY = """\
 title = "two controllers, tuned"
@@ -62,9 +57,8 @@ kp = { min = "100 V/m", max = "600 V/m" }
 
 
 def reported(folder: Path, text: str, *options: str) -> Answer:
-    """The command, with figures as PNG alone: the other formats take long."""
-    with mock.patch.object(report, "save", functools.partial(save, formats=("png",))):
-        return workbench("tune", write(folder, text), "--out", folder / "out", *options)
+    """The command on a study of this text."""
+    return workbench("tune", write(folder, text), "--out", folder / "out", *options)
 
 
 def results(out: Path) -> pd.DataFrame:

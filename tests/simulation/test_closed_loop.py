@@ -18,7 +18,7 @@ RIG = {
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
     """The three commands, in order."""
     path = tmp_path_factory.mktemp("closed_loop")
     shutil.copytree(STUDIES / "closed_loop", path / "studies" / "closed_loop")

@@ -18,6 +18,7 @@ from controllers.interface import Reference
 from controllers.pid import PID
 from controllers.registry import CONTROLLERS, controllers
 from plants.interface import Measurement
+from workbench.errors import UserError
 
 STUDY = EXAMPLE / "study.toml"
 
@@ -175,14 +176,22 @@ IT = replace(PID, name="mine", step=step)
         ("reference.positon", "Unknown attribute 'positon' of type Reference(float64 x 3)"),
     ],
 )
-def test_a_step_that_cannot_be_compiled_is_one_line(tmp_path: Path, wrong: str, reason: str) -> None:
+def test_a_step_that_cannot_be_compiled_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wrong: str, reason: str
+) -> None:
     brings(tmp_path, "friction_workbench.controllers", "mine = typo:IT")
+    visible(tmp_path, monkeypatch)
+    monkeypatch.delitem(sys.modules, "typo", raising=False)
     write(tmp_path, TYPO.format(wrong=wrong), "typo.py")
     study = write(tmp_path, changed('"pid"', '"mine"', DRIVE))
-    done = in_a_process(tmp_path, "run", study, "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert done.stderr == f'error: controller "mine" cannot be compiled: {reason} (--debug shows all of it)\n'
-    assert "Traceback" in in_a_process(tmp_path, "--debug", "run", study, "--out", tmp_path / "again").stderr
+    done = workbench("run", study, "--out", tmp_path / "out")
+    assert (done.code, done.err) == (
+        2,
+        f'error: controller "mine" cannot be compiled: {reason} (--debug shows all of it)\n',
+    )
+    with pytest.raises(UserError) as raised:  # for the interpreter to show, with the cause
+        workbench("--debug", "run", study, "--out", tmp_path / "again")
+    assert raised.value.__cause__ is not None
 
 
 UNDECLARED = """\

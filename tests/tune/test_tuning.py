@@ -26,6 +26,8 @@ from workbench.tune.report.gain_files import gain_file
 from workbench.tune.result import Tuning, infeasible, interval
 from workbench.tune.starts import classic_points
 
+pytestmark = pytest.mark.usefixtures("png_alone")
+
 
 def outcome(tuning: Tuning) -> list[object]:
     """All that has to be the same."""

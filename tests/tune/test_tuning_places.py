@@ -24,6 +24,8 @@ from workbench.tune.report.tables import number
 from workbench.tune.schema import tune_table
 from workbench.tune.trials import key_of
 
+pytestmark = pytest.mark.usefixtures("png_alone")
+
 PLACES = (
     STUDY.replace('model = "non_rotating"', 'model = "by_rpm"\nbristle = "isotropic"')
     .replace("[axes]\n", '[axes]\nmachine = ["light", "heavy"]\nrpm = [0, "60 rpm"]\n')

@@ -39,7 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answer(folder: Path) -> Answer:
+def answer(folder: Path, png_alone: None) -> Answer:
     return reported(folder, STUDY)
 
 

@@ -1,6 +1,5 @@
 """The cases of a study: its [cases], times the product of its axes."""
 
-import copy
 import functools
 import itertools
 import json
@@ -28,7 +27,7 @@ def unfold(study: Study) -> list[Case]:
         UserError: an axis that is empty, unknown, or names something that the file does not hold.
     """
     file = study.file
-    base = {name: copy.deepcopy(getattr(file, name)) for name in OVERRIDES}
+    base = {name: getattr(file, name) for name in OVERRIDES}
     cases: list[Case] = []
     read = functools.cache(read_gain_file)
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
@@ -45,14 +44,16 @@ def unfold(study: Study) -> list[Case]:
 
 
 def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
-    """`base` with `overrides` laid over it, table by table; lists and values are replaced."""
-    result = dict(copy.deepcopy(dict(base)))
+    """`base` with `overrides` laid over it, table by table; lists and values are replaced.
+
+    Neither is changed, and the tables of one of them alone are shared with the result: a study has many cases.
+    """
+    result = dict(base)
     for key, value in overrides.items():
         below = result.get(key)
         if isinstance(value, Mapping) and isinstance(below, Mapping):
-            result[key] = merged(below, value)
-        else:
-            result[key] = copy.deepcopy(value)
+            value = merged(below, value)
+        result[key] = value
     return result
 
 
@@ -103,13 +104,13 @@ def _at_point(
     read: Callable[[Path], GainFile],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case at one point of its axes, and the plant that is declared there."""
-    result = copy.deepcopy(dict(tables))
+    result = dict(tables)
     declared = result["plant"]
     for axis, layer in LAYERS.items():
         if axis in point:
             result = merged(result, getattr(study.file, layer.section)[point[axis]])
         if layer is MACHINE:
-            declared = copy.deepcopy(result["plant"])
+            declared = result["plant"]
     for axis, value in point.items():
         if axis in ("rpm", "controller", "reference"):
             result[axis] = value
@@ -117,9 +118,11 @@ def _at_point(
             *parents, last = axis.split(".")
             table = result
             for part in parents:
-                table = table.setdefault(part, {})
-                if not isinstance(table, dict):
+                below = table.get(part, {})
+                if not isinstance(below, dict):
                     raise study.error((*axes_key(study, case), axis), f'"{part}" is not a table')
+                table[part] = dict(below)  # what is shared with other cases stays as it is
+                table = table[part]
             table[last] = value
     result["controllers"] = _with_gains(study, result, point.get(MACHINE.axis), read)
     return result, declared

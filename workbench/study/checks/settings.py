@@ -1,5 +1,6 @@
 """Whether each setting of a case means something to its plant, and its controller."""
 
+import functools
 from collections.abc import Collection, Sequence
 
 from controllers.settings import idle
@@ -26,7 +27,7 @@ def _family(case: Case, plant: Plant) -> list[Plant]:
 def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
     """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
     family = _family(case, item.setup.plant)
-    names = {name for plant in family for name in _counting(plant.with_effects(*possible(plant)))} - {FLOW_SHARE}
+    names = {name for plant in family for name in _counting(_with_every_effect(plant))} - {FLOW_SHARE}
     found = {}
     for key, applies in _applies(case, family, names).items():
         found[key] = ""
@@ -34,6 +35,12 @@ def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
             hint = nearest(str(key[-1]), sorted(names)) if len(key) > 2 else "leave it out"
             found[key] = f'plant "{family[0].name}" has no use for it; {hint}'
     return found
+
+
+@functools.cache
+def _with_every_effect(plant: Plant) -> Plant:
+    """The plant with all effects that it can have; of many cases few have a plant of their own."""
+    return plant.with_effects(*possible(plant))
 
 
 def _counting(plant: Plant) -> list[str]:
