@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 
 from controllers.settings import idle
 from plants.effects.attach import possible
+from plants.effects.registry import effects
 from plants.equation import fields
 from plants.friction import LuGre
 from plants.interface import Plant
@@ -27,7 +28,8 @@ def _family(case: Case, plant: Plant) -> list[Plant]:
 def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
     """Of each setting of a case's plant and belief: why it means nothing to it, "" if it does."""
     family = _family(case, item.setup.plant)
-    names = {name for plant in family for name in _counting(_with_every_effect(plant))} - {FLOW_SHARE}
+    known = tuple(effects())
+    names = {name for plant in family for name in _counting(_with_every_effect(plant, known))} - {FLOW_SHARE}
     found = {}
     for key, applies in _applies(case, family, names).items():
         found[key] = ""
@@ -38,9 +40,9 @@ def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
 
 
 @functools.cache
-def _with_every_effect(plant: Plant) -> Plant:
-    """The plant with all effects that it can have; of many cases few have a plant of their own."""
-    return plant.with_effects(*possible(plant))
+def _with_every_effect(plant: Plant, known: tuple[str, ...]) -> Plant:
+    """The plant with all of the `known` effects that it can have; of many cases few have a plant of their own."""
+    return plant.with_effects(*(effect for effect in possible(plant) if effect.name in known))
 
 
 def _counting(plant: Plant) -> list[str]:
