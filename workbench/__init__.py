@@ -14,69 +14,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from workbench.api import (
-        CaseResult,
-        ControllerChoice,
-        LoopRun,
-        LoopSetup,
-        ReferenceChoice,
-        Study,
-        StudyResults,
-        UserError,
-        chirp,
-        controller,
-        decide,
-        diagnose,
-        evaluate,
-        identify,
-        linearise,
-        loop_gain,
-        margins,
-        multisine,
-        ramp,
-        recorded,
-        reference,
-        setup,
-        simulate,
-        sine,
-        steps,
-        triangle,
-        tune,
-    )
+    from workbench.api import *  # noqa: F403 - the public names, written down there
+    from workbench.api import ControllerChoice
 
     def __getattr__(name: str) -> Callable[..., ControllerChoice]: ...
 
-
-__all__ = [
-    "CaseResult",
-    "ControllerChoice",
-    "LoopRun",
-    "LoopSetup",
-    "ReferenceChoice",
-    "Study",
-    "StudyResults",
-    "UserError",
-    "chirp",
-    "controller",
-    "decide",
-    "diagnose",
-    "evaluate",
-    "identify",
-    "linearise",
-    "loop_gain",
-    "margins",
-    "multisine",
-    "ramp",
-    "recorded",
-    "reference",
-    "setup",
-    "simulate",
-    "sine",
-    "steps",
-    "triangle",
-    "tune",
-]
-"""Public names; beside them there is a function for each registered controller, such as `pid`."""
 
 QUESTIONS = ("tune", "decide", "identify", "diagnose")
 """Rooms of the program, and functions of the same names."""
@@ -107,6 +49,8 @@ class _Question(ModuleType):
 
 class _FrontDoor(ModuleType):
     def __getattr__(self, name: str) -> object:
+        if name == "__all__":
+            return _api().__all__
         if name.startswith("__"):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         if name in QUESTIONS:
@@ -124,7 +68,7 @@ class _FrontDoor(ModuleType):
         super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *__all__})
+        return sorted({*super().__dir__(), *_api().__all__})
 
 
 def _api() -> ModuleType:
