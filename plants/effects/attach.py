@@ -115,6 +115,14 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
 
+    def parts(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
+        """By which factor the effects multiply each rate of the plant's own states."""
+        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
+        none = plant.State._make(0.0 for _ in plant.State._fields)
+        whole = plant.State._make(1.0 for _ in plant.State._fields)
+        pairs = zip(by_rates(whole, moment, memory, p, own), by_rates(none, moment, memory, p, own), strict=True)
+        return plant.State._make(one - other for one, other in pairs)
+
     def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
         """The state with what the effects remember of a machine that has rested for long."""
         if not remembering:
@@ -149,6 +157,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         refit=None if refit is None else lambda law: with_effects(refit(law), effects),
         effects=tuple(effect.name for effect in effects),
         bare=plant,
+        parts=parts if any(effect.rates for effect in effects) else None,
     )
 
 

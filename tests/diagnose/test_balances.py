@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plants.effects.hydraulic import stiffness
+from plants.effects.registry import effects
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
@@ -109,6 +111,20 @@ def test_a_linear_balance_holds_for_a_motion_that_is_sampled_coarsely() -> None:
     motion = motion_along(plant, values=heavy, lines=(5, 25), sample_time=1e-2)
     inertia = heavy["mass"] * float(np.std(motion.acceleration[motion.valid]))
     assert left(Along(plant, "derived"), motion, "force", heavy) * VALUES["coulomb"] < 5e-3 * inertia
+
+
+def test_air_counts_in_the_measure_of_a_flow() -> None:
+    """C = V / (4 beta) in stiff oil, more by what is soft: or a residual was made small by air and ever stiffer oil."""
+    plant = plants()["non_rotating"].with_effects(effects()["entrained_air"])
+    motion, along = motion_along(plants()["non_rotating"]), Along(plant, "derived")
+    soft = {**VALUES, "air_fraction": 0.05}
+    tracked = along.tracked(motion, soft, along.hidden(motion, ["load_pressure"]))
+    (capacity,) = plant.balances["flow"].scale(tracked.parameters)
+    pressures = (motion.channels[name] for name in ("pressure_1", "pressure_2"))
+    parts = [stiffness(pressure, VALUES["bulk_modulus"], 0.05) for pressure in pressures]
+    np.testing.assert_allclose(along.scales("flow", motion, tracked)[0], capacity / (0.5 * sum(parts)), rtol=0.02)
+    stiff = along.tracked(motion, VALUES, along.hidden(motion, ["load_pressure"]))
+    np.testing.assert_allclose(along.scales("flow", motion, stiff)[0], capacity, rtol=1e-12)
 
 
 def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:

@@ -38,6 +38,11 @@ PRICE = 0.02
 CHANGE = 0.02
 """Relative change of a parameter that has a value already, at which its worth is first looked at."""
 
+SEEN, LARGER = 20.0, 5.0
+"""Floors (rms) by which a change has to move a simulation, and times that a change is larger that does not. Most of
+what it moves the plant's own parameters move as well, and contacts that break away a step sooner or later are noise in
+what is left of it."""
+
 
 class _Promise(NamedTuple):
     """What a first-order prediction says of an effect: the share beyond noise that it takes away, by which of its
@@ -91,9 +96,15 @@ def _step(values: Values, name: str, scales: Scales) -> float:
 
 
 def _column(balance: Balance, before: Fit, name: str) -> np.ndarray:
-    """What a change of one parameter does to the residual."""
-    moved = _value(before.values, name) + _step(before.values, name, balance.scales)
-    return np.nan_to_num(balance.stacked({**before.values, name: moved}), nan=1e6) - before.residual
+    """What a change of one parameter does to the residual, to first order."""
+    value, step = _value(before.values, name), _step(before.values, name, balance.scales)
+
+    def change(times: float) -> np.ndarray:
+        moved = balance.stacked({**before.values, name: value + times * step})
+        return np.asarray(np.nan_to_num(moved, nan=1e6) - before.residual)
+
+    small = change(1.0)
+    return small if np.sqrt(np.mean(small**2)) > SEEN else change(LARGER) / LARGER
 
 
 def _value(values: Values, name: str) -> float:
