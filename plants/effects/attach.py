@@ -16,6 +16,9 @@ from plants.laws.interface import Nothing
 Chain = Equation
 """An equation (value, moment, memory, parameters, own) -> value: all that effects change of it."""
 
+PASSES = 3
+"""Times that an equilibrium is found with what effects make of the one before: loads, then pressures, then friction."""
+
 OWN = "effects"
 """The field of the parameters, and of the states, that holds those of the effects, each in a field of its name."""
 
@@ -140,9 +143,10 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         return at_rest._replace(body=at_rest.body._replace(load_force=load))
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
-        """At rest for long, with parameters as the effects make them there."""
+        """At rest for long, with parameters as the effects make them there: of the pressures that hold a load, too."""
         state, inputs = plant.equilibrium(p, surface_speed)
-        state, inputs = plant.equilibrium(resting(p, rested(state, inputs), inputs), surface_speed)
+        for _ in range(PASSES):
+            state, inputs = plant.equilibrium(resting(p, rested(state, inputs), inputs), surface_speed)
         return rested(state, inputs), inputs
 
     refit = plant.refit

@@ -12,6 +12,7 @@ from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import balances_shown
+from workbench.diagnose.residuals.walk import _step
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.reading import Record
 from workbench.simulation.references import Multisine
@@ -101,6 +102,15 @@ def test_bristles_that_relax_within_a_sample_leave_next_to_nothing(sample_time: 
     plant, stiff = plants()["rotating_isotropic_ideal"], {**VALUES, "bristle_stiffness": 5e7, "bristle_damping": 2e5}
     motion = motion_along(plant, values=stiff, sample_time=sample_time)
     assert left(Along(plant, "derived"), motion, "force", stiff) < 1e-4
+
+
+@pytest.mark.parametrize("decay", [0.0, 1e-3, 1.8, 40.0])
+@pytest.mark.parametrize("ahead", [0.0, 1e-3, 1.8, 1e4])
+def test_a_bristle_does_not_overshoot_at_a_reversal(decay: float, ahead: float) -> None:
+    """Fully bent one way, it is drawn to either side, as fast as may be, and stays between the two."""
+    for settles in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)):
+        moved = 1.0 + _step(decay, ahead, decay * (settles[0] - 1.0), ahead * (settles[1] - 1.0))
+        assert -1.0 - 1e-12 <= moved <= 1.0 + 1e-12
 
 
 def test_a_linear_balance_holds_for_a_motion_that_is_sampled_coarsely() -> None:

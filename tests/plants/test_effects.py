@@ -143,6 +143,16 @@ def test_a_plant_with_effects_rests_in_its_equilibrium(name: str) -> None:
     assert abs(rate) * TRUTH["mass"] < 1e-6
 
 
+@pytest.mark.parametrize("name", ["rotating_isotropic", "rotating_helical"])
+def test_a_turning_rod_under_a_load_rests_with_friction_that_pressure_raises(name: str) -> None:
+    plant = whole(plants()[name])
+    parameters = build(plant.Parameters, {**TRUTH, "cosine_force": 200.0, "friction_per_pressure": 1e-4})
+    state, inputs = plant.equilibrium(parameters, 10.0 * TRUTH["piston_radius"])
+    rates = plant.derivatives(0.0, state, inputs, parameters)
+    assert abs(float(rates.surface_speed)) < 1e-9
+    assert abs(float(rates.velocity)) * TRUTH["mass"] < 1e-6
+
+
 class Pull(NamedTuple):
     magnet_force: Annotated[float, "N"] = 0.0
 

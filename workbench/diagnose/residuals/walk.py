@@ -3,11 +3,12 @@
 The states that a rig shows are put in as they were measured; the rates of the others are those of the plant's own
 `derivatives`. From their rates r0 at an instant, and r1 with the next instant's motion, they advance by
 
-    z <- z + h (w0(d0) r0 + w1(d1) r1),   d = -h dr/dz,   w0 = (f - e^-d) / d,   w1 = (1 - f) / d,   f = (1 - e^-d) / d
+    z <- z + h (w0 r0 + w1 r1),   w0 = (f - e^-d) / d0,   w1 = (1 - f) / d1,   f = (1 - e^-d) / d
 
-which is exact where r is linear in z and in time, as of a valve's lag and a sliding bristle (an exponential integrator
-of second order; Cox and Matthews 2002). Bristles that relax within a sample then have no lag that comes of the samples,
-which their damping would show; with a slope of either end no reversal makes them overshoot.
+with d0, d1 = -h dr/dz at both ends and d their mean, and no weight above 1/2. That is exact where r is linear in z and
+in time, as of a valve's lag and a sliding bristle (an exponential integrator of second order; Cox and Matthews 2002).
+Bristles that relax within a sample then have no lag that comes of the samples, which their damping would show; and z
+stays between itself and where it would settle at either end, so that no reversal makes it overshoot.
 """
 
 from typing import Any
@@ -124,11 +125,13 @@ def walk(
 @njit(cache=True)
 def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
     """Mean rate over a step, from a state's rate and what the next instant's motion makes of it."""
-    first = second = 0.5
-    if decay > STRAIGHT:
-        first = (-np.expm1(-decay) / decay - np.exp(-decay)) / decay
-    if decay_ahead > STRAIGHT:
-        second = (1.0 + np.expm1(-decay_ahead) / decay_ahead) / decay_ahead
+    mean = 0.5 * (decay + decay_ahead)
+    if decay < 0.0 or decay_ahead < 0.0 or mean < STRAIGHT:
+        return 0.5 * (rate + ahead)
+    left = np.exp(-mean)
+    kept = -np.expm1(-mean) / mean
+    first = min((kept - left) / decay, 0.5) if decay > 0.0 else 0.5
+    second = min((1.0 - kept) / decay_ahead, 0.5) if decay_ahead > 0.0 else 0.5
     return first * rate + second * ahead
 
 
