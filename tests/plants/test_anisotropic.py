@@ -99,19 +99,56 @@ def test_the_guide_is_a_part_of_what_is_measured_without_rotation(velocity: floa
     assert turning == pytest.approx(50.0, rel=1e-3), "rotation leaves the guide's static friction"
 
 
+@njit
+def _settled(
+    axial: float, rotary: float, h: float, friction: Friction, around: LuGre, film: Film, guide: Guide
+) -> GuidedBristle:
+    """The bristles after 60 000 steps of Euler's method at one velocity, in compiled code."""
+    z = GuidedBristle(0.0, 0.0, 0.0)
+    for _ in range(60_000):
+        found = lugre_anisotropic(axial, rotary, z, friction, around, film, guide)
+        z = GuidedBristle(z[0] + h * found[2], z[1] + h * found[3], z[2] + h * found[4])
+    return z
+
+
 @pytest.mark.parametrize(
     ("velocity", "rpm"), [(0.01, 0.0), (0.004, 10.0), (-0.008, 50.0), (0.011, 125.0), (0.1, 800.0)]
 )
 def test_the_bristles_settle_on_steady_friction(velocity: float, rpm: float) -> None:
     film, guide = Film(0.7, 0.04), Guide(10.0, 30.0, 0.003)
-    bristles, h = GuidedBristle(0.0, 0.0, 0.0), 2e-6 if rpm else 2e-5
-    for _ in range(60_000):
-        _, _, *rates = lugre_anisotropic(velocity, rpm * RPM, bristles, MEASURED.friction, MEASURED.rotary, film, guide)
-        bristles = GuidedBristle(*(float(z + h * r) for z, r in zip(bristles, rates, strict=True)))
+    bristles = _settled(velocity, rpm * RPM, 2e-6 if rpm else 2e-5, MEASURED.friction, MEASURED.rotary, film, guide)
     force, *_ = lugre_anisotropic(velocity, rpm * RPM, bristles, MEASURED.friction, MEASURED.rotary, film, guide)
     assert float(force) == pytest.approx(
         float(steady_anisotropic(velocity, rpm * RPM, MEASURED.friction, MEASURED.rotary, film, guide)[0]), rel=2e-3
     )
+
+
+@njit
+def _integrated(
+    axial: np.ndarray,
+    rotary: np.ndarray,
+    h: float,
+    friction: Friction,
+    around: LuGre,
+    film: Film,
+    guide: Guide,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Heun's method in compiled code."""
+    z = np.zeros(3)
+    work, stored = np.zeros(axial.size), np.zeros(axial.size)
+    for k in range(1, axial.size):
+        a, r = 0.5 * (axial[k] + axial[k - 1]), 0.5 * (rotary[k] + rotary[k - 1])
+        first = lugre_anisotropic(a, r, GuidedBristle(z[0], z[1], z[2]), friction, around, film, guide)
+        m = GuidedBristle(z[0] + 0.5 * h * first[2], z[1] + 0.5 * h * first[3], z[2] + 0.5 * h * first[4])
+        middle = lugre_anisotropic(a, r, m, friction, around, film, guide)
+        work[k] = work[k - 1] + h * (middle[0] * a + middle[1] * r)
+        for i in range(3):
+            z[i] += h * middle[2 + i]
+        share = (guide.guide_coulomb + guide.guide_stribeck) / 480.0
+        # The stiffness is the same for both directions, 2.6e6 N/m.
+        stiffness = 2.6e6
+        stored[k] = 0.5 * stiffness * ((1.0 - share) * z[0] ** 2 + share * z[2] ** 2) + 0.5 * 300.0 * z[1] ** 2
+    return work, stored
 
 
 def power_and_storage(seed: int, film: Film, guide: Guide) -> tuple[np.ndarray, np.ndarray]:
@@ -127,36 +164,7 @@ def power_and_storage(seed: int, film: Film, guide: Guide) -> tuple[np.ndarray, 
 
     axial = random_speed(rng.choice([0.005, 0.02, 0.16]))
     rotary = rng.choice([0.0, 0.1, 1.0]) * random_speed(FASTEST)
-    return _integrated(axial, rotary, h, film, guide)
-
-
-def _integrated(
-    axial: np.ndarray, rotary: np.ndarray, h: float, film: Film, guide: Guide
-) -> tuple[np.ndarray, np.ndarray]:
-    """Heun's method in compiled code."""
-    friction, around = MEASURED.friction, MEASURED.rotary
-
-    @njit
-    def run(
-        axial: np.ndarray, rotary: np.ndarray, friction: Friction, around: LuGre, film: Film, guide: Guide
-    ) -> tuple[np.ndarray, np.ndarray]:
-        z = np.zeros(3)
-        work, stored = np.zeros(axial.size), np.zeros(axial.size)
-        for k in range(1, axial.size):
-            a, r = 0.5 * (axial[k] + axial[k - 1]), 0.5 * (rotary[k] + rotary[k - 1])
-            first = lugre_anisotropic(a, r, GuidedBristle(z[0], z[1], z[2]), friction, around, film, guide)
-            m = GuidedBristle(z[0] + 0.5 * h * first[2], z[1] + 0.5 * h * first[3], z[2] + 0.5 * h * first[4])
-            middle = lugre_anisotropic(a, r, m, friction, around, film, guide)
-            work[k] = work[k - 1] + h * (middle[0] * a + middle[1] * r)
-            for i in range(3):
-                z[i] += h * middle[2 + i]
-            share = (guide.guide_coulomb + guide.guide_stribeck) / 480.0
-            # The stiffness is the same for both directions, 2.6e6 N/m.
-            stiffness = 2.6e6
-            stored[k] = 0.5 * stiffness * ((1.0 - share) * z[0] ** 2 + share * z[2] ** 2) + 0.5 * 300.0 * z[1] ** 2
-        return work, stored
-
-    return run(axial, rotary, friction, around, film, guide)
+    return _integrated(axial, rotary, h, MEASURED.friction, MEASURED.rotary, film, guide)
 
 
 @pytest.mark.parametrize("seed", range(8))
