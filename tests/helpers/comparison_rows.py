@@ -1,9 +1,10 @@
 """What the rows of a comparison say, found by other means than the program's: pandas and SciPy on the results."""
 
+import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -29,20 +30,36 @@ class Key(NamedTuple):
     reference: str
 
 
+def kept(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A method of `Rows` that answers once what it is asked: of a cell, and of one of its two frames."""
+
+    @functools.wraps(method)
+    def answer(self: "Rows", *asked: Any) -> Any:
+        frames = {id(self.search): "search", id(self.fresh): "fresh"}
+        key = (method.__name__, *(frames.get(id(each), each) for each in asked))
+        if key not in self.answers:
+            self.answers[key] = method(self, *asked)
+        return self.answers[key]
+
+    return answer
+
+
 class Rows:
     """Search and fresh results of a comparison, asked by cell and candidate."""
 
     def __init__(self, search: pd.DataFrame, fresh: pd.DataFrame) -> None:
         self.search, self.fresh = search, fresh
-        self.held: dict[Key, dict[str, tuple[str, float]]] = {}
+        self.answers: dict[tuple[Any, ...], Any] = {}
 
     def cells(self) -> Iterator[Key]:
         for key in self.search[["machine", "scenario", "reference"]].drop_duplicates().itertuples(index=False):
             yield Key(*key)
 
+    @kept
     def of(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> pd.DataFrame:
         """The rows of a candidate, by draw."""
-        rows = frame.query("machine == @cell.machine and scenario == @cell.scenario and reference == @cell.reference")
+        rows = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
+        rows = rows[rows["reference"] == cell.reference]
         return rows[(rows["controller"] == controller) & (rows["rpm"] == rpm)].sort_values("draw")
 
     def errors(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> np.ndarray:
@@ -50,6 +67,7 @@ class Rows:
         column = "steady_state_max_error_m" if cell.reference in STEPS else "rms_error_m"
         return self.of(frame, cell, controller, rpm)[column].to_numpy(float)
 
+    @kept
     def hunting(self, cell: Key, controller: str, rpm: float) -> tuple[int, int]:
         """On how many draws it swings, and of how many: of the fresh draws, where it was measured there."""
         for frame in (self.fresh, self.search):
@@ -60,6 +78,7 @@ class Rows:
                 return swings["draw"].nunique(), rows["draw"].nunique()
         raise AssertionError("nobody held still")
 
+    @kept
     def rare(self, cell: Key) -> dict[str, tuple[str, float]]:
         """Of each class the best that may hunt on no more than 5 % of the machines, if it is in front of who stands."""
         rarely = {}
@@ -72,12 +91,14 @@ class Rows:
                     rarely.setdefault(kind, candidate)
         return rarely
 
+    @kept
     def hunts(self, frame: pd.DataFrame, cell: Key, controller: str, rpm: float) -> bool:
         """Whether it swings in any draw of its machine and scenario."""
         rows = frame[(frame["machine"] == cell.machine) & (frame["scenario"] == cell.scenario)]
         rows = rows[(rows["controller"] == controller) & (rows["rpm"] == rpm)]
         return bool(rows["limit_cycle"].isin(["sustained", "too_short"]).any())
 
+    @kept
     def ranked(self, cell: Key, kind: str) -> list[tuple[str, float]]:
         """The candidates of a class that hold in the search and were measured again, the best first."""
         part = self.search[(self.search["machine"] == cell.machine) & (self.search["scenario"] == cell.scenario)]
@@ -91,17 +112,17 @@ class Rows:
         own = [candidate for candidate in own if not self.of(self.fresh, cell, *candidate).empty]
         return sorted(own, key=lambda candidate: stats.gmean(self.errors(self.search, cell, *candidate)))
 
+    @kept
     def stands(self, cell: Key) -> dict[str, tuple[str, float]]:
         """Who stands for each class."""
-        if cell not in self.held:
-            ranked = {kind: self.ranked(cell, kind) for kind in CLASSES}
-            sound = {
-                kind: [candidate for candidate in of if not self.hunts(self.fresh, cell, *candidate)]
-                for kind, of in ranked.items()
-            }
-            self.held[cell] = {kind: of[0] for kind, of in sound.items() if of}
-        return self.held[cell]
+        ranked = {kind: self.ranked(cell, kind) for kind in CLASSES}
+        sound = {
+            kind: [candidate for candidate in of if not self.hunts(self.fresh, cell, *candidate)]
+            for kind, of in ranked.items()
+        }
+        return {kind: of[0] for kind, of in sound.items() if of}
 
+    @kept
     def word(self, cell: Key, first: tuple[str, float], second: tuple[str, float], pairs: int = PAIRS) -> str:
         """How one candidate does against another on the fresh draws."""
         a, b = (self.errors(self.fresh, cell, *who) for who in (first, second))
