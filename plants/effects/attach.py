@@ -49,8 +49,12 @@ def lacks(plant: Plant, effect: Effect) -> str:
 
 def possible(plant: Plant) -> tuple[Effect, ...]:
     """The effects that a plant can have."""
-    bare = plant.bare or plant
-    return tuple(effect for effect in registered().values() if not lacks(bare, effect))
+    return _possible(plant.bare or plant, tuple(registered().values()))
+
+
+@functools.cache
+def _possible(bare: Plant, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    return tuple(effect for effect in effects if not lacks(bare, effect))
 
 
 def meant(plant: Plant, names: Collection[str]) -> tuple[Effect, ...]:

@@ -106,8 +106,14 @@ def fit(
         stacked = np.nan_to_num(balance.stacked(at(x)), nan=1e6)
         return np.concatenate([stacked, np.sqrt(ANCHOR * stacked.size) * anchors * x])
 
+    latest: list[np.ndarray] = []
+
+    def tried(x: np.ndarray) -> np.ndarray:
+        latest[:] = x.copy(), residual(x)
+        return latest[1]
+
     def jacobian(x: np.ndarray) -> np.ndarray:
-        base = residual(x)
+        base = latest[1] if np.array_equal(x, latest[0]) else residual(x)  # it is asked for where a step was taken to
 
         def column(i: int) -> np.ndarray:
             step = STEP * max(1.0, abs(x[i]))
@@ -123,7 +129,7 @@ def fit(
     start = np.clip([u.first for u in unknowns], low + 1e-9, high - 1e-9)
     if unknowns:
         solution = least_squares(
-            residual,
+            tried,
             start,
             jac=jacobian,
             bounds=(low, high),

@@ -176,12 +176,14 @@ def hold_all(
     free, bends = np.empty(size), np.empty(size)
     p, steps = address(parameters), inputs.shape[1]
     for k in range(count):
-        x[:] = states[k]
+        for i in range(size):
+            x[i] = states[k, i]
         u = shift(address(inputs), k * steps)
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         _hold(derivatives, time[k], x, u, p, contact, velocity, acceleration[k], nudges, rates, other, bends)
         _limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
-        states[k] = x
+        for i in range(size):
+            states[k, i] = x[i]
 
 
 @njit(cache=True)
