@@ -38,9 +38,10 @@ def png_alone() -> Iterator[None]:
 @contextmanager
 def pictures_as_png() -> Iterator[None]:
     """PDF and SVG take long."""
+    from workbench.compare.report import figures
     from workbench.publish.pictures import save
 
-    with mock.patch.object(save, "__defaults__", (("png",),)):
+    with mock.patch.object(save, "__defaults__", (("png",),)), mock.patch.object(figures, "FORMATS", ("png",)):
         yield
 
 

@@ -1,8 +1,8 @@
 """Measured friction-velocity curves against the bristle laws: what is predicted, what is found to be missing."""
 
+import functools
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -123,17 +123,18 @@ def test_tables_say_what_was_found() -> None:
     assert remark["anisotropic, film", "film_share"] == ""
 
 
-def compared(**changes: Any) -> Comparison:
-    """The study of chapter 5 with another [friction_curves]."""
+@functools.cache
+def compared(*fit_rpm: float) -> Comparison:
+    """The study of chapter 5, fitted to the curves at other speeds of rotation where any are given."""
     study = read_study(STUDIES / "thesis_chapter5.toml")
     spec = study.section(FrictionCurvesTable)
     assert spec is not None
-    return compare(study, spec.model_copy(update=changes))
+    return compare(study, spec.model_copy(update={"fit_rpm": list(fit_rpm)} if fit_rpm else {}))
 
 
 def test_one_speed_of_rotation_supports_no_more_than_it_tells() -> None:
     """Eight independent numbers: no effect of four is chosen, none that is not identified, and a doubt is told."""
-    found = compared(fit_rpm=[25.0])
+    found = compared(25.0)
     numbers = found.added.numbers
     assert len(numbers) < 4
     assert all(std < abs(value) for value, std in numbers.values())
@@ -169,7 +170,7 @@ def test_the_measured_account_says_where_the_law_comes_to_another_answer() -> No
 
 def test_a_fit_that_the_study_does_not_simulate_is_told() -> None:
     assert not any("The study simulates" in note for note in effect_table(compared()).notes)
-    notes = effect_table(compared(fit_rpm=[75.0, 125.0])).notes
+    notes = effect_table(compared(75.0, 125.0)).notes
     (share,) = (note for note in notes if "film_share" in note and "The study simulates" in note)
     assert share.startswith("The study simulates film_share 0.502 in corrected, constant_speed_corrected")
     assert "the fit gives 0." in share

@@ -97,7 +97,7 @@ def test_predicted_exactly_where_the_loop_of_a_mass_is_unstable() -> None:
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
     """Results of studies/hunting.toml, run by the command."""
     out = tmp_path_factory.mktemp("hunting") / "out"
     answer = workbench("run", STUDIES / "hunting.toml", "--out", out)

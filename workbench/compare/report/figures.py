@@ -10,9 +10,12 @@ from workbench.compare.report.panels import HIGHEST, candidates_of
 from workbench.compare.report.power_figure import power_figure
 from workbench.compare.report.speed_figure import speed_figure
 from workbench.compare.result import Comparison
-from workbench.publish.pictures import Picture, save
+from workbench.publish.pictures import Picture, lay_out, save
 from workbench.publish.style import figure_style
 from workbench.publish.words import plain_name
+
+FORMATS = ("pdf", "png")
+"""In which a comparison has its figures."""
 
 
 def write_figures(comparison: Comparison, folder: Path) -> dict[str, Picture]:
@@ -21,10 +24,9 @@ def write_figures(comparison: Comparison, folder: Path) -> dict[str, Picture]:
         drawn = pictures_of(comparison)
         for picture in drawn.values():
             picture.figure.set_dpi(mpl.rcParams["savefig.dpi"])
-            picture.figure.draw_without_rendering()
-            picture.figure.set_layout_engine("none")  # laid out once, not once a format
     for name, picture in drawn.items():
-        save(picture.figure, name, folder, ("pdf", "png"))
+        lay_out(picture.figure)
+        save(picture.figure, name, folder, FORMATS)
     return drawn
 
 

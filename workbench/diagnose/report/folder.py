@@ -20,8 +20,7 @@ from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.parameters.sets import NEUTRAL
 from workbench.publish.folders import ResultFolder
-from workbench.publish.pictures import save
-from workbench.publish.style import figure_style
+from workbench.publish.pictures import lay_out, save
 from workbench.publish.tables import Table, write_frame
 
 RESULT = "report.json"
@@ -51,9 +50,7 @@ def _write(diagnosis: Diagnosis, folder: Path) -> None:
     for name, table in tables.items():
         write_frame(name, Table(table.title, table.cells, notes), folder / "tables")
     for name, picture in pictures.items():
-        with figure_style():
-            picture.figure.draw_without_rendering()
-            picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
+        lay_out(picture.figure)
         save(picture.figure, name, folder / "figures")
     (folder / PLANT).write_text(plant_file(diagnosis), encoding="utf-8")
     (folder / PAGE).write_text(page(diagnosis, pictures, tables, plant_words(diagnosis)), encoding="utf-8")

@@ -18,9 +18,8 @@ from workbench.errors import UserError
 from workbench.parallel import workers
 from workbench.progress import Progress, silent
 from workbench.publish.folders import GrowingFolder, remove, write_whole
-from workbench.publish.pictures import save
+from workbench.publish.pictures import lay_out, save
 from workbench.publish.run_record import PACKAGES, ran_on
-from workbench.publish.style import figure_style
 from workbench.publish.tables import write_frame
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
 from workbench.toml.gain_file import gain_file_text
@@ -98,9 +97,7 @@ def write_tuning(
     progress("figures", 0.95)
     pictures = _pictures(tuning, jobs)
     for name, picture in {**pictures.shared, **pictures.own}.items():
-        with figure_style():
-            picture.figure.draw_without_rendering()
-            picture.figure.set_layout_engine("none")  # the same places in every format, and laid out once
+        lay_out(picture.figure)
         save(picture.figure, name, folder / "figures")
     html = page(tuning, tables, pictures)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
