@@ -223,8 +223,7 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
         return along.rates(motion.time[rows], moved, fed, tracked.parameters)[:, along.names.index(name)]
 
     squares = []
-    scales = along.scales(item.name, motion, tracked, rows.tolist())
-    for name, scale in zip(balance.states, scales, strict=True):
+    for name, scale in zip(balance.states, along.scales(item.name, tracked), strict=True):
         base, off = rates(name, states, inputs), [deviation(name, motion, values, rate=True)]
         for other in depends.states[name]:
             if shown(motion.channels, other):
@@ -236,7 +235,7 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
                 fed = inputs.copy()
                 fed[:, along.plant.input_index(given)] += input_deviation(given, motion, values)
                 off.append(_change(rates(name, states, fed), base))
-        squares.append(float(np.mean(scale**2)) * sum(each**2 for each in off))
+        squares.append(scale**2 * sum(each**2 for each in off))
     return float(np.sqrt(np.mean(squares)))
 
 
