@@ -1,6 +1,7 @@
 """Objects by name: ours, and what other packages bring by entry point. A broken package never stops the others."""
 
 import functools
+import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,9 +15,10 @@ Check: TypeAlias = Callable[[Any], None]
 
 
 class Plugin(NamedTuple):
-    """Where an entry point leads: to an object, or to a failure in words."""
+    """Where an entry point leads: to an object, or to a failure in words; `package` as messages say it."""
 
     module: str
+    package: str
     found: Any
     failure: str
 
@@ -38,6 +40,16 @@ class Registry(Generic[T]):
     def broken(self) -> dict[str, str]:
         """Of each plug-in that cannot be used: why."""
         return {name: plugin.failure for name, plugin in self._plugins() if plugin.failure}
+
+    @property
+    def noun(self) -> str:
+        """What the objects are, as messages say it."""
+        return re.sub("(?<!^)([A-Z])", r" \1", self.kind.__name__).lower()
+
+    def called(self, name: str) -> str:
+        """An object in the words of a message, with the package that brings it."""
+        package = next((plugin.package for known, plugin in self._plugins() if known == name), "")
+        return f'{self.noun} "{name}"{package}'
 
     def source(self, name: str) -> str:
         """A hash of the source files of a plug-in, those of its whole package; "" for what is ours."""
@@ -61,14 +73,14 @@ def _points(search_path: tuple[str, ...]) -> Any:
 
 
 def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
+    package = f' of the package "{point.dist.name}"' if point.dist else ""
     try:
         found = point.load()
         if not isinstance(found, kind):
             raise TypeError(f"got {type(found).__name__}, expected {kind.__name__}")
         check(found)
     except Exception as error:  # noqa: BLE001  the code of others may raise anything
-        package = f' of the package "{point.dist.name}"' if point.dist else ""
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         failure = f"{point.value}{package} cannot be used ({reason}); mend or uninstall the package"
-        return Plugin(point.module, None, failure)
-    return Plugin(point.module, found, "")
+        return Plugin(point.module, package, None, failure)
+    return Plugin(point.module, package, found, "")

@@ -8,6 +8,10 @@ class UserError(Exception):
     """A mistake in a file or a command: what was got, where, what was expected, the fix. Exit code 2."""
 
 
+class MetricError(UserError):
+    """A metric of a plug-in that raises."""
+
+
 def nearest(name: str, valid: Iterable[str]) -> str:
     """A hint for a misspelled name: the nearest valid one, or else all that there are."""
     names = list(valid)

@@ -1,10 +1,12 @@
-"""The example of docs/plugin_example as an installer leaves it."""
+"""The example of docs/plugin_example, and other plug-ins, as an installer leaves them."""
 
 import shutil
+import sys
 import tomllib
 from pathlib import Path
 
-from command import ROOT
+import pytest
+from command import ROOT, write
 
 EXAMPLE = ROOT / "docs" / "plugin_example"
 
@@ -23,3 +25,17 @@ def site(folder: Path) -> Path:
     lines = [f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in groups[group].items()) for group in groups]
     (information / "entry_points.txt").write_text("\n".join(lines), encoding="utf-8")
     return folder
+
+
+def brings(folder: Path, group: str, line: str) -> None:
+    """A distribution `other` in `folder` with one entry point."""
+    information = folder / "other-1.0.dist-info"
+    information.mkdir()
+    write(information, "Metadata-Version: 2.1\nName: other\nVersion: 1.0\n", "METADATA")
+    write(information, f"[{group}]\n{line}\n", "entry_points.txt")
+
+
+def visible(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python finds packages in the folder too, until the test ends."""
+    monkeypatch.setattr(sys, "path", [str(folder), *sys.path])
+    monkeypatch.delitem(sys.modules, "deadband_p", raising=False)

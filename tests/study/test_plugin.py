@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import DRIVE, PROCESS, changed, fails, workbench, write
-from plugin_site import EXAMPLE, site
+from plugin_site import EXAMPLE, brings, site, visible
 
 from controllers.interface import Reference
 from controllers.pid import PID
@@ -21,20 +21,6 @@ from plants.interface import Measurement
 from workbench.errors import UserError
 
 STUDY = EXAMPLE / "study.toml"
-
-
-def brings(folder: Path, group: str, line: str) -> None:
-    """A distribution `other` in `folder` with one entry point."""
-    information = folder / "other-1.0.dist-info"
-    information.mkdir()
-    write(information, "Metadata-Version: 2.1\nName: other\nVersion: 1.0\n", "METADATA")
-    write(information, f"[{group}]\n{line}\n", "entry_points.txt")
-
-
-def visible(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Python finds packages in the folder too, until the test ends."""
-    monkeypatch.setattr(sys, "path", [str(folder), *sys.path])
-    monkeypatch.delitem(sys.modules, "deadband_p", raising=False)
 
 
 def in_a_process(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:

@@ -1,8 +1,9 @@
 """The figures of a run, by all metrics that there are."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
-from workbench.metrics.interface import Observed
+from workbench.errors import MetricError, UserError
+from workbench.metrics.interface import Figures, Observed
 from workbench.metrics.registry import METRICS, OUTCOME, SOLVER, columns
 from workbench.metrics.rest import Rest, rests_of
 from workbench.metrics.window import find_window
@@ -29,6 +30,9 @@ def evaluate(
             of the limit-cycle verdict.
         only: the columns that are wanted (None: all); what takes long and is not stays None.
         rests: what the run does where its reference rests (`rests_of`), where that has been found before.
+
+    Raises:
+        MetricError: a metric of a plug-in fails, and why.
     """
     figures: dict[str, float | str | None] = dict.fromkeys([name for name in columns() if name not in _SOLVER_NAMES])
     figures[OUTCOME.name] = run.outcome
@@ -42,14 +46,27 @@ def evaluate(
         return rests_of(run, reference, transient, resolution)
 
     observed = Observed(run, window, reference, transient, found)
-    wanted = [
-        metric.figures
-        for metric in METRICS.working().values()
+    wanted = {
+        metric.figures: name  # several metrics may be found at once
+        for name, metric in METRICS.working().items()
         if only is None or any(column.name in only for column in metric.columns)
-    ]
-    for find in dict.fromkeys(wanted):  # several metrics may be found at once
-        figures.update(find(observed))
+    }
+    for find, name in wanted.items():
+        figures.update(_figures(name, find, observed))
     return figures
+
+
+def _figures(name: str, find: Callable[[Observed], Figures], observed: Observed) -> Figures:
+    """What a metric finds; of one that a plug-in brings a failure is told in one line."""
+    try:
+        return dict(find(observed))
+    except UserError:
+        raise
+    except Exception as error:
+        if name in METRICS.ours:
+            raise
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise MetricError(f"{METRICS.called(name)} fails: {reason} (--debug shows all of it)") from error
 
 
 _SOLVER_NAMES = {column.name for column in SOLVER}

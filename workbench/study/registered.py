@@ -1,6 +1,5 @@
 """Plants, controllers and friction laws by name, those of plug-ins among them."""
 
-import re
 from typing import TypeVar
 
 from plants.plugins import Registry
@@ -22,5 +21,4 @@ def registered(registry: Registry[T], name: str, key: Key, shorthands: tuple[str
     if name in broken:
         raise SchemaError(key, broken[name])
     hint = nearest(name, dict.fromkeys((*shorthands, *known)))
-    kind = re.sub("(?<!^)([A-Z])", r" \1", registry.kind.__name__).lower()
-    raise SchemaError(key, f'unknown {kind} "{name}"; {hint}')
+    raise SchemaError(key, f'unknown {registry.noun} "{name}"; {hint}')

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 
+from workbench.errors import MetricError
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.registry import SOLVER
 from workbench.parallel import workers
@@ -39,10 +40,17 @@ def run_case(
 
     `resolved` is what the case runs, where that need not travel to another process. A mistake in the file has been
     found before, by `plan`.
+
+    Raises:
+        MetricError: a metric of a plug-in fails.
     """
     resolved = resolved or resolve(study, case)
     run = simulate(resolved.setup)
-    values: dict[str, object] = {**case.columns, **figures_of(resolved, run, solver_error=case.tells_solver_error)}
+    try:
+        figures = figures_of(resolved, run, solver_error=case.tells_solver_error)
+    except MetricError as error:
+        raise MetricError(f"{case.label}: {error}") from error.__cause__
+    values: dict[str, object] = {**case.columns, **figures}
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
     if keep is not None:
         write_trajectory(run, keep)
