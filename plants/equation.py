@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, TypeVar, TypeVarTuple
+from weakref import WeakSet
 
 import numpy as np
 
@@ -74,10 +75,20 @@ _waiting: list[Equation] = []
 _tell: Callable[[Equation], object] = _waiting.append
 
 
+_marked: WeakSet[Equation] = WeakSet()
+
+
 def equation(function: Function) -> Function:
     """Marks a function as an equation: callable from Python with anything, and from compiled code."""
     _tell(function)
+    _marked.add(function)
     return function
+
+
+def unmarked(functions: Iterable[Equation]) -> str:
+    """Which of them lacks the mark, without which compiled code cannot call it, and the fix; "" if none does."""
+    lacking = (item.__name__ for item in functions if inspect.isfunction(item) and item not in _marked)
+    return next((f'function "{name}" is no equation; decorate it with @equation' for name in lacking), "")
 
 
 def tell_compiler(tell: Callable[[Equation], object]) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from plants.equation import fields, from_array
+from plants.equation import fields, from_array, unmarked
 
 if TYPE_CHECKING:
     from plants.effects.interface import Effect
@@ -99,12 +99,14 @@ class Plant:
         """The same plant with another friction law.
 
         Raises:
-            ValueError: it takes no other, or the law has no form for it.
+            ValueError: it takes no other, the law has no form for it, or is no equation.
         """
         if law.name == self.friction:
             return self
         if self.refit is None:
             raise ValueError(f'plant "{self.name}" has a friction of its own and takes no law')
+        if mistake := unmarked((law.friction,)):
+            raise ValueError(f'friction law "{law.name}": {mistake}')
         return self.refit(law)
 
     def with_effects(self, *effects: "Effect") -> "Plant":
@@ -114,7 +116,7 @@ class Plant:
         states too where an effect remembers.
 
         Raises:
-            ValueError: the plant lacks what an effect changes.
+            ValueError: the plant lacks what an effect changes, or a function of an effect is no equation.
         """
         from plants.effects.attach import with_effects  # it makes plants
 

@@ -9,7 +9,18 @@ from typing import Any, NamedTuple
 from plants.effects.interface import COMMAND, DISTURBANCE, Change, Effect, Moment
 from plants.effects.moment import moment_of, slip_of
 from plants.effects.registry import effects as registered
-from plants.equation import Equation, Scalar, changed, equation, extended, fields, members, named_tuple, retyped
+from plants.equation import (
+    Equation,
+    Scalar,
+    changed,
+    equation,
+    extended,
+    fields,
+    members,
+    named_tuple,
+    retyped,
+    unmarked,
+)
 from plants.interface import Measurement, Plant
 from plants.laws.interface import Nothing
 
@@ -67,6 +78,8 @@ def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
     """See `Plant.with_effects`."""
     bare = plant.bare or plant
     for effect in effects:
+        if mistake := unmarked(effect.equations):
+            raise ValueError(f'effect "{effect.name}": {mistake}')
         if missing := lacks(bare, effect):
             raise ValueError(f'plant "{bare.name}" cannot have the effect "{effect.name}": it has no {missing}')
     known = {**registered(), **{effect.name: effect for effect in effects}}

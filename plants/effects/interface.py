@@ -120,6 +120,13 @@ class Effect:
     at_rest: Callable[[float], NamedTuple] | None = None
 
     @property
+    def equations(self) -> tuple[Equation, ...]:
+        """All that it has."""
+        changes = (self.parameters, self.inputs, self.rates, self.readings)
+        found = [change for table in changes for change in table.values()]
+        return (*found, self.remember) if self.remember is not None else tuple(found)
+
+    @property
     def variants(self) -> tuple[tuple[str, ...], ...]:
         """The sets of its parameters that may act, the smallest first."""
         return self.apart or (tuple(self.numbers),)

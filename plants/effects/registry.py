@@ -19,7 +19,7 @@ from plants.effects.on_friction import (
     VISCOUS_DRIFT,
 )
 from plants.effects.sensors import BACKLASH, PRESSURE_SENSOR_OFFSET
-from plants.equation import fields
+from plants.equation import fields, unmarked
 from plants.plugins import Registry
 
 _OURS = (
@@ -45,7 +45,9 @@ _OURS = (
 
 
 def _check(effect: Effect) -> None:
-    """Its parameters are neutral at their defaults, and no effect of ours has one of their names."""
+    """Its functions are equations, its parameters neutral at their defaults, and none of ours has their names."""
+    if mistake := unmarked(effect.equations):
+        raise TypeError(mistake)
     for item in (*fields(effect.Own), *fields(effect.Memory)):
         if item.default is None:
             raise TypeError(f"{item.name}: expected a default, at which the effect does nothing")

@@ -1,6 +1,6 @@
 """The friction laws by name: ours, and those that other packages bring by entry point."""
 
-from plants.equation import fields
+from plants.equation import fields, unmarked
 from plants.laws.dahl import DAHL
 from plants.laws.elasto_plastic import ELASTO_PLASTIC
 from plants.laws.interface import FrictionLaw
@@ -13,6 +13,8 @@ _OURS = (LUGRE, COULOMB, STRIBECK, DAHL, ELASTO_PLASTIC, GMS)
 
 
 def _check(law: FrictionLaw) -> None:
+    if mistake := unmarked((law.friction,)):
+        raise TypeError(mistake)
     for cls in (law.Contact, law.Extra):
         try:
             fields(cls)

@@ -9,6 +9,7 @@ import numpy as np
 
 from plants.equation import fields, from_array, leaves
 from plants.interface import SENSORS, Plant
+from workbench.simulation.arrays import arrays_told
 from workbench.simulation.setup import Loop, memory_names
 
 COMPLETED = "completed"
@@ -54,11 +55,16 @@ class Run:
 
     @functools.cached_property
     def signals(self) -> Mapping[str, np.ndarray]:
-        """All signals, by name, over time: the plant's, its inputs, the controller's state, reference and error."""
+        """All signals, by name, over time: the plant's, its inputs, the controller's state, reference and error.
+
+        Raises:
+            UserError: an equation of a plug-in takes no arrays.
+        """
         with np.errstate(all="ignore"):  # a diverged run holds numbers beyond all bounds
             state = from_array(self.plant.State, self.states.T)
             inputs = from_array(self.plant.Inputs, self.inputs.T)
-            values = self.plant.signals(self.time, state, inputs, self.parameters)
+            with arrays_told(self.plant):
+                values = self.plant.signals(self.time, state, inputs, self.parameters)
         names = [item.name for item in fields(self.plant.Signals)]
         named = dict(zip(names, leaves(values), strict=True))
         for i, item in enumerate(fields(self.plant.Inputs)):
