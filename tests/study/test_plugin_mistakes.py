@@ -116,3 +116,30 @@ def test_a_function_without_the_mark_of_equations_is_told(tmp_path: Path, monkey
     law = replace(LUGRE, name="mine", friction=lambda velocity, contact, held, p: (velocity, contact))
     with pytest.raises(ValueError, match='friction law "mine": function "<lambda>" is no equation'):
         DRIVE_FORCE.with_friction(law)
+
+
+def test_a_broken_plugin_may_have_the_name_that_is_not_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Why it cannot be used stands behind the hint: for a parameter, and for a column of a table."""
+    brings(
+        tmp_path, "friction_workbench.effects", "magnet = absent_effect:IT\n[friction_workbench.metrics]\niae = no:IT"
+    )
+    visible(tmp_path, monkeypatch)
+    effect, metric = (
+        f"{module}:IT of the package \"other\" cannot be used (ModuleNotFoundError: No module named '{module}'); "
+        "mend or uninstall the package"
+        for module in ("absent_effect", "no")
+    )
+    for line in ('set.magnet_force = "1 N"', "scale.magnet_force = 2.0"):
+        study = write(tmp_path, changed('"canudas1995"', f'"canudas1995"\n{line}', DRIVE))
+        done = workbench("check", study)
+        assert done.code == 2
+        assert "unknown parameter" in done.err
+        assert done.err.endswith(f" {effect}\n")
+    table = '[axes]\ncontroller = ["p"]\n[[tables]]\nname = "t"\ntitle = "t"\nindex = "controller"\n[[tables.columns]]\n'
+    study = write(
+        tmp_path, f'{DRIVE}{table}result = "iae_m_s"\nlabel = "IAE"\nunit = "m s"\n'
+    )
+    done = workbench("check", study)
+    assert done.code == 2
+    assert 'unknown figure "iae_m_s"; ' in done.err
+    assert done.err.endswith(f" {metric}\n")

@@ -10,12 +10,12 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
-from plants.effects.registry import effects
+from plants.effects.registry import EFFECTS, effects
 from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
 from plants.hydraulics import FLOW_LAWS
 from plants.laws.registry import LAWS
 from plants.motor import LIMITS
-from plants.registry import plants
+from plants.registry import PLANTS, plants
 from workbench.errors import UserError, nearest
 from workbench.toml.units import QuantityError, si
 
@@ -84,6 +84,12 @@ def known_units() -> dict[str, str]:
     for effect in effects().values():
         known |= {item.name: item.unit for item in fields(effect.Own)}
     return known
+
+
+def nearby(name: str, valid: Iterable[str]) -> str:
+    """A hint for the unknown name of a parameter, which a plug-in may have that cannot be used."""
+    broken = [failure for registry in (PLANTS, LAWS, EFFECTS) for failure in registry.broken().values()]
+    return nearest(name, valid, broken)
 
 
 @functools.cache
@@ -173,7 +179,7 @@ def parameter_value(name: str, value: object) -> float:
     """
     units = known_units()
     if name not in units or name == FLOW_SHARE:
-        raise UserError(f'unknown parameter "{name}"; {nearest(name, [n for n in units if n != FLOW_SHARE])}')
+        raise UserError(f'unknown parameter "{name}"; {nearby(name, [n for n in units if n != FLOW_SHARE])}')
     number = si(value, units[name], infinite=name in UNBOUNDED)
     check_range(name, number)
     return number

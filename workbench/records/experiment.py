@@ -16,6 +16,7 @@ from workbench.parameters.sets import (
     NEUTRAL,
     build,
     known_units,
+    nearby,
     parameter_path,
     parameter_value,
     plain_name,
@@ -194,10 +195,8 @@ def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
             values.pop(other, None)
     for name, ratio in table.scale.items():
         if name not in values:
-            raise files.SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
-        for scaled in (name, f"{name}_{NEGATIVE}"):
-            if scaled in values:
-                values[scaled] *= ratio
+            raise files.SchemaError(("plant", "scale", name), f"unknown parameter; {nearby(name, values)}")
+        values |= {each: values[each] * ratio for each in (name, f"{name}_{NEGATIVE}") if each in values}
     return values
 
 
@@ -206,7 +205,7 @@ def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tup
     found: dict[str, None] = {}
     for i, name in enumerate(free):
         if name not in names:
-            raise files.SchemaError(("fit", "free", i), f'unknown parameter "{name}"; {nearest(name, names)}')
+            raise files.SchemaError(("fit", "free", i), f'unknown parameter "{name}"; {nearby(name, names)}')
         found[name] = None
         if f"{name}_{NEGATIVE}" in values:
             found[f"{name}_{NEGATIVE}"] = None
@@ -219,7 +218,7 @@ def _bounds(
     bounds = {}
     for name, bound in table.items():
         if name not in names:
-            raise files.SchemaError(("fit", name), f"unknown parameter; {nearest(name, names)}")
+            raise files.SchemaError(("fit", name), f"unknown parameter; {nearby(name, names)}")
         limits = []
         for key, value, default in (("min", bound.min, -float("inf")), ("max", bound.max, float("inf"))):
             try:

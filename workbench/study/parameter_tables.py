@@ -14,6 +14,7 @@ from workbench.errors import UserError, nearest
 from workbench.parameters.sets import (
     build,
     drawn,
+    nearby,
     parameter_path,
     parameter_value,
     plain_name,
@@ -106,7 +107,7 @@ def build_truth(plant: Plant, tables: CaseTables, read: ParameterValues) -> Name
     _spread(values, tables, read.deviations)
     for name, ratio in table.scale.items():
         if name not in values:
-            raise SchemaError(("plant", "scale", name), f"unknown parameter; {nearest(name, values)}")
+            raise SchemaError(("plant", "scale", name), f"unknown parameter; {nearby(name, values)}")
         if not ratio >= 0.0:
             raise SchemaError(("plant", "scale", name), f"got {ratio}, expected a factor that is not negative")
         for scaled in (name, f"{name}_negative"):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from workbench.errors import UserError, nearest
+from workbench.metrics.registry import METRICS
 from workbench.study.layers import LAYERS
 from workbench.study.overrides import DECLARED, Overrides
 from workbench.study.schema import OVERRIDES, StudyFile
@@ -155,4 +156,5 @@ def check_name(study: Study, key: files.Key, what: str, name: str, valid: Iterab
         return
     if what in ("controller", "reference") and name in getattr(study.file, f"{what}s"):
         raise study.error(key, f'no case has the {what} "{name}"; put it on an axis, or leave it out')
-    raise study.error(key, f'unknown {what} "{name}"; {nearest(name, names)}')
+    broken = METRICS.broken().values() if what in ("column", "figure") else ()
+    raise study.error(key, f'unknown {what} "{name}"; {nearest(name, names, broken)}')

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.errors import nearest
-from workbench.parameters.sets import parameter_path, read_deviations, read_parameters
+from workbench.parameters.sets import nearby, parameter_path, read_deviations, read_parameters
 from workbench.study.overrides import PlantSample, SensorSample, spread_names
 from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.study.study import Case, Study
@@ -70,7 +69,7 @@ def check_scales(study: Study, cases: Iterable[Case]) -> None:
         known |= set(read_parameters(parameter_path(parameters, study.path.parent)))
     for name in study.file.uncertainty.scale:
         if name not in known:
-            raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearest(name, sorted(known))}")
+            raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearby(name, sorted(known))}")
 
 
 def plant_sample(table: UncertaintyTable, number: int, stream: int = 0) -> PlantSample:
