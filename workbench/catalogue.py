@@ -6,6 +6,7 @@ from pathlib import Path
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
+from plants.effects.interface import FREE, Effect, Number, plain
 from plants.equation import fields
 from plants.laws.interface import FrictionLaw
 from plants.plugins import Registry
@@ -74,13 +75,29 @@ def _references() -> list[str]:
 def _effects() -> list[str]:
     from plants.effects.registry import EFFECTS
 
-    return [
-        *(
-            f"{effect.name:28} {effect.balance:7} {effect.words}; {', '.join(effect.numbers)}"
-            for effect in EFFECTS.working().values()
-        ),
-        *_broken(EFFECTS),
-    ]
+    return [*(line for effect in EFFECTS.working().values() for line in _effect(effect)), *_broken(EFFECTS)]
+
+
+def _effect(effect: Effect) -> list[str]:
+    """An effect, and its parameters: unit, default, at which it does nothing, and where a diagnosis searches."""
+    from workbench.parameters.sets import known_units
+
+    units = known_units() | {item.name: item.unit for item in fields(effect.Own)}
+    lines = [f"{effect.name:28} {effect.balance:7} {effect.words}", *[f"  {effect.meaning}"] * bool(effect.meaning)]
+    for name, number in effect.numbers.items():
+        default = f"default {effect.neutral[name]:g}" if name in effect.neutral else "the plant's own"
+        lines.append(f"{'  ' + name:28} {units[name]:16} {default:16} {_searched(number)}")
+    return lines
+
+
+SCALED = " times the machine's own scale"
+
+
+def _searched(number: Number) -> str:
+    """Between which values a diagnosis looks for a parameter, in its unit or in a scale of the machine's."""
+    low = "any value" if number.low <= -FREE else f"{number.low:g}"
+    reach = f"from {low} up" if number.high >= FREE else f"from {low} to {number.high:g}"
+    return f"searched {reach}{'' if number.scale is plain else SCALED}"
 
 
 def _integrators() -> list[str]:

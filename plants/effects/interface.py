@@ -127,6 +127,13 @@ class Effect:
         return (*found, self.remember) if self.remember is not None else tuple(found)
 
     @property
+    def meaning(self) -> str:
+        """What the parameters that it brings mean, on one line; "" where their class does not say."""
+        text = " ".join((self.Own.__doc__ or "").split())
+        generated = text.startswith(f"{self.Own.__name__}(")
+        return "" if self.Own is Nothing or generated else text
+
+    @property
     def variants(self) -> tuple[tuple[str, ...], ...]:
         """The sets of its parameters that may act, the smallest first."""
         return self.apart or (tuple(self.numbers),)

@@ -58,7 +58,10 @@ DIRECTION_ASYMMETRY = Effect(
 
 
 class AlongStroke(NamedTuple):
-    """Friction's slope and curvature over the position in half strokes."""
+    """Shares of the friction in mid-stroke that are added at the stroke's ends.
+
+    The gradient's is added at the positive end and taken off at the negative one, the curvature's added at both.
+    """
 
     friction_gradient: Annotated[float, "1"] = 0.0
     friction_curvature: Annotated[float, "1"] = 0.0

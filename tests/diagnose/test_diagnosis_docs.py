@@ -57,6 +57,19 @@ def test_a_record_is_for_the_fit_unless_it_says_otherwise(tmp_path: Path) -> Non
 def test_list_tells_of_every_effect_its_balance_meaning_and_parameters() -> None:
     title, *lines = workbench("list", "effects").out.splitlines()
     assert title == "effects"
-    assert [line.split()[:2] for line in lines] == [[effect.name, effect.balance] for effect in effects().values()]
-    (leak,) = [line for line in lines if "internal_leakage" in line]
-    assert leak.endswith("flow    oil leaks from one chamber into the other; leakage_coefficient")
+    named = [line for line in lines if line[2] != " "]
+    assert [line.split()[:2] for line in named] == [[effect.name, effect.balance] for effect in effects().values()]
+    plain = [" ".join(line.split()) for line in lines]
+    told = [
+        "internal_leakage flow oil leaks from one chamber into the other",
+        "leakage_coefficient m^3/(s Pa) the plant's own searched from 0 to 50 times the machine's own scale",
+        "unequal_areas flow the second chamber's piston area is not the declared one",
+        "The second chamber's piston area over its declared value.",
+        "area_ratio 1 default 1 searched from 0.2 to 2",
+        "coulomb_negative N the plant's own searched from 0 up",
+    ]
+    assert [line for line in told if line not in plain] == []
+    (shares,) = (line for line in plain if line.startswith("Shares of the friction in mid-stroke"))
+    assert plain[plain.index(shares) + 1] == "friction_gradient 1 default 0 searched from -0.9 to 0.9"
+    for effect in effects().values():
+        assert set(effect.numbers) <= {line.split()[0] for line in lines if line[2] == " "}

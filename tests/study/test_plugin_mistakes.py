@@ -135,10 +135,10 @@ def test_a_broken_plugin_may_have_the_name_that_is_not_known(tmp_path: Path, mon
         assert done.code == 2
         assert "unknown parameter" in done.err
         assert done.err.endswith(f" {effect}\n")
-    table = '[axes]\ncontroller = ["p"]\n[[tables]]\nname = "t"\ntitle = "t"\nindex = "controller"\n[[tables.columns]]\n'
-    study = write(
-        tmp_path, f'{DRIVE}{table}result = "iae_m_s"\nlabel = "IAE"\nunit = "m s"\n'
+    table = (
+        '[axes]\ncontroller = ["p"]\n[[tables]]\nname = "t"\ntitle = "t"\nindex = "controller"\n[[tables.columns]]\n'
     )
+    study = write(tmp_path, f'{DRIVE}{table}result = "iae_m_s"\nlabel = "IAE"\nunit = "m s"\n')
     done = workbench("check", study)
     assert done.code == 2
     assert 'unknown figure "iae_m_s"; ' in done.err
