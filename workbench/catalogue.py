@@ -86,7 +86,7 @@ def _effect(effect: Effect) -> list[str]:
     lines = [f"{effect.name:28} {effect.balance:7} {effect.words}", *[f"  {effect.meaning}"] * bool(effect.meaning)]
     for name, number in effect.numbers.items():
         default = f"default {effect.neutral[name]:g}" if name in effect.neutral else "the plant's own"
-        lines.append(f"{'  ' + name:28} {units[name]:16} {default:16} {_searched(number)}")
+        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}")
     return lines
 
 
