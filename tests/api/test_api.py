@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -90,6 +91,33 @@ def test_controllers_of_other_packages_have_a_function(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
     assert run.stdout == "True\n", run.stderr
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda loop: small(controller="pid"), 'setup: controller: got "pid", expected a controller such as wb.pid('),
+        (lambda loop: small(controller=wb.pid), "setup: controller: got a function, expected a controller such as"),
+        (lambda loop: small(reference="sine"), 'setup: reference: got "sine", expected a reference such as wb.sine('),
+        (lambda loop: small(plant="rotating"), 'setup: plant: got "rotating", expected a dictionary of further keys'),
+        (lambda loop: wb.simulate(wb.Study), "simulate: got the class Study, expected a loop; make one with wb.setup("),
+        (lambda loop: wb.simulate(None), "simulate: got None, expected a loop; make one with wb.setup(...), or"),
+        (lambda loop: wb.evaluate(loop), "evaluate: got a LoopSetup, expected a run; use wb.evaluate(wb.simulate("),
+        (lambda loop: wb.linearise(3), "linearise: got 3, expected a loop; make one with wb.setup("),
+        (lambda loop: wb.loop_gain(wb.pid(kp=500), speed=0.1), "loop_gain: got a ControllerChoice, expected a loop;"),
+        (lambda loop: wb.margins(wb.simulate(loop), speed=0.1), "margins: got a LoopRun, expected a loop; make one"),
+        (lambda loop: wb.Study(loop), "study: got a LoopSetup, expected the path of a study file, or its content"),
+        (lambda loop: wb.tune(loop), "study: got a LoopSetup, expected the path of a study file, or its content"),
+        (lambda loop: wb.identify({}), "identify: got a dict, expected the path of an experiment file"),
+        (lambda loop: wb.diagnose(loop), "diagnose: got a LoopSetup, expected the path of an experiment file"),
+        (lambda loop: wb.StudyResults.read(loop), "StudyResults.read: got a LoopSetup, expected the path of a folder"),
+    ],
+)
+def test_a_thing_of_another_kind_is_a_mistake_in_one_line(call: Callable[[wb.LoopSetup], object], message: str) -> None:
+    with pytest.raises(wb.UserError) as caught:
+        call(small())
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
 
 
 # --- one loop ---

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plants.equation import fields
-from workbench.api.loops import LoopSetup
-from workbench.api.plain import Quantity
+from workbench.api.loops import A_LOOP, LoopSetup
+from workbench.api.plain import Quantity, expect
 from workbench.errors import UserError
 from workbench.simulation.setup import Numbers, Setup
 from workbench.toml.units import QuantityError, si
@@ -60,6 +60,7 @@ def linearise(
     from workbench.linear.linearise import linearise as linearised
     from workbench.linear.operating_point import slide
 
+    expect(setup, LoopSetup, "linearise", A_LOOP)
     case = setup.simulation
     if speed is not None and (state is not None or inputs is not None):
         raise UserError("linearise: got a speed and a point; expected one of them")
@@ -101,6 +102,7 @@ def loop_gain(setup: LoopSetup, *, speed: Quantity) -> "control.StateSpace":
     """
     from workbench.linear.open_loop import open_loop
 
+    expect(setup, LoopSetup, "loop_gain", A_LOOP)
     return open_loop(setup.simulation, _metres_per_second(speed))
 
 
@@ -126,6 +128,7 @@ def margins(setup: LoopSetup, *, speed: Quantity) -> "Margins":
     """
     from workbench.linear.open_loop import margins as margins_at
 
+    expect(setup, LoopSetup, "margins", A_LOOP)
     return margins_at(setup.simulation, _metres_per_second(speed))
 
 

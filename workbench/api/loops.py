@@ -9,13 +9,16 @@ from typing import Any
 from controllers.interface import Controller
 from plants.interface import Plant
 from workbench.api.controllers import ControllerChoice
-from workbench.api.plain import Quantity, plain_table
+from workbench.api.plain import Quantity, expect, plain_table
 from workbench.api.references import ReferenceChoice
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.simulate import Setup
 from workbench.study.plan import plan
 from workbench.study.reading import study_of
 from workbench.study.resolve import Resolved
+
+A_LOOP = "a loop; make one with wb.setup(...), or with study.setup(...) from a case of a study"
+"""What is expected where something else than a loop is given."""
 
 DURATION = "5 s"
 """Of a run where nothing is said: that of the thesis's simulations, four periods of their sine and a half."""
@@ -131,6 +134,10 @@ def setup(
         Traceback (most recent call last):
         workbench.errors.UserError: setup: controllers.pid.kpp: unknown key; did you mean "kp"?
     """
+    expect(controller, ControllerChoice, "setup: controller", "a controller such as wb.pid(kp=500)")
+    expect(reference, ReferenceChoice | None, "setup: reference", 'a reference such as wb.sine("30 mm", "0.9 Hz")')
+    for name, table in {"plant": plant, "simulation": simulation}.items():
+        expect(table, Mapping | None, f"setup: {name}", f"a dictionary of further keys of [{name}]")
     content = {
         "title": "setup",
         "plant": {"model": model, "parameters": parameters, **(plant or {})},

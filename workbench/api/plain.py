@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import UnionType
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -22,6 +23,23 @@ class HasTable(Protocol):
     @property
     def table(self) -> Mapping[str, object]:
         """The table."""
+
+
+def expect(value: object, kind: type | UnionType, name: str, expected: str) -> None:
+    """Raise UserError where an argument is not of the kind that a function takes.
+
+    Args:
+        value: the argument.
+        kind: what it has to be.
+        name: of the function and, where it takes several, of the argument.
+        expected: what it has to be in words, and how one is made.
+    """
+    if isinstance(value, kind):
+        return
+    shown = f"the class {value.__name__}" if isinstance(value, type) else f"a {type(value).__name__}"
+    if value is None or isinstance(value, str | int | float):
+        shown = f'"{value}"' if isinstance(value, str) else str(value)
+    raise UserError(f"{name}: got {shown}, expected {expected}")
 
 
 def plain(value: object, name: str) -> Plain:

@@ -8,8 +8,12 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from workbench.api.faces import shown_as
+from workbench.api.plain import expect
 from workbench.api.studies import Content, Study, as_study
 from workbench.errors import UserError, nearest
+
+AN_EXPERIMENT = "the path of an experiment file, as text or a Path"
+"""What is expected where something else than an experiment is given."""
 
 if TYPE_CHECKING:
     from workbench.api.faces.decision import ShownDecision
@@ -154,6 +158,7 @@ def identify(
     from workbench.records.experiment import read_experiment
     from workbench.records.schema import METHODS
 
+    expect(experiment, str | Path, "identify", AN_EXPERIMENT)
     if method is not None and method not in METHODS:
         raise UserError(f'method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(Path(experiment))
@@ -188,6 +193,7 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
     from workbench.diagnose.diagnose import diagnose as diagnosed
     from workbench.diagnose.report.folder import check_folder, write_diagnosis
 
+    expect(experiment, str | Path, "diagnose", AN_EXPERIMENT)
     if out is not None:
         check_folder(Path(out), overwrite)
     diagnosis = diagnosed(Path(experiment))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from workbench.api.faces import shown_as
+from workbench.api.plain import expect
 from workbench.api.signals import UNITS, plot_signals
 from workbench.errors import UserError, nearest
 from workbench.study import study as studies
@@ -98,6 +99,7 @@ class StudyResults:
         Raises:
             UserError: there are none.
         """
+        expect(folder, str | Path, "StudyResults.read", "the path of a folder of results")
         path = Path(folder)
         frame = read_results(path)
         return cls(read_study(path / STUDY_COPY), path, frame)

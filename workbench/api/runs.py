@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from workbench.api.loops import LoopSetup
+from workbench.api.loops import A_LOOP, LoopSetup
+from workbench.api.plain import expect
 from workbench.api.signals import frame_of, plot_signals, units_of
 from workbench.metrics.evaluate import evaluate as metrics_of
 from workbench.simulation import simulate as engine
@@ -106,12 +107,16 @@ def simulate(setup: LoopSetup) -> LoopRun:
     Args:
         setup: of `setup` or `Study.setup`.
 
+    Raises:
+        UserError: it is something else.
+
     Example:
         >>> loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(kp=500),
         ...                 reference=wb.steps(["5 mm"], "1 s"), duration="1 s")
         >>> wb.simulate(loop).outcome
         'completed'
     """
+    expect(setup, LoopSetup, "simulate", A_LOOP)
     return LoopRun(setup, engine.simulate(setup.simulation))
 
 
@@ -128,6 +133,9 @@ def evaluate(run: LoopRun, *, solver_error: bool = True) -> pd.Series:
     Returns:
         by name, in the order of results.csv; equal to the row of a study of this one case.
 
+    Raises:
+        UserError: it is no run.
+
     Example:
         >>> loop = wb.setup("rotating", "owen2001_simulation", rpm=120, controller=wb.pid(kp=500),
         ...                 reference=wb.sine("30 mm", "0.9 Hz"), transient="1.1 s")
@@ -135,5 +143,6 @@ def evaluate(run: LoopRun, *, solver_error: bool = True) -> pd.Series:
         >>> row["outcome"], round(row["phase_lag_deg"], 1), row["settling_time_s"]
         ('completed', 11.3, None)
     """
+    expect(run, LoopRun, "evaluate", "a run; use wb.evaluate(wb.simulate(setup))")
     values = figures_of(run.setup.resolved, run.run, solver_error=solver_error)
     return pd.Series(values, dtype=object)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.api.loops import LoopSetup
-from workbench.api.plain import plain_table
+from workbench.api.plain import expect, plain_table
 from workbench.api.results import StudyResults
 from workbench.errors import UserError, nearest
 from workbench.study import study as studies
@@ -62,6 +62,7 @@ class Study:
         """The study as read."""
         if isinstance(self.source, str | Path):
             return read_study(Path(self.source))
+        expect(self.source, Mapping, "study", "the path of a study file, or its content as a dictionary")
         return study_of(plain_table(self.source, "study"), "", Path(self.folder) / "study")
 
     @cached_property
