@@ -59,6 +59,33 @@ def test_a_signal_in_its_units_and_window(tmp_path: Path) -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (ms)", "y (mm)")
 
 
+Y_UNITS = {
+    "a signal": ([{"y": "axial_friction"}], {}, "y (N)"),
+    "signals alike": ([{"y": "axial_friction"}, {"y": "spring_force"}], {"x": "velocity"}, "y (N)"),
+    "signals that differ": ([{"y": "axial_friction"}, {"y": "velocity"}], {}, "y"),
+    "one without a known unit": ([{"y": "axial_friction"}, {"y": "unknown"}], {}, "y"),
+    "a label that has it": ([{"y": "axial_friction"}], {"y_label": "friction (N)"}, "friction (N)"),
+    "as it is stored": ([{"y": "axial_friction"}], {"y_unit": "1"}, "y"),
+    "beside measured friction": ([{"y": "velocity", "label": "a"}], {"x": "velocity", "measured_rpm": 0}, "y"),
+    "a column": ([{"y": "rms_error_m"}], {"x": "rpm"}, "y (m)"),
+    "columns that differ": ([{"y": "rms_error_m"}, {"y": "share"}], {"x": "rpm"}, "y"),
+}
+
+
+@pytest.mark.parametrize("case", Y_UNITS)
+def test_y_is_in_the_unit_of_its_curves_where_none_is_given(tmp_path: Path, case: str) -> None:
+    curves, settings, label = Y_UNITS[case]
+    store(tmp_path, **dict.fromkeys(("velocity", "axial_friction", "spring_force", "unknown"), 1e-3 * TIME))
+    frame = FRAME.assign(share=0.5)
+    of_results = settings.get("x") == "rpm"
+    curves = [{"where": {} if of_results else {"rpm": 0}, **curve} for curve in curves]
+    shown = {"x_label": "x", "y_label": "y", "curves": curves, **settings}
+    axes = draw(figure(shown), frame, tmp_path).axes[0]
+    assert axes.get_ylabel() == label
+    stored = frame["rms_error_m"].dropna() if of_results else 1e-3 * TIME
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), stored)
+
+
 FITS = {
     "line": (3.0 * TIME - 2.0, "line", "y = 3.000 x - 2.000,  R$^2$ = 1.0000"),
     "through zero": (-2717.0 * TIME, "line", "y = -2717 x,  R$^2$ = 1.0000"),

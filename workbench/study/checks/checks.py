@@ -187,7 +187,8 @@ class Checks:
     def _curve_of_results(self, key: Key, panel: Panel, curve: Curve) -> None:
         check_name(self.study, (*key, "y"), "figure", curve.y, self.columns)
         self._chosen(key, curve.where, one=False)
-        self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
+        if panel.y_unit is not None:
+            self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
         try:
             if panel.x in self.axes:
                 shown_unit(panel.x, self._values(panel.x), panel.x_unit)
@@ -203,7 +204,8 @@ class Checks:
         case = self._chosen(key, curve.where, one=True)[0]
         units = signal_units()
         x_unit = units.get(panel.x, "1") if panel.x_unit is None else panel.x_unit
-        for coordinate, name, shown in (("x", curve.x or panel.x, x_unit), ("y", curve.y, panel.y_unit)):
+        y_unit = units.get(curve.y, "1") if panel.y_unit is None else panel.y_unit
+        for coordinate, name, shown in (("x", curve.x or panel.x, x_unit), ("y", curve.y, y_unit)):
             place = key if coordinate == "y" or curve.x else key[:4]
             self._signal((*place, coordinate), name, [case])
             self._unit((*key[:4], f"{coordinate}_unit"), units.get(name, "1"), shown)

@@ -50,10 +50,10 @@ def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: 
 def _draw_panel(
     axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[Overlay]
 ) -> None:
-    number, x_unit = -1, _x_unit(panel, frame)
+    number, x_unit, y_unit = -1, _x_unit(panel, frame), _y_unit(panel, frame)
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
     if panel.measured_rpm is not None:
-        _draw_measured(axes, panel, x_unit, measured)
+        _draw_measured(axes, panel, x_unit, y_unit, measured)
     for name_of_level, level in panel.levels.items():
         axes.axhline(level, **REFERENCE, label=name_of_level)
     for i, curve in enumerate(panel.curves):
@@ -64,14 +64,14 @@ def _draw_panel(
         if curve.style == "points":
             style |= {"linestyle": "none", "marker": marker(number)}
         if panel.x in frame.columns:
-            _draw_column(axes, panel, x_unit, curve, frame, number, style)
+            _draw_column(axes, panel, x_unit, y_unit, curve, frame, number, style)
         else:
             table = trajectory(folder, frame, curve.where, f"figure {name}")
-            _draw_signal(axes, panel, x_unit, curve, table, style)
+            _draw_signal(axes, panel, x_unit, y_unit, curve, table, style)
     if panel.title:
         axes.set_title(panel.title)
     axes.set_xlabel(with_unit(panel.x_label, x_unit))
-    axes.set_ylabel(with_unit(panel.y_label, panel.y_unit))
+    axes.set_ylabel(with_unit(panel.y_label, y_unit))
     if panel.x_range:
         axes.set_xlim(*panel.x_range)
     if panel.y_range:
@@ -92,13 +92,28 @@ def _x_unit(panel: Panel, frame: pd.DataFrame) -> str:
     return signal_units().get(panel.x, "1") if panel.x_unit is None else panel.x_unit
 
 
-def _draw_measured(axes: Axes, panel: Panel, x_unit: str, measured: Sequence[Overlay]) -> None:
-    x_scale, y_scale = shown_factor("m/s", x_unit), shown_factor("N", panel.y_unit)
+def _y_unit(panel: Panel, frame: pd.DataFrame) -> str:
+    """The unit in which a panel's y is shown: where none is given that of all its curves, "1" where they differ."""
+    if panel.y_unit is not None:
+        return panel.y_unit
+    of_signals = signal_units()
+    units = {
+        unit_of_column(curve.y) if panel.x in frame.columns else of_signals.get(curve.y, "1") for curve in panel.curves
+    }
+    if panel.measured_rpm is not None:
+        units.add("N")
+    return units.pop() if len(units) == 1 else "1"
+
+
+def _draw_measured(axes: Axes, panel: Panel, x_unit: str, y_unit: str, measured: Sequence[Overlay]) -> None:
+    x_scale, y_scale = shown_factor("m/s", x_unit), shown_factor("N", y_unit)
     for number, curve in enumerate(curve for curve in measured if curve.rpm == panel.measured_rpm):
         axes.plot(curve.x * x_scale, curve.y * y_scale, label=None if number else "measured", **REFERENCE)
 
 
-def _draw_signal(axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.DataFrame, style: LineStyle) -> None:
+def _draw_signal(
+    axes: Axes, panel: Panel, x_unit: str, y_unit: str, curve: Curve, table: pd.DataFrame, style: LineStyle
+) -> None:
     x_name, units = curve.x or panel.x, signal_units()
     for name in (x_name, curve.y):
         if name not in table:
@@ -106,7 +121,7 @@ def _draw_signal(axes: Axes, panel: Panel, x_unit: str, curve: Curve, table: pd.
     time = table["time"].to_numpy()
     window = (time >= panel.start) & (time <= (panel.end if panel.end is not None else np.inf))
     x = table[x_name].to_numpy()[window] * shown_factor(units.get(x_name, "1"), x_unit)
-    y = table[curve.y].to_numpy()[window] * shown_factor(units.get(curve.y, "1"), panel.y_unit)
+    y = table[curve.y].to_numpy()[window] * shown_factor(units.get(curve.y, "1"), y_unit)
     label = curve.label
     if curve.fit and np.unique(x).size > FITS[curve.fit]:  # else too little is left of a run that ended early
         label = f"{label}\n{_fit(axes, x, y, curve.fit, style['color'])}".lstrip("\n")
@@ -139,10 +154,17 @@ def _fit(axes: Axes, x: np.ndarray, y: np.ndarray, kind: str, colour: str) -> st
 
 
 def _draw_column(
-    axes: Axes, panel: Panel, x_unit: str, curve: Curve, frame: pd.DataFrame, number: int, style: LineStyle
+    axes: Axes,
+    panel: Panel,
+    x_unit: str,
+    y_unit: str,
+    curve: Curve,
+    frame: pd.DataFrame,
+    number: int,
+    style: LineStyle,
 ) -> None:
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
-    scale = shown_factor(unit_of_column(curve.y), panel.y_unit)
+    scale = shown_factor(unit_of_column(curve.y), y_unit)
     names = are_names(frame[panel.x].dropna().tolist())
 
     def placed(values: Sequence[float | str]) -> Sequence[float | str]:

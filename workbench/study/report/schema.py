@@ -117,7 +117,8 @@ class Curve(Strict):
 
 class Panel(Strict):
     """One pair of axes. Units are those shown; limits and `levels`, horizontal lines by label, are numbers in them.
-    Without `x_unit` it is that of the signal, of the column, or of the axis as the study writes its values.
+    Without `x_unit` it is that of the signal, of the column, or of the axis as the study writes its values; without
+    `y_unit` that of the curves where all have one. "1" shows values as they are stored, without a unit.
 
     `measured_rpm` draws the measured friction of [friction_curves] at that speed of rotation under signals over
     velocity; how far each of them is off it goes to the table `validation`.
@@ -128,7 +129,7 @@ class Panel(Strict):
     x_label: str
     y_label: str
     x_unit: str | None = None
-    y_unit: str = "1"
+    y_unit: str | None = None
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     start: Second = 0.0
