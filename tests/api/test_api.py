@@ -278,7 +278,9 @@ def test_tables_figures_and_columns_by_name(results: api.StudyResults) -> None:
     assert list(results.table("lag").columns) == ["rpm", "lag (deg)"]
     numbers = results.table("phase_lag")
     assert numbers["phase_lag_deg"].tolist() == results.frame["phase_lag_deg"].tolist()
-    assert results.figure("friction").axes[0].get_title() == ""
+    figure = results.figure("friction")
+    assert figure.axes[0].get_title() == ""
+    assert figure._repr_png_().startswith(b"\x89PNG")  # which a notebook shows
     with pytest.raises(wb.UserError, match='no table and no column "phase_lg"; did you mean "phase_lag"'):
         results.table("phase_lg")
     with pytest.raises(wb.UserError, match='no figure "frction"; did you mean "friction"'):

@@ -20,8 +20,6 @@ from workbench.study.sections import overlays_of
 from workbench.study.store import STUDY_COPY, read_results, trajectory_path
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from workbench.api.faces.comparison import ShownComparison
     from workbench.publish.notebook import NotebookFigure
 
@@ -151,8 +149,8 @@ class StudyResults:
             )
         return columns_of(self.frame, [columns[name]], {})
 
-    def figure(self, name: str) -> "Figure":
-        """A figure of the study, drawn anew.
+    def figure(self, name: str) -> "NotebookFigure":
+        """A figure of the study, drawn anew; a notebook shows it.
 
         Raises:
             UserError: the study asks for no such figure.

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from workbench.errors import UserError
+from workbench.publish.notebook import NotebookFigure
 from workbench.publish.pictures import save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
 from workbench.publish.tables import shown_number, with_unit
@@ -27,14 +27,14 @@ BELOW_LABELS = 30.0
 """Points below a panel at which its note stands."""
 
 
-def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[Overlay] = ()) -> Figure:
+def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[Overlay] = ()) -> NotebookFigure:
     """Draw a figure from the results and trajectories in `folder`, over `measured` friction where it asks for it.
 
     Raises:
         UserError: a curve picks no case or several, or its trajectory was not kept.
     """
     with figure_style():
-        figure = Figure(figsize=(WIDTH, PANEL_HEIGHT * len(spec.panels) + 0.4))
+        figure = NotebookFigure(figsize=(WIDTH, PANEL_HEIGHT * len(spec.panels) + 0.4))
         FigureCanvasAgg(figure)
         figure.suptitle(spec.title)
         for axes, panel in zip(figure.subplots(len(spec.panels), squeeze=False)[:, 0], spec.panels, strict=True):
