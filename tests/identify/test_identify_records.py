@@ -159,6 +159,25 @@ def test_a_position_that_is_held_at_its_end_is_not_saturated(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
+    ("span", "hint"),
+    [
+        ("18.8", " (it seems 1000 times off)"),  # mm as m: a third of the stroke
+        ("2.5", " (it seems 1000 times off)"),
+        ("60", " (it seems 1000 times off)"),
+        ("18800", " (it seems 1e+06 times off)"),  # um as m
+        ("0.6", ""),
+    ],
+)
+def test_a_length_in_another_unit_is_off_by_thousands(tmp_path: Path, span: str, hint: str) -> None:
+    """Of a stroke of 60 mm a record may use a small part: what is 300 times too long is no hundred times off."""
+    data = spoiled(x=0.5 * float(span) * np.sin(0.05 * table()["t"]))
+    text = EXPERIMENT.replace("owen2001_experiment", "owen2001_simulation")
+    with pytest.raises(UserError, match=r"the position spans \S+ m, and the stroke is 0.06 m; ") as raised:
+        record_of(tmp_path, data, text.replace('unit = "mm", offset = -10.0', 'unit = "m"'))
+    assert str(raised.value).endswith(f"is the unit of channel position right?{hint}")
+
+
+@pytest.mark.parametrize(
     ("data", "said"),
     [
         (table().rename(columns={"pA": "p_A"}), 'no column "pA" for pressure_1; did you mean "p_A"?'),

@@ -1,5 +1,6 @@
 """Whether the numbers of a record can be what they are called: stuck and saturated channels, gaps, wrong units."""
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -31,6 +32,9 @@ PACE = 0.05
 
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
+
+LEAST_POWER = 2
+"""Of ten, from which on a channel's numbers are so far off that the message says how far."""
 
 ARRIVAL = 10
 """Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
@@ -108,7 +112,7 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
         if span > BEYOND * values["stroke"]:
             raise UserError(
                 f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
-                f"is the unit of channel position right?{_unit_hint(span, values['stroke'])}"
+                f"is the unit of channel position right?{_length_hint(span, values['stroke'])}"
             )
         _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
     supply = values.get("supply_pressure")
@@ -187,6 +191,19 @@ def check_directions(path: Path, channels: Mapping[str, np.ndarray], step: float
 
 
 def _unit_hint(got: float, expected: float) -> str:
-    ratio = got / expected
-    power = round(np.log10(ratio))
-    return f" (it seems {10.0**power:g} times off)" if abs(power) >= 2 else ""
+    return _times_off(_power(got, expected))
+
+
+def _length_hint(span: float, stroke: float) -> str:
+    """A record may use a small part of the stroke, and units of length are thousands apart: m, mm, um."""
+    power = _power(span, stroke)
+    return _times_off(3 * math.ceil(power / 3)) if power >= LEAST_POWER else ""
+
+
+def _power(got: float, expected: float) -> int:
+    """The nearest power of ten of their ratio."""
+    return round(math.log10(got / expected))
+
+
+def _times_off(power: int) -> str:
+    return f" (it seems {10.0**power:g} times off)" if abs(power) >= LEAST_POWER else ""
