@@ -233,7 +233,8 @@ def test_nothing_slides(tmp_path: Path, column: str, ratio: float, duration: flo
 
 def test_the_wrong_kind_of_file(tmp_path: Path) -> None:
     study, experiment = write(tmp_path, STUDY, "study.toml"), write(tmp_path, AXIAL, "experiment.toml")
-    fails(workbench("identify", study, "--out", "x"), f"{study}: this is a study; use workbench run {study} --out x")
+    for command in ("identify", "diagnose"):
+        fails(workbench(command, study, "--out", "x"), f"{study}: this is a study; use workbench run {study} --out x")
     fails(workbench("run", experiment, "--out", "x"), f"this is an experiment; use workbench identify {experiment}")
 
 

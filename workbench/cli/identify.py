@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
+from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents, refuse_study
 from workbench.cli.progress import ProgressLine
 from workbench.errors import UserError, nearest
 
@@ -19,15 +19,12 @@ def command(
     """Find friction and other parameters of a plant in records."""
     from workbench.identify.identification import identify
     from workbench.identify.report.folder import check_folder, write_identification
-    from workbench.records.experiment import is_experiment, read_experiment
+    from workbench.records.experiment import read_experiment
     from workbench.records.schema import METHODS
-    from workbench.toml.reading import read_toml
 
     if method is not None and method not in METHODS:
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
-    data, _ = read_toml(experiment)
-    if not is_experiment(data) and "controllers" in data:
-        raise UserError(f"{experiment}: this is a study; use workbench run {experiment} --out {out}")
+    refuse_study(experiment, out)
     content = read_experiment(experiment)
     check_folder(out, overwrite)
     try:
