@@ -7,6 +7,7 @@ import pytest
 from diagnoses import doubting
 
 from workbench.diagnose.report.figures.every import pictures_of
+from workbench.diagnose.report.figures.evidence import CandidateBar, EvidenceData, EvidenceRound, draw_evidence
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
 from workbench.diagnose.result import Diagnosis
@@ -43,6 +44,33 @@ def test_before_and_after_have_scales_of_their_own(diagnosis: Diagnosis) -> None
     nothing = next(line.get_xdata()[0] for line in evidence.lines if line.get_linestyle() == "--")
     assert asked == pytest.approx(0.95 * nothing)  # 4 %, and 1 % for the one parameter
     assert any(text.get_text().startswith("gain ") for text in evidence.texts)
+
+
+def test_a_bar_of_evidence_far_off_is_cut_and_says_its_gain() -> None:
+    """-496 %: the axis would be six times as long as what it is about."""
+    bars = [CandidateBar(name, rms, 0.95, 1.0 - rms, 0.1, "") for name, rms in (("a", 0.99), ("b", 2.3), ("c", 5.96))]
+    picture = draw_evidence(EvidenceData("force", "force", "N", 0.5, [EvidenceRound("round 1", 1.0, bars)]))
+    (axes,) = picture.figure.axes
+    low, high = axes.get_xlim()
+    assert (low, high) == (0.0, pytest.approx(2.6))
+    texts = {round(text.get_position()[1]): text for text in axes.texts}
+    assert [texts[place].get_text() for place in range(3)] == [
+        "gain 1.0 %, 0.1 std. errors",
+        "gain -130.0 %",
+        "gain -496.0 % (cut off)",
+    ]
+    assert [texts[place].get_ha() for place in range(3)] == ["left", "right", "right"]
+    assert texts[1].get_position()[0] < 2.3
+    assert texts[2].get_position()[0] < high
+
+
+def test_the_axis_of_evidence_holds_every_bar_that_is_not_far_off() -> None:
+    bars = [CandidateBar("a", 0.9, 0.95, 0.1, 3.0, "added"), CandidateBar("b", 1.5, 0.95, -0.5, -1.0, "")]
+    data = EvidenceData("force", "force", "N", 0.5, [EvidenceRound("round 1", 1.0, bars)])
+    (axes,) = draw_evidence(data).figure.axes
+    assert axes.get_xlim() == (0.0, pytest.approx(1.3 * 1.5))
+    assert axes.texts[1].get_text() == "gain -50.0 %"
+    assert axes.texts[1].get_position()[0] > 1.5
 
 
 def test_the_signal_that_a_found_effect_acts_on_is_shown(diagnosis: Diagnosis) -> None:

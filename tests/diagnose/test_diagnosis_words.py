@@ -107,19 +107,30 @@ def test_a_plant_that_cannot_hold_what_was_found_is_not_called_corrected(diagnos
     assert summary(diagnosis).endswith("the corrected plant; a study names it with model = two_chamber")
 
 
-def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis) -> None:
-    """1.99 floors there, 0.77 on the records that were fitted."""
-    floor, quiet = diagnosis.results[-1].balance.floor, with_left(diagnosis, {"force": 0.77})
+EXPLAINED = {
+    (0.77, 1.05): "0.770 times its noise floor, and 1.05 times on held-out records: the sensors' noise explains all of "
+    "it.",
+    (0.77, 1.99): "0.770 times its noise floor, and 1.99 times on held-out records: the sensors' noise explains all of "
+    "it on the records that were fitted, but not on the held-out ones.",
+    (1.24, 1.01): "1.24 times its noise floor, and 1.01 times on held-out records: the sensors' noise explains all of "
+    "it on the held-out records, but not on those that were fitted.",
+    (
+        1.24,
+        1.99,
+    ): "1.24 times its noise floor, and 1.99 times on held-out records: not all of it is the sensors' noise.",
+    (1.24, 0.0): "1.24 times its noise floor: not all of it is the sensors' noise.",
+    (0.77, 0.0): "0.770 times its noise floor: the sensors' noise explains all of it.",
+}
+"""Floors that are left on the records that were fitted, and on held-out ones (0: there are none)."""
 
-    def said(times: float) -> str:
-        lines = sureness(with_held_out(quiet, {"force": times * floor}))
-        return next(line for line in lines if line.startswith("What is left of the force balance"))
 
-    assert said(1.99) == (
-        "What is left of the force balance is 0.770 times its noise floor, and 1.99 times on held-out records: the "
-        "sensors' noise explains all of it on the records that were fitted, but not on the held-out ones."
-    )
-    assert said(1.05).endswith("times on held-out records: the sensors' noise explains all of it.")
+@pytest.mark.parametrize("floors", EXPLAINED)
+def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis, floors: tuple[float, float]) -> None:
+    fitted, tested = floors
+    floor, left = diagnosis.results[-1].balance.floor, with_left(diagnosis, {"force": fitted})
+    lines = sureness(with_held_out(left, {"force": tested * floor}))
+    line = next(line for line in lines if line.startswith("What is left of the force balance"))
+    assert line == f"What is left of the force balance is {EXPLAINED[floors]}"
 
 
 def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(diagnosis: Diagnosis) -> None:

@@ -93,6 +93,8 @@ def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
     times += f", and {shown_number(tested, 3)} times on held-out records" if tested else ""
     if fitted > QUIET and diagnosis.simulation is not None and diagnosis.simulation.is_trusted:
         reason = "of sensors so quiet, smoothing and sampling leave most of it"
+    elif fitted >= NOISE > tested > 0.0:
+        reason = "the sensors' noise explains all of it on the held-out records, but not on those that were fitted"
     elif fitted >= NOISE:
         reason = "not all of it is the sensors' noise"
     elif tested >= NOISE:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -21,6 +22,9 @@ from workbench.publish.words import plain_name
 OUTCOMES = {"added": COLOURS[0], "as good": COLOURS[5], "": "#bbbbbb"}
 OUTCOME_WORDS = {"added": "added", "as good": "as good: cannot be told from it", "": "not added"}
 """Colour of a bar, and words for it in the legend, by what became of a candidate."""
+
+MOST_SHOWN = 2.0
+"""Times the rms where nothing is added: a bar that is longer, of a gain below -100 %, would make all others short."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,12 @@ class EvidenceRound:
 
     @property
     def widest(self) -> float:
-        """The largest rms of the round."""
-        return max(self.before, *(bar.rms for bar in self.bars))
+        """The largest rms of the round that its panel has room for."""
+        return min(max(self.before, *(bar.rms for bar in self.bars)), MOST_SHOWN * self.before)
+
+    def end(self, floor: float) -> float:
+        """Where the axis ends, with room for words beside the bars; `floor` is shown too."""
+        return 1.3 * max(self.widest, floor)
 
 
 @dataclass(frozen=True)
@@ -100,6 +108,19 @@ def _ending(step: Step) -> str:
     return f"{plain_name(step.added.effect)} is added{also}"
 
 
+def _write_gain(axes: Axes, place: int, bar: CandidateBar, round_: EvidenceRound, floor: float) -> None:
+    """What a candidate gains, beside its bar; at the end of one that leaves no room, or that the axis cuts off."""
+    end, text = round_.end(floor), f"gain {percent(bar.share, 1)}"
+    if bar.rms > max(round_.widest, floor):
+        text += " (cut off)" if bar.rms > end else ""
+        axes.text(min(bar.rms, end) - 0.01 * round_.widest, place, text, ha="right", va="center", fontsize=7)
+        return
+    text += f", {bar.standard_errors:.1f} std. errors" if bar.share > 0.005 else ""
+    marks = (bar.rms, round_.before, bar.asked, floor)
+    beside = max(mark for mark in marks if bar.rms <= mark < bar.rms + 0.25 * round_.widest)
+    axes.text(beside + 0.01 * round_.widest, place, text, va="center", fontsize=7)
+
+
 def draw_evidence(data: EvidenceData) -> Picture:
     """The figure: a panel a round, a bar a candidate."""
     counts = [len(round_.bars) for round_ in data.rounds]
@@ -115,16 +136,12 @@ def draw_evidence(data: EvidenceData) -> Picture:
                 drawn.setdefault(OUTCOME_WORDS[bar.outcome], patch)
                 ends = (place - 0.42, place + 0.42)
                 drawn.setdefault("asked for: at most", axes.plot((bar.asked,) * 2, ends, "k", linewidth=2.0)[0])
-                sure = f", {bar.standard_errors:.1f} std. errors" if bar.share > 0.005 else ""
-                marks = (bar.rms, round_.before, bar.asked, data.floor)
-                beside = max(mark for mark in marks if bar.rms <= mark < bar.rms + 0.25 * round_.widest)
-                text = f"gain {percent(bar.share, 1)}{sure}"
-                axes.text(beside + 0.01 * round_.widest, place, text, va="center", fontsize=7)
+                _write_gain(axes, place, bar, round_, data.floor)
             drawn.setdefault("nothing added", axes.axvline(round_.before, color="black", linestyle="--", linewidth=1.2))
             drawn.setdefault("noise floor", axes.axvline(data.floor, color=COLOURS[2], linestyle=":", linewidth=1.8))
             axes.set_yticks(range(len(round_.bars)), [bar.name for bar in round_.bars])
             axes.set_ylim(len(round_.bars) - 0.4, -0.6)
-            axes.set_xlim(0.0, 1.3 * max(round_.widest, data.floor))
+            axes.set_xlim(0.0, round_.end(data.floor))
             axes.grid(visible=False, axis="y")
             axes.set_title(round_.title, fontsize="small", loc="left")
             axes.set_xlabel(f"residual on blocks left out of the fit, rms ({data.unit})")
