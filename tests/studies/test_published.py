@@ -10,8 +10,6 @@ import pytest
 from command import STUDIES, workbench
 from scipy.integrate import solve_ivp
 
-pytestmark = pytest.mark.usefixtures("png_alone")
-
 NAMES = ("lugre_reference", "observers", "thesis_chapter3", "thesis_chapter3_steps")
 
 
