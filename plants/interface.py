@@ -68,8 +68,7 @@ class Plant:
     `rotary_command` the one that rotates. `balances` are those that the equations are made of, by name; a record is
     diagnosed by them. `friction` names the friction law, and `refit` makes the plant anew with another. `contact` is
     the field of the state that holds what the contact remembers, "" where there is none. `effects` are the names of
-    those that the plant was given, and `bare` is the plant without. By effects a rate may be a part of what it would
-    be: `parts(time, state, inputs, parameters) -> State` says which; a balance's scale is then its own over that part.
+    those that the plant was given, and `bare` is the plant without.
     """
 
     name: str
@@ -93,7 +92,6 @@ class Plant:
     contact: str = ""
     effects: tuple[str, ...] = ()
     bare: "Plant | None" = None
-    parts: Callable[..., Any] | None = None
 
     def with_friction(self, law: "FrictionLaw") -> "Plant":
         """The same plant with another friction law.

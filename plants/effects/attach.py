@@ -21,7 +21,7 @@ from plants.equation import (
     retyped,
     unmarked,
 )
-from plants.interface import Measurement, Plant
+from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import Nothing
 
 Chain = Equation
@@ -135,14 +135,6 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
 
-    def parts(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
-        """By which factor the effects multiply each rate of the plant's own states."""
-        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
-        none = plant.State._make(0.0 for _ in plant.State._fields)
-        whole = plant.State._make(1.0 for _ in plant.State._fields)
-        pairs = zip(by_rates(whole, moment, memory, p, own), by_rates(none, moment, memory, p, own), strict=True)
-        return plant.State._make(one - other for one, other in pairs)
-
     def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
         """The state with what the effects remember of a machine that has rested for long."""
         if not remembering:
@@ -166,6 +158,26 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
             state, inputs = plant.equilibrium(resting(p, rested(state, inputs), inputs), surface_speed)
         return rested(state, inputs), inputs
 
+    def scaled(balance: Balance) -> Balance:
+        """The balance of rates that effects multiply, air those of pressures: its scale is over that factor, at rest.
+
+        Were it left out, a residual could be made small by more and more air; were it followed along a record, all
+        weight would lie where a pressure is low.
+        """
+        places = [plant.State._fields.index(name) for name in balance.states]
+
+        def scale(p: Any) -> tuple[float, ...]:
+            state, inputs = equilibrium(p, 0.0)
+            moment, memory = at(0.0, state, inputs, p), memory_of(state)
+            still, going = (plant.State._make([rate] * len(plant.State._fields)) for rate in (0.0, 1.0))
+            none, one = (by_rates(rates, moment, memory, p, p.effects) for rates in (still, going))
+            return tuple(
+                float(own / (one[place] - none[place])) for own, place in zip(balance.scale(p), places, strict=True)
+            )
+
+        changed_here = {name for effect in effects for name in effect.rates}
+        return balance._replace(scale=scale) if changed_here & set(balance.states) else balance
+
     refit = plant.refit
     return replace(
         plant,
@@ -178,7 +190,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         refit=None if refit is None else lambda law: with_effects(refit(law), effects),
         effects=tuple(effect.name for effect in effects),
         bare=plant,
-        parts=parts if any(effect.rates for effect in effects) else None,
+        balances={name: scaled(balance) for name, balance in plant.balances.items()},
     )
 
 

@@ -214,27 +214,13 @@ class Along:
         chosen, seen, every = self.plant.balances[balance], true_motion(motion, values), motion.thinning
         tracked = self.tracked(motion, values, self.hidden(motion, chosen.states), chosen.states)
         made, left = self._made_by_inputs(motion, tracked, chosen.states), []
-        for place, (name, scale) in enumerate(zip(chosen.states, self.scales(balance, tracked), strict=True)):
+        for place, (name, scale) in enumerate(zip(chosen.states, chosen.scale(tracked.parameters), strict=True)):
             rates = tracked.rates[:, place]
             if made is not None:
                 rates = rates + smoothed(made[:, place], window_points(motion.sample_time)) - made[:, place]
             residual = scale * (rate_along(name, seen, values) - rates)
             left.append(np.where(motion.resting & tracked.still & (name == "velocity"), 0.0, residual)[::every])
         return left
-
-    def scales(self, balance: str, tracked: Tracked) -> list[float]:
-        """What makes a residual, in the balance's unit, of each state's rate.
-
-        Air makes the oil's capacity larger, here by what it does at rest: were it left out, a residual could be made
-        small by more and more of it; were it followed, all weight would lie where a pressure is low.
-        """
-        chosen = self.plant.balances[balance]
-        own = chosen.scale(tracked.parameters)
-        if self.plant.parts is None:
-            return list(own)
-        state, inputs = from_array(self.plant.State, tracked.rest), from_array(self.plant.Inputs, tracked.idle)
-        parts = self.plant.parts(0.0, state, inputs, tracked.parameters)
-        return [scale / float(getattr(parts, name)) for name, scale in zip(chosen.states, own, strict=True)]
 
     def rates(self, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, parameters: Any) -> np.ndarray:
         """Rates (instants, states) of whole states (instants, states) under inputs (instants, inputs)."""

@@ -223,7 +223,7 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
         return along.rates(motion.time[rows], moved, fed, tracked.parameters)[:, along.names.index(name)]
 
     squares = []
-    for name, scale in zip(balance.states, along.scales(item.name, tracked), strict=True):
+    for name, scale in zip(balance.states, balance.scale(tracked.parameters), strict=True):
         base, off = rates(name, states, inputs), [deviation(name, motion, values, rate=True)]
         for other in depends.states[name]:
             if shown(motion.channels, other):
