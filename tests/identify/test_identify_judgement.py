@@ -231,9 +231,17 @@ def test_nothing_slides(tmp_path: Path, column: str, ratio: float, duration: flo
     fails(identify(tmp_path, text, method), f"nothing slides in {tmp_path / 'run_a.parquet'}: ", said)
 
 
+def test_an_empty_record(tmp_path: Path) -> None:
+    (tmp_path / "run_a.csv").write_text("")
+    text = AXIAL.replace("run_*.parquet", "run_a.csv").partition("[[published]]")[0]
+    fails(identify(tmp_path, text, "thesis"), f"{tmp_path / 'run_a.csv'}: the file is empty")
+
+
 def test_the_wrong_kind_of_file(tmp_path: Path) -> None:
     study, experiment = write(tmp_path, STUDY, "study.toml"), write(tmp_path, AXIAL, "experiment.toml")
+    open_loop = write(tmp_path, 'title = "no controller"\n[cases.one]\n', "open_loop.toml")
     for command in ("identify", "diagnose"):
+        fails(workbench(command, open_loop, "--out", "x"), f"{open_loop}: this is a study")
         fails(workbench(command, study, "--out", "x"), f"{study}: this is a study; use workbench run {study} --out x")
     fails(workbench("run", experiment, "--out", "x"), f"this is an experiment; use workbench identify {experiment}")
 

@@ -32,7 +32,7 @@ def refuse_study(path: Path, out: Path) -> None:
     from workbench.toml.reading import read_toml
 
     data, _ = read_toml(path)
-    if not is_experiment(data) and "controllers" in data:
+    if not is_experiment(data) and data.keys() & {"cases", "axes", "controllers", "references", "simulation"}:
         raise UserError(f"{path}: this is a study; use workbench run {path} --out {out}")
 
 

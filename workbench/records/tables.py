@@ -19,6 +19,8 @@ def read_table(path: Path) -> pd.DataFrame:
     """
     if not path.exists():
         raise UserError(f"{path}: no such file; make the records first, or correct `file` of [[records]]")
+    if path.stat().st_size == 0:
+        raise UserError(f"{path}: the file is empty; was the run that writes it stopped? Make the records again")
     try:
         return format_of(path).read(path)
     except (OSError, EOFError, ValueError, csv.Error, NotImplementedError) as error:
