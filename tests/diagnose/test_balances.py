@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from plants.effects.hydraulic import stiffness
+from plants.effects.interface import Scales
 from plants.effects.registry import effects
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import balances_shown
+from workbench.diagnose.residuals.unknowns import unknown
 from workbench.diagnose.residuals.walk import _step
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.reading import Record
@@ -117,7 +119,8 @@ def test_a_linear_balance_holds_for_a_motion_that_is_sampled_coarsely() -> None:
     """A position differentiated twice is as sharp at 5 Hz in a record of 100 Hz as pressures are. What is left comes
     of the command, which is held from sample to sample and makes faster motions than samples show.
     """
-    plant, heavy = plants()["pump_cylinder"], {**VALUES, "mass": 500.0, "coulomb": 1e-3, "bristle_damping": 0.0}
+    smooth = {"coulomb": 1e-3, "bristle_stiffness": 1.0, "bristle_damping": 0.0}
+    plant, heavy = plants()["pump_cylinder"], {**VALUES, "mass": 500.0, **smooth}
     motion = motion_along(plant, values=heavy, lines=(5, 25), sample_time=1e-2)
     inertia = heavy["mass"] * float(np.std(motion.acceleration[motion.valid]))
     assert left(Along(plant, "derived"), motion, "force", heavy) * VALUES["coulomb"] < 5e-3 * inertia
@@ -145,3 +148,8 @@ def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:
     assert list(balances_shown(plant, turning)) == ["force"]
     assert list(balances_shown(plant, [*turning, "valve_voltage"])) == ["flow", "force"]
     assert list(balances_shown(plant, [*turning, "motor_current"])) == ["force", "rotation"]
+
+
+def test_what_cannot_be_negative_is_not_fitted_below_0() -> None:
+    scales = Scales(force=500.0, travel=0.1, speed=0.1, pressure=1e6, flow=1e-4, spool=1e-3, duration=10.0)
+    assert unknown("stribeck_negative", {"stribeck": 0.0}, {}, scales).low == 0.0

@@ -185,6 +185,7 @@ def parameter_value(name: str, value: object) -> float:
     return number
 
 
+@functools.cache
 def plain_name(name: str) -> str:
     """A parameter's name without what says for which direction, or around the rod, it holds."""
     return name.removesuffix(f"_{NEGATIVE}").removesuffix(f"_{ROTARY}")

@@ -110,7 +110,7 @@ def parts_of(diagnosis: Diagnosis, balance: Balance) -> list[Part]:
     for use, motions in (("fit", balance.motions), ("held-out", diagnosis.held_out)):
         for motion in motions:
             thin, label = motion.thinned, motion.record.label
-            moving = ~thin.resting if balance.sharp else np.ones(thin.time.size, dtype=bool)
+            moving = ~thin.resting if balance.contact else np.ones(thin.time.size, dtype=bool)
             sides = [_residuals(balance, motion, values) for values in (diagnosis.baseline, diagnosis.corrected)]
             for number, (before, after) in enumerate(zip(*sides, strict=True)):
                 parts.append(Part(label, use, number, motion, thin.time, before, after, moving))

@@ -26,8 +26,8 @@ class Balance:
 
     The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
-    these `scales`. `parts` is the number of residuals that each motion gives. A `sharp` balance follows a contact, and
-    cannot be told where smoothing blurs what happened.
+    these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
+    nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
     """
 
     name: str
@@ -39,13 +39,13 @@ class Balance:
     scales: Scales
     effects: tuple[str, ...] = ()
     parts: int = 1
-    sharp: bool = False
+    contact: bool = False
     simulated: bool = False
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something."""
         thin = motion.thinned
-        return thin.valid & ~thin.blurred if self.sharp else thin.valid
+        return thin.valid & ~thin.blurred
 
     def residuals(self, motion: Motion, values: Values) -> list[np.ndarray]:
         """Residuals (in `unit`) of a motion at its thinned instants."""

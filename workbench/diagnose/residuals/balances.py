@@ -165,7 +165,7 @@ def balances_of(
                 scales,
                 _effects_on(item, motions[0].channels, values, own[item.name]),
                 parts=len(chosen.states),
-                sharp=bool(item.along.hidden(motions[0], chosen.states) & item.along.contact),
+                contact=bool(item.along.hidden(motions[0], chosen.states) & item.along.contact),
             )
         )
     return made

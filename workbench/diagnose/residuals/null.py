@@ -85,17 +85,11 @@ def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Set
     return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)
 
 
-SPOILT = 1.3
-"""Sensor floors beyond which a floor without a contact in it is not believed: the simulation then broke away where
-the record did not."""
-
-
 def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:
     """The balance with the residual of motions on which nothing is missing as its floor, where that is larger."""
     null = replace(balance, motions=motions)
     floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
-    floor = balance.floor * max(floors if balance.sharp else min(floors, SPOILT), 1.0)
-    return replace(balance, floor=floor, simulated=True)
+    return replace(balance, floor=balance.floor * max(floors, 1.0), simulated=True)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

@@ -59,7 +59,8 @@ def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]
         least = float(np.log(low / start)) if low > 0.0 else -widest
         most = float(np.log(high / start)) if np.isfinite(high) else widest
         return Unknown(name, start, start, True, least, most)
-    return Unknown(name, start, max(abs(start), 1.0), False, low, high)
+    least = low if plain in EITHER_SIGN else max(low, 0.0)
+    return Unknown(name, start, max(abs(start), 1.0), False, least, high)
 
 
 def _number_of(name: str) -> Number | None:

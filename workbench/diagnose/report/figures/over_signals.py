@@ -91,6 +91,6 @@ def draw_over_signals(data: OverSignals) -> Picture:
     caption = (
         "Points: mean residual in bins with equally many values, over the fit records; shaded: their standard "
         "deviation. Where the plant is complete the points lie on zero; a curve that remains is what it lacks."
-        + (" Left out where the contact rests: friction is then whatever holds it." if residuals.sharp else "")
+        + (" Left out where the contact rests: friction is then whatever holds it." if residuals.contact else "")
     )
     return Picture(figure, caption, residuals.balance)

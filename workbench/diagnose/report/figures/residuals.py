@@ -20,7 +20,7 @@ class Residuals:
     balance: str
     unit: str
     floor: float
-    sharp: bool
+    contact: bool
     parts: Sequence[Part]
     sides: Sequence[Side]
     signals: Sequence[str]
@@ -65,4 +65,4 @@ def residuals_of(diagnosis: Diagnosis, result: BalanceResult) -> Residuals:
         after = "with what was rejected" if diagnosis.is_rejected else "after, with what was found"
         sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
     signals = shown_signals(diagnosis, balance, parts[0])
-    return Residuals(balance.name, unit_of(balance), scale_of(balance), balance.sharp, parts, sides, signals)
+    return Residuals(balance.name, unit_of(balance), scale_of(balance), balance.contact, parts, sides, signals)
