@@ -36,7 +36,9 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     )
     none = without_effects(diagnosis)
     assert none.verdict == "none_missing"
-    assert "simulated along the records, is off by 1.4 standard deviations" in verdict_sentence(none)
+    assert none.simulation is not None
+    off = f"{none.simulation.result.after.rms:.1f}"
+    assert f"simulated along the records, is off by {off} standard deviations" in verdict_sentence(none)
     none = replace(none, simulation=None)
     assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
     assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"
@@ -59,7 +61,7 @@ def test_what_is_not_identified_is_marked_and_by_which_fit(diagnosis: Diagnosis)
     marked = doubting(diagnosis, "baseline_parameters", "stribeck", std=1e4)
     table = parameter_table(marked).set_index("parameter")
     assert table.loc["stribeck", "remark"] == "not identified by the baseline"
-    assert table.loc["coulomb", "remark"] == ""
+    assert table.loc["valve_flow_gain", "remark"] == ""
     assert table.loc["valve_overlap", "remark"] == "of an effect"
     lines = sureness(marked)
     baseline = next(line for line in lines if line.startswith("Without effects (baseline) the records do not identify"))
