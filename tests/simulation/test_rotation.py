@@ -249,6 +249,13 @@ def test_speeds_that_no_servo_holds_are_warned_of(tmp_path: Path) -> None:
     assert not warned(tmp_path, text(RIG + "motor_limits = false\n", "fast_sine", 600))
 
 
+def test_a_rod_that_nothing_turns_is_warned_of(tmp_path: Path) -> None:
+    content = text(SIMULATED, "fast_sine", 0)
+    assert not warned(tmp_path, content)
+    (still,) = warned(tmp_path, content.replace("rpm = [0]\n", ""))
+    assert "no rpm is given: the rod does not turn" in still
+
+
 # --- the motor ------------------------------------------------------------------------------------------------
 
 

@@ -75,7 +75,7 @@ def test_two_columns_with_published_values_keep_both() -> None:
     }
 
 
-def test_one_result_over_two_axes_stands_side_by_side_with_its_place() -> None:
+def test_one_result_over_two_axes_stands_side_by_side_with_its_place(tmp_path: Path) -> None:
     frame = pd.DataFrame(
         {
             "scenario": ["a", "a", "a", "b", "b", "b"],
@@ -86,12 +86,14 @@ def test_one_result_over_two_axes_stands_side_by_side_with_its_place() -> None:
     )
     content = {"index": "controller", "across": "scenario"}
     column = {"result": "rms_error_m", "label": "error", "unit": "mm", "digits": 2}
-    found = make_table(TableSpec(name="t", title="a title", columns=[column], **content), frame)
-    assert found.to_dict("list") == {
+    spec = TableSpec(name="t", title="a title", columns=[column], **content)
+    assert make_table(spec, frame).to_dict("list") == {
         "controller": ["p", "pd", "pi"],
         "error, a (mm)": ["3.0 (3)", "1.0 (1)", "2.0 (2)"],
         "error, b (mm)": ["1.0 (1)", "4.0 (2)", ""],
     }
+    _, shown, _ = write_table(spec, frame, tmp_path)
+    assert shown.read_text(encoding="utf-8").endswith("In brackets the place in the column.\n")
 
 
 def test_a_table_across_an_axis_has_one_column() -> None:

@@ -33,7 +33,7 @@ class LoopSetup:
     Example:
         >>> loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(kp=500))
         >>> loop
-        LoopSetup(non_rotating, pid, 5 s)
+        LoopSetup(non_rotating, pid, no reference, 5 s)
         >>> loop.parameters.body.mass == loop.belief.body.mass
         True
     """
@@ -78,7 +78,8 @@ class LoopSetup:
 
     def __repr__(self) -> str:
         axes = [f"{name} {value}" for name, value in self.axes.items()]
-        parts = [self.plant.name, self.controller.name, *axes, f"{self.simulation.duration:g} s"]
+        held = ["no reference"] if self.resolved.signal is None else []
+        parts = [self.plant.name, self.controller.name, *axes, *held, f"{self.simulation.duration:g} s"]
         return f"LoopSetup({', '.join(parts)})"
 
 
@@ -109,7 +110,8 @@ def setup(
         model: of the plant: "by_rpm", "non_rotating", "rotating", "drive", or any that is registered.
         parameters: a named set, or the path of a parameter file.
         controller: such as `pid(kp=500)`.
-        reference: such as `sine("30 mm", "0.9 Hz")`; a controller `open_loop` feeds it to the plant's input.
+        reference: such as `sine("30 mm", "0.9 Hz")`; a controller `open_loop` feeds it to the plant's input. Without
+            one the loop holds its position, and there are no metrics of tracking.
         rpm: speed of rotation, in rpm.
         duration: s.
         transient: s at the start that is left out of the metrics; default 0.

@@ -15,6 +15,9 @@ SCANNED = np.geomspace(0.05, 2000.0, 600)
 def rotation_warning(case: Case, item: Resolved) -> str | None:
     """Why a case's rotation is not what its rpm says, in words; None where nothing is known against it."""
     setup, speed = item.setup, abs(item.setup.rotation_speed)
+    turned = setup.plant.rotary_command
+    if turned is not None and "rpm" not in case.axes and all(feed.input != turned for feed in setup.feeds):
+        return "no rpm is given: the rod does not turn; expected an rpm, 0 if that is meant"
     if setup.plant.rotary_command != "motor_voltage" or speed == 0.0:
         return None
     rpm, motor = speed * RPM, item.belief.motor

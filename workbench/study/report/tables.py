@@ -24,6 +24,8 @@ OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
 SOLVER_ERROR = "solver_error_m"
 
+PLACES = "In brackets the place in the column."
+
 ResultRow: TypeAlias = Mapping[str, float | str | None]
 """A row of the results, by column."""
 
@@ -168,8 +170,6 @@ def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path
 
 
 def _notes(spec: TableSpec) -> list[str]:
-    return [
-        text
-        for text in (f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else "", spec.note)
-        if text
-    ]
+    source = f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else ""
+    has_places = spec.across is not None and spec.places is not False
+    return [text for text in (source, PLACES if has_places else "", spec.note) if text]
