@@ -27,6 +27,27 @@ img { max-width: 100%; }
 """
 
 
+_PARTS = """\
+{% macro show(table) -%}
+<div class="wide"><table>
+<caption>{{ table.title }}</caption>
+<tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{% for line in table.notes %}<p>{{ line }}</p>
+{% endfor %}
+{%- endmacro %}
+{% macro draw(name, picture) -%}
+<figure><img src="figures/{{ name }}.png" alt="{{ picture.caption }}">
+<figcaption>{{ picture.caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
+{%- endmacro %}
+"""
+
+
 def html_environment() -> Environment:
-    """Where templates of pages are rendered: they extend "frame" and fill its blocks title, gap, style and body."""
-    return Environment(loader=DictLoader({"frame": _FRAME}), autoescape=True, keep_trailing_newline=True)
+    """Where templates of pages are rendered: they extend "frame" and fill its blocks title, gap, style and body.
+
+    "parts" has what they show alike: `show` a table with its notes, `draw` a picture of the folder `figures`.
+    """
+    loader = DictLoader({"frame": _FRAME, "parts": _PARTS})
+    return Environment(loader=loader, autoescape=True, keep_trailing_newline=True)

@@ -14,6 +14,7 @@ from workbench.publish.words import plain_name
 
 _HTML = """\
 {% extends "frame" %}
+{% from "parts" import show, draw %}
 {% block title %}Diagnosis: {{ title }}{% endblock %}
 {% block gap %}0.6em{% endblock %}
 {% block style -%}
@@ -23,17 +24,6 @@ th:first-child, td:first-child { text-align: left; }
 .verdict { font-size: 1.2em; font-weight: bold; border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
 {% endblock %}
 {% block body %}
-{%- macro show(table) %}
-<div class="wide"><table>
-<caption>{{ table.title }}</caption>
-<tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
-{% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
-{%- endmacro %}
-{%- macro draw(name) %}
-<figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">
-<figcaption>{{ pictures[name].caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
-{%- endmacro -%}
 <h1>{{ title }}</h1>
 <p class="verdict">{{ verdict }}</p>
 <p>{{ scope }} <a href="plant.toml">plant.toml</a> is {{ plant }}.</p>
@@ -51,10 +41,10 @@ nothing is called an effect that better parameters remove. <em>After</em> is the
 {% for balance in balances %}
 <h2>{{ balance.title }}</h2>
 <p>{{ balance.words }}</p>
-{% for name in balance.names %}{{ draw(name) }}{% endfor %}
+{% for name in balance.names %}{{ draw(name, pictures[name]) }}{% endfor %}
 {% endfor %}
 <h2>Parameters</h2>
-{% if "parameters" in pictures %}{{ draw("parameters") }}{% endif %}
+{% if "parameters" in pictures %}{{ draw("parameters", pictures["parameters"]) }}{% endif %}
 {{ show(tables["parameters"]) }}
 <details><summary>Every candidate in numbers</summary>
 {{ show(tables["evidence"]) }}

@@ -10,6 +10,7 @@ from workbench.tune.result import Tuning
 
 _HTML = """\
 {% extends "frame" %}
+{% from "parts" import show, draw %}
 {% block title %}Tuning: {{ title }}{% endblock %}
 {% block gap %}0.6em{% endblock %}
 {% block style -%}
@@ -19,19 +20,6 @@ td { white-space: nowrap; }
 .pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(26em, 1fr)); gap: 0 1em; }
 {% endblock %}
 {% block body %}
-{%- macro show(table) %}
-<div class="wide"><table>
-<caption>{{ table.title }}</caption>
-<tr>{% for name in table.cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
-{% for row in table.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
-{% for line in table.notes %}<p>{{ line }}</p>
-{% endfor %}
-{%- endmacro %}
-{%- macro draw(name) %}
-<figure><img src="figures/{{ name }}.png" alt="{{ pictures[name].caption }}">
-<figcaption>{{ pictures[name].caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
-{%- endmacro -%}
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>{% endif %}
 <ul>
@@ -45,10 +33,10 @@ td { white-space: nowrap; }
 {% for table in tables %}{{ show(table) }}
 {% endfor %}
 <h2>Figures</h2>
-{% for name in shared %}{{ draw(name) }}
+{% for name in shared %}{{ draw(name, pictures[name]) }}
 {% endfor %}
 <div class="pairs">
-{% for name in own %}{{ draw(name) }}
+{% for name in own %}{{ draw(name, pictures[name]) }}
 {% endfor %}</div>
 {% for line in missing %}<p>{{ line }}</p>
 {% endfor %}
