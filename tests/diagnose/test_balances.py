@@ -9,6 +9,9 @@ from plants.effects.hydraulic import stiffness
 from plants.effects.interface import Scales
 from plants.effects.registry import effects
 from plants.interface import Plant
+from plants.laws.elasto_plastic import ELASTO_PLASTIC
+from plants.laws.interface import FrictionLaw
+from plants.laws.maxwell_slip import GMS
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion, motion_of
@@ -104,6 +107,18 @@ def test_bristles_that_relax_within_a_sample_leave_next_to_nothing(sample_time: 
     plant, stiff = plants()["rotating_isotropic_ideal"], {**VALUES, "bristle_stiffness": 5e7, "bristle_damping": 2e5}
     motion = motion_along(plant, values=stiff, sample_time=sample_time)
     assert left(Along(plant, "derived"), motion, "force", stiff) < 1e-4
+
+
+@pytest.mark.parametrize("law", [GMS, ELASTO_PLASTIC], ids=lambda law: law.name)
+@pytest.mark.parametrize(("sample_time", "share"), [(1e-3, 0.005), (1e-2, 0.02)])
+def test_a_contact_that_sticks_and_slips_within_a_sample_is_followed(
+    law: FrictionLaw, sample_time: float, share: float
+) -> None:
+    """As if its rates went on as they were, it would run away: by 0.7 of friction at 1 kHz."""
+    refit = plants()["drive_force"].refit
+    assert refit is not None
+    plant = refit(law)
+    assert left(Along(plant, "derived"), motion_along(plant, sample_time=sample_time), "force") < share
 
 
 @pytest.mark.parametrize("decay", [0.0, 1e-3, 1.8, 40.0])

@@ -10,10 +10,11 @@ import numpy as np
 
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
+from workbench.diagnose.residuals.holding import hold_all
 from workbench.diagnose.residuals.motion import Motion, smoothed, window_points, with_backlash, with_pressure_offset
 from workbench.diagnose.residuals.shown import BOTH_PRESSURES, dependences, given_by, rate_along, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.residuals.walk import NUDGE, hold_all, rates_along, walk
+from workbench.diagnose.residuals.walk import NUDGE, rates_along, walk
 from workbench.parameters.sets import build
 from workbench.simulation.compilation import plant_addresses
 

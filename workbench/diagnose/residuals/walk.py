@@ -8,7 +8,8 @@ The states that a rig shows are put in as they were measured; the rates of the o
 with d0, d1 = -h dr/dz at both ends and d their mean, and no weight above 1/2. That is exact where r is linear in z and
 in time, as of a valve's lag and a sliding bristle (an exponential integrator of second order; Cox and Matthews 2002).
 Bristles that relax within a sample then have no lag that comes of the samples, which their damping would show; and z
-stays between itself and where it would settle at either end, so that no reversal makes it overshoot.
+stays between itself and where it would settle at either end, so that no reversal makes it overshoot. Where a contact's
+r is not linear in z, one that sticks and begins to slip, the step is made again in as many parts as it takes.
 """
 
 from typing import Any
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from plants.compiled import address, njit, shift
+from workbench.diagnose.residuals.holding import hold, limit
 from workbench.simulation.compilation import call_derivatives
 
 NUDGE = 1e-3
@@ -23,6 +25,9 @@ NUDGE = 1e-3
 
 STRAIGHT = 1e-6
 """Decay in a step below which the step is a straight line: its weights then cancel to less than that."""
+
+MOST_PARTS = 256
+"""Parts of a step, at most."""
 
 REFRESHED = 5e-3
 """s after which dr/dz of states that inputs alone drive is found anew: where such a state settles it does not depend
@@ -66,6 +71,7 @@ def walk(
     z, x, rates, other = rest.copy(), rest.copy(), np.empty(size), np.empty(size)
     free, bends, slopes = np.empty(size), np.empty(size), np.empty(size)
     ahead, slopes_ahead, slopes_known = np.empty(size), np.empty(size), False
+    before, expected = np.empty(size), np.empty(size)
     p, steps = address(parameters), inputs.shape[1]
     by_motion = hidden.size > settled.size
     most = 1 if by_motion else max(round(REFRESHED / sample_time), 1)
@@ -78,10 +84,15 @@ def walk(
         if still[k]:
             x[velocity] = 0.0
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
+        if slopes_known and by_motion and _bends(rates, expected, contact, nudges / sample_time):
+            way = (known[k - 1], known[k])
+            _in_parts(derivatives, time[k], x, u, p, hidden, shown, contact, way, before, z, nudges, sample_time)
+            call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
+            slopes_known = False
         stands = still[k] and resting[k]
         if stands and not (k + 1 < count and still[k + 1] and resting[k + 1]):  # what matters is how it leaves rest
-            _hold(derivatives, time[k], x, u, p, contact, velocity, acceleration[k], nudges, rates, other, bends)
-            _limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
+            hold(derivatives, time[k], x, u, p, contact, velocity, acceleration[k], nudges, rates, other, bends)
+            limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
             for i in contact:
                 z[i] = x[i]
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
@@ -102,8 +113,10 @@ def walk(
                 x[shown[j]] = known[k + 1, j]
             call_derivatives(derivatives, time[k] + sample_time, address(x), u, p, address(ahead))
             _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, nudges, ahead, other, slopes_ahead)
+        before[:] = z
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
+            expected[i] = ahead[i] + slopes_ahead[i] * (z[i] - before[i])
         slopes[:] = slopes_ahead
         if still[k] and not stands:
             x[velocity] = speed
@@ -116,10 +129,63 @@ def walk(
                 asked[k, j] += other[wanted[j]] - free[wanted[j]]
             for i in contact:
                 x[i] = bends[i] + sample_time * other[i]
-            _limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
+            limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
             for i in contact:
                 z[i] = x[i]
     return tracked, asked
+
+
+@njit(cache=True)
+def _bends(rates: Any, expected: Any, contact: Any, limits: Any) -> bool:
+    """Whether a contact's rates at the end of a step are off by more than `limits` from where straight lines lead."""
+    off = 0.0
+    for i in contact:
+        off = max(off, abs(rates[i] - expected[i]) / limits[i])
+    return off > 1.0
+
+
+@njit(cache=True)
+def _in_parts(
+    derivatives: int,
+    time: float,
+    state: Any,
+    inputs: Any,
+    parameters: Any,
+    hidden: Any,
+    shown: Any,
+    contact: Any,
+    way: Any,
+    before: Any,
+    z: Any,
+    nudges: Any,
+    sample_time: float,
+) -> None:
+    """A step again from `before`, what is shown going straight along its `way`, in ever more parts until these no
+    longer count: `z` and `state` at its end.
+    """
+    size, parts, change = state.size, 1, np.inf
+    rates, ahead, other = np.empty(size), np.empty(size), np.empty(size)
+    slopes, slopes_ahead = np.empty(size), np.empty(size)
+    while change > 1.0 and parts < MOST_PARTS:
+        parts *= 2
+        step, now = sample_time / parts, before.copy()
+        for part in range(parts):
+            for end in range(2):
+                for j in range(shown.size):
+                    state[shown[j]] = way[0][j] + (way[1][j] - way[0][j]) * (part + end) / parts
+                for i in hidden:
+                    state[i] = now[i]
+                found, sloping = (rates, slopes) if end == 0 else (ahead, slopes_ahead)
+                call_derivatives(derivatives, time, address(state), inputs, parameters, address(found))
+                _slopes(derivatives, time, state, inputs, parameters, hidden, nudges, found, other, sloping)
+            for i in hidden:
+                now[i] += step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
+        change = 0.0
+        for i in contact:
+            change = max(change, abs(now[i] - z[i]) / nudges[i])
+        z[:] = now
+    for i in hidden:
+        state[i] = z[i]
 
 
 @njit(cache=True)
@@ -155,99 +221,6 @@ def _slopes(
     for i in hidden:
         state[i] -= nudges[i]
         slopes[i] = (other[i] - rates[i]) / nudges[i]
-
-
-@njit(cache=True)
-def hold_all(
-    derivatives: int,
-    time: Any,
-    states: Any,
-    inputs: Any,
-    parameters: Any,
-    contact: Any,
-    velocity: int,
-    creep: float,
-    acceleration: Any,
-    nudges: Any,
-) -> None:
-    """Bend the contact in each row of `states` as the measured `acceleration` asks for, as far as it can be bent."""
-    count, size = states.shape
-    x, rates, other = np.empty(size), np.empty(size), np.empty(size)
-    free, bends = np.empty(size), np.empty(size)
-    p, steps = address(parameters), inputs.shape[1]
-    for k in range(count):
-        for i in range(size):
-            x[i] = states[k, i]
-        u = shift(address(inputs), k * steps)
-        call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
-        _hold(derivatives, time[k], x, u, p, contact, velocity, acceleration[k], nudges, rates, other, bends)
-        _limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
-        for i in range(size):
-            states[k, i] = x[i]
-
-
-@njit(cache=True)
-def _hold(
-    derivatives: int,
-    time: float,
-    state: Any,
-    inputs: Any,
-    parameters: Any,
-    contact: Any,
-    velocity: int,
-    acceleration: float,
-    nudges: Any,
-    rates: Any,
-    other: Any,
-    slopes: Any,
-) -> None:
-    """Bend the contact, all of it that carries a force alike, until the mass has this acceleration (m/s^2)."""
-    stiffness = 0.0
-    for i in contact:
-        bend = state[i]
-        state[i] = bend + nudges[i]
-        call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
-        state[i] = bend
-        slopes[i] = (other[velocity] - rates[velocity]) / nudges[i]
-        stiffness += slopes[i]
-    for i in contact:
-        if slopes[i] != 0.0:
-            state[i] += (acceleration - rates[velocity]) / stiffness
-
-
-@njit(cache=True)
-def _limit(
-    derivatives: int,
-    time: float,
-    state: Any,
-    inputs: Any,
-    parameters: Any,
-    contact: Any,
-    velocity: int,
-    creep: float,
-    rates: Any,
-    free: Any,
-    bends: Any,
-) -> None:
-    """Take back what the contact is bent beyond sliding: to where its rates vanish at a creep that bends it so.
-
-    A rate is taken to be linear in the bend, as a bristle's is.
-    """
-    speed, bend = state[velocity], 0.0
-    for i in contact:
-        bends[i] = state[i]
-        bend += state[i]
-        state[i] = 0.0
-    state[velocity] = creep if bend >= 0.0 else -creep
-    call_derivatives(derivatives, time, address(state), inputs, parameters, address(rates))
-    for i in contact:
-        free[i] = rates[i]
-        state[i] = bends[i]
-    call_derivatives(derivatives, time, address(state), inputs, parameters, address(rates))
-    for i in contact:
-        if free[i] * rates[i] < 0.0:
-            state[i] = bends[i] * free[i] / (free[i] - rates[i])
-    state[velocity] = speed
 
 
 @njit(cache=True)
