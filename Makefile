@@ -74,7 +74,7 @@ benchmark: $(ENVIRONMENT)/ready-for-tests
 # How often diagnosis names the right effect. SET=reported has the seeds of the published figures.
 SET ?= tuning
 diagnosis: $(ENVIRONMENT)/ready-for-tests
-	$(BIN)/python -m tests.helpers.diagnosis.suite --set $(SET) --out results/diagnosis_$(SET)
+	PYTHONPATH=tests/helpers $(BIN)/python -m diagnosis.suite --set $(SET) --out results/diagnosis_$(SET)
 
 clean:
 	rm -rf $(ENVIRONMENT) results

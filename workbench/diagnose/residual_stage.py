@@ -23,6 +23,10 @@ LEFT_OVER = 1.5
 TAKEN = 0.3
 """Share of the residual that effects may leave, however much that is over the floor, and still be named."""
 
+FAR = 10.0
+"""Floors above which what effects leave is none of them, on whatever signals it depends or not: a play in the valve
+depends on where it was before."""
+
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
 
@@ -128,7 +132,8 @@ def _depends(after: Fit) -> Dependence | None:
 
 
 def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
-    """Whether effects take a part of a residual that goes on to depend on a signal: then they stand in for another.
+    """Whether effects take a part of a residual that goes on to depend on a signal, or to be far above its floor: then
+    they stand in for another.
 
     A circular one takes its part of any residual: it is not believed where the residual depends on place or time.
     """
@@ -140,4 +145,4 @@ def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
             return True
     if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:
         return False
-    return _depends(after) is not None
+    return bool(after.rms > FAR) or _depends(after) is not None

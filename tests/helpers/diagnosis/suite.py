@@ -1,6 +1,6 @@
 """Score diagnosis on records whose effects are known.
 
-    python -m tests.helpers.diagnosis.suite --set tuning --out DIR [--only NAME ...] [--strength S ...] [--resume]
+    PYTHONPATH=tests/helpers python -m diagnosis.suite --set tuning --out DIR [--only NAME ...] [--strength S ...]
 
 Makes the experiments of a set, diagnoses each, and prints a confusion table and the shares of right answers. `DIR` gets
 `results.csv` (the same bytes whatever the number of jobs), `times.csv`, `summary.md`, and a folder for each case.
@@ -105,7 +105,7 @@ def _line(case: Case, result: dict[str, Any]) -> str:
 
 def main(arguments: list[str] | None = None) -> None:
     """The command."""
-    parser = argparse.ArgumentParser(prog="python -m tests.helpers.diagnosis.suite", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m diagnosis.suite", description=__doc__)
     parser.add_argument("--set", choices=SETS, default=SETS[0], dest="chosen")
     parser.add_argument("--only", nargs="+", default=[], help="effects, unlisted effects, or kinds of cases")
     parser.add_argument("--strength", nargs="+", type=float, default=[], help="of single effects")
