@@ -141,6 +141,13 @@ def test_a_linear_balance_holds_for_a_motion_that_is_sampled_coarsely() -> None:
     assert left(Along(plant, "derived"), motion, "force", heavy) * VALUES["coulomb"] < 5e-3 * inertia
 
 
+def test_a_plant_that_delays_its_command_is_not_given_a_late_one() -> None:
+    plant = plants()["non_rotating"].with_effects(effects()["command_delay"])
+    late = {**values_of(plant), "command_delay": 0.03}
+    motion = motion_along(plant, values=late)
+    assert left(Along(plant, "derived"), motion, "flow", late) < 0.005  # 0.067 of a command that is late twice
+
+
 def test_air_counts_in_the_measure_of_a_flow() -> None:
     """C = V / (4 beta) in stiff oil, more by what is soft: or a residual was made small by air and ever stiffer oil."""
     bare = plants()["non_rotating"]

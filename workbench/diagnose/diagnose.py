@@ -35,7 +35,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), progress)
     if simulation is not None:
         refitted = with_effects_of(stage, experiment, effects, simulation)
-        if simulation.is_in_doubt and any(dependence is not None for dependence in refitted.dependences):
+        if simulation.is_in_doubt and (refitted.is_worse_than(stage) or any(refitted.dependences)):
             simulation = simulation.without_additions()
             refitted = with_effects_of(stage, experiment, effects, simulation)
         effects, stage = effects_of_both(effects, simulation), refitted

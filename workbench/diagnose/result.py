@@ -19,7 +19,7 @@ IDENTIFIED = 0.5
 """Standard deviation over value below which a parameter is identified."""
 
 WORSE = 1.02
-"""Held-out error, after over before, beyond which what was found is rejected."""
+"""Error of a balance, after over before, beyond which what was found is rejected."""
 
 ENDED = "the fit ran to the end of its range"
 VAGUE = "its standard deviation exceeds half its value"

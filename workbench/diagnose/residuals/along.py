@@ -78,9 +78,13 @@ class Along:
         return build(self.plant.Parameters, values, self.flow)
 
     @property
-    def parameter_names(self) -> set[str]:
+    def parameter_names(self) -> frozenset[str]:
         """The parameters by which a plant goes along a record."""
-        return {item.name for item in fields(self.plant.Parameters)} | {ARRIVES}
+        return self._own_parameters | {ARRIVES}
+
+    @functools.cached_property
+    def _own_parameters(self) -> frozenset[str]:
+        return frozenset(item.name for item in fields(self.plant.Parameters))
 
     def hidden(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
         """The states that no channel shows and on which the rates of `start` depend."""
@@ -125,6 +129,7 @@ class Along:
             np.ascontiguousarray(inputs),
             to_array(parameters),
             simulated,
+            self._groups(simulated),
             self._columns(self.by_input(motion, hidden)),
             self._columns(contact),
             np.array([self.names.index(name) for name in wanted], dtype=np.int64),
@@ -143,6 +148,19 @@ class Along:
     def _nudges(self) -> np.ndarray:
         """By how much each state is moved for a difference quotient."""
         return NUDGE * np.array([item.scale for item in fields(self.plant.State)])
+
+    def _groups(self, simulated: np.ndarray) -> np.ndarray:
+        """For each of these states the number of a group in which no state counts in another's rate."""
+        counts = [{self.names.index(other) for other in dependences(self.plant).states[name]} for name in self.names]
+        groups = list[list[int]]()
+        for place in simulated.tolist():
+            free = (g for g in groups if not any(place in counts[other] or other in counts[place] for other in g))
+            group = next(free, None)
+            if group is None:
+                groups.append([place])
+            else:
+                group.append(place)
+        return np.array([next(i for i, g in enumerate(groups) if place in g) for place in simulated], dtype=np.int64)
 
     def _columns(self, states: Collection[str]) -> np.ndarray:
         return np.array([place for place, name in enumerate(self.names) if name in states], dtype=np.int64)
@@ -194,13 +212,14 @@ class Along:
         return state, inputs._replace(**{self.plant.command: 0.0})
 
     def inputs(self, motion: Motion, values: Values, hidden: Collection[str]) -> np.ndarray:
-        """Inputs (instants, inputs), the command as it arrives; 0 where no channel gives them. Smoothed as all else is,
-        but as recorded where they drive one of the `hidden` states.
+        """Inputs (instants, inputs), the command as it arrives, unless the plant delays it itself; 0 where no channel
+        gives them. Smoothed as all else is, but as recorded where they drive one of the `hidden` states.
         """
+        delay = 0.0 if ARRIVES in self._own_parameters else values.get(ARRIVES, 0.0)
         columns, driving = [], {name for state in hidden for name in dependences(self.plant).inputs[state]}
         for item in fields(self.plant.Inputs):
             series = input_along(item.name, motion, values, raw=item.name in driving)
-            if item.name == self.plant.command and (delay := values.get(ARRIVES, 0.0)):
+            if item.name == self.plant.command and delay:
                 series = np.interp(motion.time - delay, motion.time, series)
             columns.append(series)
         return np.column_stack(columns)

@@ -52,11 +52,16 @@ class Balance:
         return list(self.residual(motion, values))
 
     def stacked(self, values: Values) -> np.ndarray:
-        """Residuals of all records over the floor, 0 where nothing is known."""
+        """Residuals of all records over the floor, 0 where nothing is known, as large as their mean square over what is
+        known: of records of which different shares are, the errors can be compared.
+        """
+        known = [self.known(motion) for motion in self.motions]
+        share = sum(map(np.sum, known)) / max(sum(map(np.size, known)), 1)
+        scale = 1.0 / (self.floor * np.sqrt(share)) if share > 0.0 else 0.0
         return np.concatenate(
             [
-                np.where(self.known(motion), part, 0.0) / self.floor
-                for motion in self.motions
+                np.where(where, scale * part, 0.0)
+                for motion, where in zip(self.motions, known, strict=True)
                 for part in self.residuals(motion, values)
             ]
         )

@@ -84,7 +84,7 @@ class Search:
 
     flat: float = 1e-7
     near: float = 1e-6
-    most_steps: int = 30
+    most_steps: int = 100
 
 
 def fit(

@@ -258,22 +258,25 @@ def motion_of(record: Record) -> Motion:
         measured=bridged,
         valid=whole,
         resting=np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
-        blurred=_blurred(bridged, noise, points),
+        blurred=_blurred(bridged, noise, points, step),
         noise=noise,
         smooth=(smooth[0], smooth[1], smooth[2]),
         slack=_with_rates(slack, points, step),
     )
 
 
-def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int) -> np.ndarray:
-    """Where a pressure or a force differs between the window and half of it by more than noise, and a window around."""
+def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int, step: float) -> np.ndarray:
+    """Where a pressure or a force differs between the window and half of it by more than noise, and a window around;
+    where none is measured the acceleration.
+    """
     half = max(2 * (points // 4) + 1, FEWEST - 2)
     fast = np.zeros(next(iter(channels.values())).size)
-    for name in ("pressure_1", "pressure_2", "force"):
-        if name in channels:
-            least = CLEAN * float(np.std(channels[name]))
-            limit = SHARP * max(noise[name], least) * float(np.linalg.norm(_kernel(half)))
-            fast += np.abs(smoothed(channels[name], half) - smoothed(channels[name], points)) > limit
+    shown = [name for name in ("pressure_1", "pressure_2", "force") if name in channels]
+    for name, order in [(name, 0) for name in shown] or [("position", 2)] * ("position" in channels):
+        narrow, wide = (smoothed(channels[name], width, order, step) for width in (half, points))
+        left = noise[name] * float(np.linalg.norm(_kernel(half, order, step)))
+        least = CLEAN * float(np.std(wide if order else channels[name])) * float(np.linalg.norm(_kernel(half)))
+        fast += np.abs(narrow - wide) > SHARP * max(left, least)
     return np.asarray(maximum_filter1d((fast > 0).astype(float), points) > 0)
 
 

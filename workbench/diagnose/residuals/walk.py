@@ -44,6 +44,7 @@ def walk(
     inputs: Any,
     parameters: Any,
     hidden: Any,
+    groups: Any,
     settled: Any,
     contact: Any,
     wanted: Any,
@@ -86,7 +87,9 @@ def walk(
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         if slopes_known and by_motion and _bends(rates, expected, contact, nudges / sample_time):
             way = (known[k - 1], known[k])
-            _in_parts(derivatives, time[k], x, u, p, hidden, shown, contact, way, before, z, nudges, sample_time)
+            _in_parts(
+                derivatives, time[k], x, u, p, hidden, groups, shown, contact, way, before, z, nudges, sample_time
+            )
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
             slopes_known = False
         stands = still[k] and resting[k]
@@ -97,7 +100,7 @@ def walk(
                 z[i] = x[i]
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         if not slopes_known and k % most == 0:
-            _slopes(derivatives, time[k], x, u, p, hidden, nudges, rates, other, slopes)
+            _slopes(derivatives, time[k], x, u, p, hidden, groups, nudges, rates, other, slopes)
         for j in range(hidden.size):
             tracked[k, j] = z[hidden[j]]
         for j in range(wanted.size):
@@ -112,7 +115,7 @@ def walk(
             for j in range(shown.size):
                 x[shown[j]] = known[k + 1, j]
             call_derivatives(derivatives, time[k] + sample_time, address(x), u, p, address(ahead))
-            _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, nudges, ahead, other, slopes_ahead)
+            _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, groups, nudges, ahead, other, slopes_ahead)
         before[:] = z
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
@@ -152,6 +155,7 @@ def _in_parts(
     inputs: Any,
     parameters: Any,
     hidden: Any,
+    groups: Any,
     shown: Any,
     contact: Any,
     way: Any,
@@ -177,7 +181,7 @@ def _in_parts(
                     state[i] = now[i]
                 found, sloping = (rates, slopes) if end == 0 else (ahead, slopes_ahead)
                 call_derivatives(derivatives, time, address(state), inputs, parameters, address(found))
-                _slopes(derivatives, time, state, inputs, parameters, hidden, nudges, found, other, sloping)
+                _slopes(derivatives, time, state, inputs, parameters, hidden, groups, nudges, found, other, sloping)
             for i in hidden:
                 now[i] += step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
         change = 0.0
@@ -209,18 +213,23 @@ def _slopes(
     inputs: Any,
     parameters: Any,
     hidden: Any,
+    groups: Any,
     nudges: Any,
     rates: Any,
     other: Any,
     slopes: Any,
 ) -> None:
-    """dr/dz of the hidden states, all nudged at once."""
-    for i in hidden:
-        state[i] += nudges[i]
-    call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
-    for i in hidden:
-        state[i] -= nudges[i]
-        slopes[i] = (other[i] - rates[i]) / nudges[i]
+    """dr/dz of the hidden states, those of a group nudged at once: none of them counts in another's rate."""
+    for group in range(np.max(groups) + 1 if groups.size else 0):
+        for j in range(hidden.size):
+            if groups[j] == group:
+                state[hidden[j]] += nudges[hidden[j]]
+        call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
+        for j in range(hidden.size):
+            if groups[j] == group:
+                i = hidden[j]
+                state[i] -= nudges[i]
+                slopes[i] = (other[i] - rates[i]) / nudges[i]
 
 
 @njit(cache=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plants.effects.registry import effects
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.fit import Fit, Search, fit
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.promise import promise
 
@@ -31,6 +31,12 @@ PRICE = 0.01
 
 AT_FLOOR = 1.05
 """Floors at which a residual is what it would be if nothing were missing."""
+
+BETTER = 0.98
+"""Rms over that of a fit below which another start found a better one: that fit had stopped in a hollow."""
+
+ANEW = 3
+"""Times at most that a round begins anew from a better start."""
 
 FEWEST = 3
 """Blocks in which something moves, below which nothing is sure."""
@@ -131,9 +137,14 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
     names, taken = list(balance.free), list[str]()
     current = fit(balance, values, names, bounds)
     steps: list[Step] = []
+    anew = 0
     while len(taken) < MOST and (current.rms > AT_FLOOR or not steps):
         candidates = candidates_for(balance, current, names, taken, bounds)
         passing = [rival for rival in candidates if _passes(current, rival)] if current.rms > AT_FLOOR else []
+        if passing and anew < ANEW and (better := beside(current, passing[0].fit, bounds, Search())) is not current:
+            current, anew = better, anew + 1
+            continue
+        anew = 0
         steps.append(round_of(current, candidates, passing))
         added = steps[-1].added
         if added is None:
@@ -142,6 +153,15 @@ def select(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, f
         names += [name for name in added.variant if name not in names]
         current = added.fit
     return current, steps
+
+
+def beside(current: Fit, rival: Fit, bounds: Mapping[str, tuple[float, float]], search: Search) -> Fit:
+    """A fit again from where a rival with an effect found the parameters of both, if that is better: what the rival
+    gains is then no effect's.
+    """
+    start = {**current.values, **{name: rival.values[name] for name in current.names}}
+    again = fit(current.balance, start, current.names, bounds, search)
+    return again if again.rms < BETTER * current.rms else current
 
 
 def round_of(before: Fit, candidates: Sequence[Candidate], passing: Sequence[Candidate]) -> Step:

@@ -5,7 +5,18 @@ from collections.abc import Mapping
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.selection import AT_FLOOR, LEAST_GAIN, MOST, SURE, Candidate, Step, gain, round_of
+from workbench.diagnose.selection.selection import (
+    ANEW,
+    AT_FLOOR,
+    LEAST_GAIN,
+    MOST,
+    SURE,
+    Candidate,
+    Step,
+    beside,
+    gain,
+    round_of,
+)
 from workbench.diagnose.simulation.fits import polished
 from workbench.diagnose.simulation.promising import EXPLAINS, QUICK, explained, promising
 from workbench.parameters.sets import NEUTRAL
@@ -23,11 +34,15 @@ def add_effects(
     start: Fit, effects: Effects, own: Values, bounds: Mapping[str, tuple[float, float]], progress: Progress
 ) -> tuple[Fit, Effects, list[Step]]:
     """Add effects one by one until none passes; `own` are the plant's own parameters as declared."""
-    current, named, steps = start, dict(effects), list[Step]()
+    current, named, steps, anew = start, dict(effects), list[Step](), 0
     while current.rms > AT_FLOOR and len(named) < MOST:
         progress(f"what the simulated plant lacks, round {len(steps) + 1}", 0.85 - 0.35 * 0.5 ** len(steps))
         candidates = promising(current, named, bounds)
         passing = [candidate for candidate in candidates if _passes(current, candidate, named)]
+        if passing and anew < ANEW and (better := beside(current, passing[0].fit, bounds, QUICK)) is not current:
+            current, anew = better, anew + 1
+            continue
+        anew = 0
         steps.append(round_of(current, candidates, passing))
         added = steps[-1].added
         if added is None:

@@ -141,6 +141,8 @@ def _along(
     if how.along.plant.command == VALVE:  # elsewhere nobody has asked yet what a simulation adds
         own = {name: start.declared[name] for name in start.free}
         current, effects, steps = add_effects(current, effects, own, bounds, progress)
+        named = steps[0].before if steps else named
+        before = before if first else named
         current, effects, idle = without_idle(current, effects, start.declared, bounds, progress)
         dropped += [effect for effect in idle if effect in given]
     before, current = (with_honest_deviations(how, fitted) for fitted in (before, current))
