@@ -48,6 +48,15 @@ def lines(spec: FigureSpec, folder: Path) -> list[Any]:
     return list(draw(spec, FRAME, folder).axes[0].lines)
 
 
+def test_a_case_that_did_not_simply_complete_is_a_hollow_point(tmp_path: Path) -> None:
+    frame = FRAME.assign(outcome=["completed", "torque-limited", "completed"])
+    spec = figure(panel({"y": "rms_error_m", "label": "P"}, x="rpm"))
+    every, hollow = draw(spec, frame, tmp_path).axes[0].lines
+    assert (list(every.get_xdata()), list(hollow.get_xdata())) == ([0.0, 120.0], [120.0])
+    assert (hollow.get_label(), hollow.get_markerfacecolor()) == ("torque-limited", "white")
+    assert [line.get_label() for line in lines(spec, tmp_path)] == ["P"]
+
+
 def test_a_signal_in_its_units_and_window(tmp_path: Path) -> None:
     store(tmp_path, position=1e-3 * TIME)
     spec = figure(panel({"y": "position", "where": {"rpm": 0}}, x_unit="ms", start="0.5 s", end="1.5 s"))
@@ -347,7 +356,7 @@ def test_names_stay_names_on_an_axis() -> None:
 def test_published_values_stand_beside_quantities(tmp_path: Path) -> None:
     """Whichever way they are written."""
     text = (
-        STUDY.replace("[0, 460]", '["120 rpm", "460 rpm"]')
+        STUDY.replace("[0, 460]", '["120 rpm", "460 rpm"]').replace('"by_rpm"', '"by_rpm"\nmotor_limits = false')
         + HEAD
         + 'x = "rpm"\ny_unit = "deg"\ncurves = [{ y = "phase_lag_deg", published = { "460 rpm" = 3.0, 120 = 4.0 } }]\n'
     )

@@ -11,6 +11,7 @@ from workbench.errors import UserError
 from workbench.publish.tables import shown_number
 from workbench.study.report.schema import TableSpec
 from workbench.study.report.tables import make_table, write_table
+from workbench.study.report.unusual import unusual
 
 FRAME = pd.DataFrame(
     {
@@ -93,7 +94,30 @@ def test_one_result_over_two_axes_stands_side_by_side_with_its_place(tmp_path: P
         "error, b (mm)": ["1.0 (1)", "4.0 (2)", ""],
     }
     _, shown, _ = write_table(spec, frame, tmp_path)
-    assert shown.read_text(encoding="utf-8").endswith("In brackets the place in the column.\n")
+    assert shown.read_text(encoding="utf-8").endswith(
+        "\n\nIn brackets the place in the column.\n\n1 of 6 cases: diverged (scenario b, controller pi).\n"
+    )
+
+
+def test_cases_that_did_not_simply_complete_are_named_below_the_table(tmp_path: Path) -> None:
+    frame = pd.DataFrame(
+        {
+            "rpm": [0, 120, 460, 0, 120, 460],
+            "controller": ["p"] * 3 + ["pd"] * 3,
+            "outcome": ["completed", "stuck", "torque-limited", "completed", "completed", "torque-limited"],
+            "rms_error_m": [1e-3] * 6,
+        }
+    )
+    column = {"result": "rms_error_m", "label": "error", "where": {"controller": "pd"}}
+    spec = TableSpec(name="t", title="a title", index="rpm", columns=[column])
+    _, shown, _ = write_table(spec, frame, tmp_path)
+    below = shown.read_text(encoding="utf-8").splitlines()[-1]
+    assert below == "1 of 3 cases: torque-limited (rpm 460, controller pd)."
+    assert unusual(frame, frame) == [
+        "1 of 6 cases: stuck (rpm 120, controller p)",
+        "2 of 6 cases: torque-limited (rpm 460, controller p; rpm 460, controller pd)",
+    ]
+    assert unusual(frame[frame["outcome"] == "stuck"], frame) == ["1 of 1 case: stuck"]
 
 
 def test_a_table_across_an_axis_has_one_column() -> None:

@@ -93,6 +93,7 @@ def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) 
 def _report(planned: "Plan", folder: Path) -> None:
     """Tables, figures and pages of finished results, and which cases did not simply complete."""
     from workbench.study.report.folder import write_cycles, write_figures, write_pages, write_tables
+    from workbench.study.report.unusual import unusual
     from workbench.study.store import read_results
 
     frame, study = read_results(folder), planned.study
@@ -100,7 +101,6 @@ def _report(planned: "Plan", folder: Path) -> None:
     write_figures(study, frame, folder)
     for page in write_pages(study, frame, folder):
         print(f"wrote {page}")
-    unusual = frame[frame["outcome"] != "completed"]
-    for outcome, number in unusual["outcome"].value_counts().items():
-        print(f"{number} of {len(frame)} cases: {outcome}")
+    for line in unusual(frame, frame):
+        print(line)
     print(f"results in {folder}: {', '.join(name for name in MADE if (folder / name).exists())}")

@@ -17,6 +17,7 @@ from workbench.publish.notebook import NotebookFigure
 from workbench.publish.pictures import save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
 from workbench.publish.tables import shown_number, with_unit
+from workbench.simulation.run import COMPLETED
 from workbench.study.axis_values import are_names, numbers, shown_unit
 from workbench.study.names import shown_factor, signal_units, unit_of_column
 from workbench.study.report.schema import Curve, FigureSpec, Panel
@@ -173,6 +174,12 @@ def _draw_column(
     x = placed(found[panel.x].tolist())
     marked: LineStyle = {"marker": marker(number), **style}
     axes.plot(x, found[curve.y] * scale, label=curve.label or None, **marked)
+    unlike = found[found["outcome"] != COMPLETED]
+    if len(unlike):
+        outcomes = ", ".join(dict.fromkeys(unlike["outcome"].astype(str)))
+        points = placed(unlike[panel.x].tolist())
+        hollow: LineStyle = {**marked, "linestyle": "none"}
+        axes.plot(points, unlike[curve.y] * scale, label=outcomes, markerfacecolor="white", zorder=3, **hollow)
     if curve.published:
         axes.plot(
             placed(list(curve.published)),

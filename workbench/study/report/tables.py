@@ -19,6 +19,7 @@ from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import Column, Row, TableSpec
 from workbench.study.report.select import one_row, rows
 from workbench.study.report.table_layout import Heading, LayoutError, lay_out
+from workbench.study.report.unusual import unusual
 
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
@@ -166,10 +167,13 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
 
 def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
-    return write_frame(spec.name, Table(spec.title, make_table(spec, frame), _notes(spec)), folder)
+    return write_frame(spec.name, Table(spec.title, make_table(spec, frame), _notes(spec, frame)), folder)
 
 
-def _notes(spec: TableSpec) -> list[str]:
+def _notes(spec: TableSpec, frame: pd.DataFrame) -> list[str]:
     source = f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else ""
     has_places = spec.across is not None and spec.places is not False
-    return [text for text in (source, PLACES if has_places else "", spec.note) if text]
+    conditions = [*(column.where for column in spec.columns), *(row.where for row in spec.rows)]
+    shown = pd.concat([rows(frame, {**spec.where, **where}) for where in conditions])
+    lines = [f"{line}." for line in unusual(shown[~shown.index.duplicated()], frame)]
+    return [text for text in (source, PLACES if has_places else "", spec.note, *lines) if text]

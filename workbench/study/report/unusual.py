@@ -1,0 +1,30 @@
+"""Which cases did not simply complete, in words: their figures are not what the axes say."""
+
+import pandas as pd
+
+from workbench.simulation.run import COMPLETED
+from workbench.study.names import in_words
+
+NAMED = 3
+"""Cases of one outcome that are named, at most."""
+
+
+def unusual(frame: pd.DataFrame, whole: pd.DataFrame) -> list[str]:
+    """A line for each outcome of cases of `frame` other than "completed", with those cases.
+
+    A case is named by the axes along which the cases of `whole`, all results, differ.
+    """
+    names = [str(name) for name in whole.columns[: list(whole.columns).index("outcome")]]
+    axes = [name for name in names if whole[name].nunique(dropna=False) > 1]
+    lines = []
+    for outcome, rows in frame[frame["outcome"] != COMPLETED].groupby("outcome", sort=False):
+        cases = rows[axes].head(NAMED).to_dict("records")
+        named = [in_words({str(name): _shown(case[name]) for name in axes if pd.notna(case[name])}) for case in cases]
+        more = [f"{len(rows) - NAMED} more"] if len(rows) > NAMED else []
+        which = f" ({'; '.join([*named, *more])})" if len(rows) < len(frame) else ""
+        lines.append(f"{len(rows)} of {len(frame)} case{'s' * (len(frame) > 1)}: {outcome}{which}")
+    return lines
+
+
+def _shown(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
