@@ -14,6 +14,13 @@ T = TypeVar("T", covariant=True)
 Check: TypeAlias = Callable[[Any], None]
 
 
+GROUPS = "friction_workbench."
+"""What the groups of entry points begin with."""
+
+OURS = ("controllers", "plants", "workbench")
+"""The packages of this program."""
+
+
 class Plugin(NamedTuple):
     """Where an entry point leads: to an object, or to a failure in words; `package` as messages say it."""
 
@@ -70,6 +77,16 @@ def _loaded(group: str, kind: type, check: Check, search_path: tuple[str, ...]) 
 def _points(search_path: tuple[str, ...]) -> Any:
     """Those of all packages: looking for them takes long, and serves every kind at once."""
     return entry_points()
+
+
+def owner_of(module: str) -> str:
+    """The package, as messages say it, among whose plug-ins a module is; "" of any other module."""
+    top, every = module.partition(".")[0], _points(tuple(sys.path))
+    points = [point for group in every.groups if group.startswith(GROUPS) for point in every.select(group=group)]
+    for point in points:
+        if top not in OURS and point.module.partition(".")[0] == top:
+            return f'package "{point.dist.name}"' if point.dist else f"package {top}"
+    return ""
 
 
 def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:

@@ -190,6 +190,13 @@ def test_what_is_seldom_meant_is_a_warning() -> None:
         small()
 
 
+def test_what_a_run_holds_cannot_be_changed() -> None:
+    run = wb.simulate(small())
+    for array in (run.time, run.run.states, run.run.inputs, run.run.measurements, run.run.memory):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0.0
+
+
 def test_a_run_as_a_frame_has_its_units() -> None:
     run = wb.simulate(small(controller=wb.pid(kp=500, ki=100)))
     frame = run.frame()
@@ -372,8 +379,11 @@ def test_a_tuning_of_a_dictionary_leaves_a_study_and_gains(tmp_path: Path) -> No
     assert workbench("check", tmp_path / "out" / "study.toml").code == 0
     loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(gains=str(gains)))
     assert loop.gains.proportional == pytest.approx(result.best["kp"])
+    assert repr(tuning).startswith("a dictionary that is tuned\np reaches an objective of ")
     with pytest.raises(wb.UserError, match="holds trials already"):
         wb.tune(content, tmp_path / "out", controllers=["p"])
+    with pytest.raises(wb.UserError, match="trials: got 0, expected 1 or more"):
+        wb.tune(content, controllers=["p"], trials=0)
 
 
 def test_questions_say_what_is_wrong(tmp_path: Path) -> None:

@@ -270,15 +270,21 @@ IT = replace(PID, name="mine", design=design)
 """
 
 
-def test_a_slip_in_the_code_of_a_plugin_is_not_blamed_on_the_study(
+def test_a_slip_in_the_code_of_a_plugin_is_one_line_and_not_blamed_on_the_study(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     brings(tmp_path, "friction_workbench.controllers", "mine = slip:IT")
     visible(tmp_path, monkeypatch)
     monkeypatch.delitem(sys.modules, "slip", raising=False)
     write(tmp_path, SLIP, "slip.py")
+    study = write(tmp_path, changed('"pid"', '"mine"', DRIVE))
+    said = (
+        "package \"other\": AttributeError: 'Settings' object has no attribute 'gain', in \"design\" (slip.py, line 4)"
+    )
+    done = workbench("check", study)
+    assert (done.code, done.err) == (2, f"error: {said} (--debug shows all of it)\n")
     with pytest.raises(AttributeError, match="gain"):
-        workbench("check", write(tmp_path, changed('"pid"', '"mine"', DRIVE)))
+        workbench("--debug", "check", study)
 
 
 def test_a_list_shows_the_name_that_studies_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,7 +35,9 @@ for name in COMMANDS:
 
 
 def main() -> None:
-    """Run the command line. A user's mistake, or a file system's, is one or two lines and exit code 2."""
+    """Run the command line. A user's mistake, or a file system's, or one in a plug-in's code, is one or two lines and
+    exit code 2.
+    """
     # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -47,4 +49,12 @@ def main() -> None:
             raise
         place = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
         print(f"error: {place}", file=sys.stderr)
+        sys.exit(2)
+    except Exception as error:
+        from workbench.cli.mistakes import of_plugin
+
+        mistake = of_plugin(error)
+        if not mistake or "--debug" in sys.argv:
+            raise
+        print(f"error: {mistake} (--debug shows all of it)", file=sys.stderr)
         sys.exit(2)

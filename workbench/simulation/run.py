@@ -36,7 +36,7 @@ HARDLY_MOVES = 0.05
 
 @dataclass(frozen=True)
 class Run:
-    """What happened. Arrays over the sample instants; `outcome` in words.
+    """What happened. Arrays over the sample instants, which cannot be written to; `outcome` in words.
 
     `memory` holds the controller's state after each sample: its estimates, its integral.
     """
@@ -52,6 +52,10 @@ class Run:
     reference: tuple[np.ndarray, np.ndarray, np.ndarray] | None
     outcome: str
     steps: int
+
+    def __post_init__(self) -> None:
+        for array in (self.time, self.states, self.inputs, self.measurements, self.memory, *(self.reference or ())):
+            array.flags.writeable = False
 
     @functools.cached_property
     def signals(self) -> Mapping[str, np.ndarray]:

@@ -132,6 +132,8 @@ def prepared(study: Study, wanted: Sequence[str], trials: int | None) -> tuple[S
         UserError: no [tune], no such controller, or a mistake in what is asked of one of them.
     """
     table = tune_table(study)
+    if trials is not None and trials < 1:
+        raise UserError(f"trials: got {trials}, expected 1 or more")
     if trials is not None:
         table = table.model_copy(update={"trials": trials})
     study = study.with_section("tune", table)

@@ -1,5 +1,6 @@
 """Results of the questions as a notebook shows them: the objects that the rooms make, each with its face."""
 
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, TypeVar
 
@@ -7,6 +8,11 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 T = TypeVar("T", bound="DataclassInstance")
+
+
+def told(title: str, lines: Sequence[str]) -> str:
+    """A result as a terminal shows it: what was found, in words."""
+    return "\n".join([title, *lines])
 
 
 def shown_as(kind: type[T], result: "DataclassInstance") -> T:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from workbench.api.faces import told
 from workbench.diagnose.report.figures.every import pictures_of
 from workbench.diagnose.report.folder import tables_of
 from workbench.diagnose.report.sureness import sureness
@@ -16,6 +17,9 @@ DRAWN = ("simulation", "flow_time", "force_time")
 @dataclass(frozen=True, eq=False, repr=False)
 class ShownDiagnosis(Diagnosis):
     """Shown by verdict, how sure it is, the error before and after, and the plant against its records."""
+
+    def __repr__(self) -> str:
+        return told(self.experiment.title, [verdict_sentence(self)])
 
     def _repr_html_(self) -> str:
         pictures, tables = pictures_of(self), tables_of(self)
