@@ -242,7 +242,8 @@ def test_the_wrong_kind_of_file(tmp_path: Path) -> None:
     open_loop = write(tmp_path, 'title = "no controller"\n[cases.one]\n', "open_loop.toml")
     for command in ("identify", "diagnose"):
         fails(workbench(command, open_loop, "--out", "x"), f"{open_loop}: this is a study")
-        fails(workbench(command, study, "--out", "x"), f"{study}: this is a study; use workbench run {study} --out x")
+        told = f"{study}: this is a study, not an experiment; workbench run {study}, or wb.Study, runs it"
+        fails(workbench(command, study, "--out", "x"), told)
     fails(workbench("run", experiment, "--out", "x"), f"this is an experiment; use workbench identify {experiment}")
 
 

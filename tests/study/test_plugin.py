@@ -159,7 +159,7 @@ IT = replace(PID, name="mine", step=step)
     [
         ("np.tnh(reference.position)", "module 'numpy' has no attribute 'tnh'"),
         ("tanh(reference.position)", "NameError: name 'tanh' is not defined"),
-        ("reference.positon", "Unknown attribute 'positon' of type Reference(float64 x 3)"),
+        ("reference.positon", "Unknown attribute 'positon' of type Reference(float64 x 3), in typo.py, line 7"),
     ],
 )
 def test_a_step_that_cannot_be_compiled_is_one_line(

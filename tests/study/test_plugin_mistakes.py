@@ -41,6 +41,21 @@ def test_a_metric_that_raises_is_one_line(tmp_path: Path, monkeypatch: pytest.Mo
     assert str(raised.value) == told
 
 
+def test_a_metric_that_finds_what_it_does_not_declare_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    brings(tmp_path, "friction_workbench.metrics", "iae = other_metric:IT")
+    visible(tmp_path, monkeypatch)
+    write(
+        tmp_path,
+        FAILING.replace('observed.run.signals["eror"].sum()', "1.0").replace('"iae_m_s":', '"iae":'),
+        "other_metric.py",
+    )
+    done = workbench("run", write(tmp_path, DRIVE), "--out", tmp_path / "out")
+    assert done.code == 2
+    assert done.err.endswith('metric "iae" of the package "other" finds iae, which its columns do not declare\n')
+
+
 BRANCHING = """\
 from plants.equation import equation
 from plants.laws.interface import FrictionLaw, Nothing

@@ -1,6 +1,6 @@
 """workbench diagnose: what a plant lacks, by its records."""
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents, refuse_study
+from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
 from workbench.cli.progress import ProgressLine
 
 
@@ -9,7 +9,6 @@ def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) 
     from workbench.diagnose.diagnose import diagnose
     from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
 
-    refuse_study(experiment, out)
     check_folder(out, overwrite)
     with ProgressLine() as progress:
         diagnosis = diagnose(experiment, progress)

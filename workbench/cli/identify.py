@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents, refuse_study
+from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
 from workbench.cli.progress import ProgressLine
 from workbench.errors import UserError, nearest
 
@@ -24,7 +24,6 @@ def command(
 
     if method is not None and method not in METHODS:
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
-    refuse_study(experiment, out)
     content = read_experiment(experiment)
     check_folder(out, overwrite)
     try:

@@ -22,20 +22,6 @@ Where = Annotated[
 ]
 
 
-def refuse_study(path: Path, out: Path) -> None:
-    """Say that a file is a study, where an experiment is expected.
-
-    Raises:
-        UserError: it is one.
-    """
-    from workbench.records.experiment import is_experiment
-    from workbench.toml.reading import read_toml
-
-    data, _ = read_toml(path)
-    if not is_experiment(data) and data.keys() & {"cases", "axes", "controllers", "references", "simulation"}:
-        raise UserError(f"{path}: this is a study; use workbench run {path} --out {out}")
-
-
 def conditions(where: list[str] | None) -> dict[str, str]:
     """What --where asks for, by column.
 

@@ -52,7 +52,10 @@ def evaluate(
         if only is None or any(column.name in only for column in metric.columns)
     }
     for find, name in wanted.items():
-        figures.update(_figures(name, find, observed))
+        found_here = _figures(name, find, observed)
+        if undeclared := [column for column in found_here if column not in figures]:
+            raise MetricError(f"{METRICS.called(name)} finds {', '.join(undeclared)}, which its columns do not declare")
+        figures.update(found_here)
     return figures
 
 

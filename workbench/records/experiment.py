@@ -109,6 +109,10 @@ class Experiment:
         return {**self.values, **dict(zip(names, to_array(self.parameters()).tolist(), strict=True))}
 
 
+OF_STUDIES = {"cases", "axes", "controllers", "references", "simulation"}
+"""Tables of studies that no experiment has."""
+
+
 def is_experiment(data: Mapping[str, object]) -> bool:
     """Whether the content of a TOML file is that of an experiment."""
     records = data.get("records")
@@ -122,6 +126,8 @@ def read_experiment(path: Path) -> Experiment:
         UserError: the first mistake, with file, line and key.
     """
     data, text = files.read_toml(path)
+    if not is_experiment(data) and data.keys() & OF_STUDIES:
+        raise UserError(f"{path}: this is a study, not an experiment; workbench run {path}, or wb.Study, runs it")
     content = files.validate(ExperimentFile, data, path, text)
     try:
         return _resolved(content, path)

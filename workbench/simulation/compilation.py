@@ -2,9 +2,11 @@
 
 import functools
 import itertools
+import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,12 @@ from workbench.errors import UserError
 
 NUMBA_FAILED = "Failed in nopython mode pipeline"
 """What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
+
+PLACE = re.compile(r'File "([^"]+)", line (\d+)')
+"""How it names a place."""
+
+OURS = tuple(Path(__file__).parents[2] / name for name in ("controllers", "plants", "workbench"))
+"""Where this program's own code lies."""
 
 DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
 """C signature: time, state, inputs, parameters, rates (out)."""
@@ -153,4 +161,7 @@ def _told(kind: str, name: str) -> Iterator[None]:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         causes = [later for line, later in itertools.pairwise(lines) if NUMBA_FAILED in line]
         reason = " ".join((causes or lines or [type(error).__name__])[-1].split())
-        raise UserError(f'{kind} "{name}" cannot be compiled: {reason} (--debug shows all of it)') from error
+        places = [(Path(file).resolve(), line) for file, line in PLACE.findall(str(error))]
+        theirs = [(file.name, line) for file, line in places if not any(map(file.is_relative_to, OURS))]
+        where = f", in {theirs[-1][0]}, line {theirs[-1][1]}" if theirs else ""
+        raise UserError(f'{kind} "{name}" cannot be compiled: {reason}{where} (--debug shows all of it)') from error
