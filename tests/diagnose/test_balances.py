@@ -15,6 +15,7 @@ from plants.laws.maxwell_slip import GMS
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.null import null_motion
 from workbench.diagnose.residuals.shown import balances_shown
 from workbench.diagnose.residuals.unknowns import unknown
 from workbench.diagnose.residuals.walk import _step
@@ -139,6 +140,18 @@ def test_a_linear_balance_holds_for_a_motion_that_is_sampled_coarsely() -> None:
     motion = motion_along(plant, values=heavy, lines=(5, 25), sample_time=1e-2)
     inertia = heavy["mass"] * float(np.std(motion.acceleration[motion.valid]))
     assert left(Along(plant, "derived"), motion, "force", heavy) * VALUES["coulomb"] < 5e-3 * inertia
+
+
+@pytest.mark.parametrize("name", ["rotating_isotropic", "rotating_isotropic_ideal"])
+def test_a_simulation_that_lacks_nothing_turns_as_the_record_does(name: str) -> None:
+    """The voltage that holds the rod's speed at rest is not added to the recorded one."""
+    plant = plants()[name]
+    motion, along = motion_along(plant), Along(plant, "derived")
+    null = null_motion(along, motion, VALUES, 0)
+    assert null is not None
+    assert np.mean(null.channels["rotation_speed"]) == pytest.approx(SPEED, rel=1e-2)
+    for balance in balances_shown(plant, null.channels):
+        assert left(along, null, balance) < 0.02, balance
 
 
 def test_a_plant_that_delays_its_command_is_not_given_a_late_one() -> None:

@@ -46,6 +46,7 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
         for name in (item.name for item in fields(plant.Inputs))
         if given_by(record.channels, name)
     ]
+    inputs = inputs._replace(**dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
     run = simulate(
         Setup(
             plant=plant,
