@@ -207,8 +207,11 @@ def test_a_run_as_a_frame_has_its_units() -> None:
     np.testing.assert_array_equal(frame["position"], run.run.state("position"))
 
 
-def test_a_plot_has_a_panel_for_each_signal_and_units_on_its_axes() -> None:
+def test_a_plot_has_a_panel_for_each_unit() -> None:
     run = wb.simulate(small())
+    beside = run.plot("position", "valve_voltage", "reference_position").axes
+    assert [axes.get_ylabel() for axes in beside] == ["position, reference position (m)", "valve voltage (V)"]
+    assert [text.get_text() for text in beside[0].get_legend().get_texts()] == ["position", "reference position"]
     figure = run.plot("position", "valve_voltage")
     assert [axes.get_ylabel() for axes in figure.axes] == ["position (m)", "valve voltage (V)"]
     assert figure.axes[-1].get_xlabel() == "time (s)"

@@ -118,6 +118,8 @@ def test_cases_that_did_not_simply_complete_are_named_below_the_table(tmp_path: 
         "2 of 6 cases: torque-limited (rpm 460, controller p; rpm 460, controller pd)",
     ]
     assert unusual(frame[frame["outcome"] == "stuck"], frame) == ["1 of 1 case: stuck"]
+    unchecked = frame.assign(solver_error_m=[1e-9, None, None, None, 1e-9, None], draw=[1, 1, 1, 1, 2, 2])
+    assert unusual(unchecked, unchecked)[-1] == "1 of 6 cases: no solver error, a finer integration ends early"
 
 
 def test_a_table_across_an_axis_has_one_column() -> None:
@@ -192,7 +194,7 @@ def test_columns_that_are_empty_throughout_are_left_out() -> None:
 
 def test_conditions_of_a_table() -> None:
     columns = [{"result": "phase_lag_deg", "label": "lag"}]
-    assert table(index="rpm", where={"rpm": 120}, columns=columns)["lag"].tolist() == ["7.985"]
+    assert table(index="rpm", where={"rpm": 120}, columns=columns)["lag (deg)"].tolist() == ["7.985"]
     with pytest.raises(UserError, match=r'table t, row "lag": 3 cases for no condition, expected one'):
         table(rows=columns)
     with pytest.raises(UserError, match=r'table t, row "lag": no case for rpm 7, expected one'):

@@ -64,7 +64,7 @@ class CaseResult:
         return frame
 
     def plot(self, *names: str, against: str = "time") -> "NotebookFigure":
-        """A matplotlib figure of these signals, a panel each, over time or another signal; SI units.
+        """A matplotlib figure of these signals, a panel for each unit, over time or another signal; SI units.
 
         Raises:
             UserError: no such signal, or none was kept.

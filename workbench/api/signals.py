@@ -1,6 +1,6 @@
 """Signals over time as a notebook has them: their units, and pictures of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -38,7 +38,7 @@ def units_of(run: Run) -> dict[str, str]:
 
 
 def plot_signals(frame: pd.DataFrame, names: Sequence[str], against: str, title: str) -> "NotebookFigure":
-    """Signals of a frame, a panel each, over another one; in the units of the frame.
+    """Signals of a frame over another one, a panel for each unit; in the units of the frame.
 
     Raises:
         UserError: no such signal, or none asked for.
@@ -54,17 +54,23 @@ def plot_signals(frame: pd.DataFrame, names: Sequence[str], against: str, title:
             raise UserError(f'there is no signal "{name}"; {nearest(name, known)}')
     if not names:
         raise UserError("plot: no signal is named; expected one such as position")
+    alike: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        alike.setdefault(units[name], []).append(name)
     with figure_style():
-        figure = NotebookFigure(figsize=(WIDTH, PANEL_HEIGHT * len(names)))
+        figure = NotebookFigure(figsize=(WIDTH, PANEL_HEIGHT * len(alike)))
         FigureCanvasAgg(figure)
         figure.suptitle(title)
-        panels = figure.subplots(len(names), sharex=True, squeeze=False)[:, 0]
-        for number, (axes, name) in enumerate(zip(panels, names, strict=True)):
-            axes.plot(frame[against], frame[name], **line_style(number))
-            axes.set_ylabel(_label(name, units))
-        panels[-1].set_xlabel(_label(against, units))
+        panels = figure.subplots(len(alike), sharex=True, squeeze=False)[:, 0]
+        for axes, (unit, shown) in zip(panels, alike.items(), strict=True):
+            for number, name in enumerate(shown):
+                axes.plot(frame[against], frame[name], label=_words(name), **line_style(number))
+            axes.set_ylabel(with_unit(", ".join(map(_words, shown)), unit))
+            if len(shown) > 1:
+                axes.legend()
+        panels[-1].set_xlabel(with_unit(_words(against), units[against]))
     return figure
 
 
-def _label(name: str, units: Mapping[str, str]) -> str:
-    return with_unit(name.replace("_", " "), units[name])
+def _words(name: str) -> str:
+    return name.replace("_", " ")

@@ -96,6 +96,11 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
+def _unit(figure: Column | Row) -> str:
+    """The unit in which a figure is shown: as it is stored, in SI, unless it says so."""
+    return unit_of_column(figure.result) if figure.unit == "1" else figure.unit
+
+
 def _cells(
     spec: TableSpec,
     heading: Heading,
@@ -107,7 +112,7 @@ def _cells(
     column = heading.column
     shown = [("", None) if case is None else _shown(case, column) for case in cases]
     label = column.label if heading.across is None else f"{column.label}, {_label(heading.across)}"
-    title = with_unit(label, column.unit)
+    title = with_unit(label, _unit(column))
     if heading.across is not None and spec.places is not False:
         return [{title: text} for text in _placed(column, shown, cases)]
     if not column.published:
@@ -158,7 +163,7 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
     text, number = _shown({str(name): value for name, value in found.items()}, row)
     return {
         "quantity": row.label,
-        "unit": row.unit if row.unit != "1" else "",
+        "unit": "" if (unit := _unit(row)) == "1" else unit,
         OURS: text,
         **_compared(number, row.published, row.digits, spec.compared_with),
         REMARK: row.remark,

@@ -5,6 +5,8 @@ import pandas as pd
 from workbench.simulation.run import COMPLETED
 from workbench.study.names import in_words
 
+SOLVER_ERROR = "solver_error_m"
+
 NAMED = 3
 """Cases of one outcome that are named, at most."""
 
@@ -23,6 +25,13 @@ def unusual(frame: pd.DataFrame, whole: pd.DataFrame) -> list[str]:
         more = [f"{len(rows) - NAMED} more"] if len(rows) > NAMED else []
         which = f" ({'; '.join([*named, *more])})" if len(rows) < len(frame) else ""
         lines.append(f"{len(rows)} of {len(frame)} case{'s' * (len(frame) > 1)}: {outcome}{which}")
+    unchecked = (frame["outcome"] == COMPLETED) & frame[SOLVER_ERROR].isna() if SOLVER_ERROR in frame else None
+    if unchecked is not None and "draw" in frame:
+        unchecked &= frame["draw"] == frame["draw"].min()  # on the others nobody looks
+    if unchecked is not None and (number := int(unchecked.sum())):
+        lines.append(
+            f"{number} of {len(frame)} case{'s' * (len(frame) > 1)}: no solver error, a finer integration ends early"
+        )
     return lines
 
 
