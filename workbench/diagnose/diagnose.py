@@ -1,16 +1,19 @@
 """The whole diagnosis of an experiment: records, residual stage, simulation stage, held-out records."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from workbench.diagnose.before_after import errors_of
 from workbench.diagnose.effects import effects_of_both, effects_of_steps, fitted_parameters, sensor_offset
 from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.residual_stage import residual_stage, with_effects_of
-from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.residual_stage import ResidualStage, residual_stage, with_effects_of
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
-from workbench.diagnose.simulation.stage import simulation_stage
+from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
 from workbench.progress import Progress, silent
-from workbench.records.experiment import read_experiment
+from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
 
 
@@ -33,12 +36,35 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     for result in stage.results:
         effects += effects_of_steps(result.balance, result.after, result.steps)
     simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), progress)
+    diagnosis = _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
+    if simulation is not None and simulation.is_in_doubt and _is_denied(diagnosis, stage):
+        plain = simulation.without_additions()
+        diagnosis = _diagnosis(experiment, held_out, declared, effects, stage, plain, progress)
+    return diagnosis
+
+
+def _is_denied(diagnosis: Diagnosis, stage: ResidualStage) -> bool:
+    """Whether the balances speak against what a simulation that is far from noise adds: they depend on a signal, leave
+    more than before of the records that were fitted, or of those that were held out.
+    """
+    pairs = zip(diagnosis.results, stage.results, strict=True)
+    leaves_more = any(own.after.rms > WORSE * its.after.rms for own, its in pairs)
+    return leaves_more or diagnosis.unexplained is not None or diagnosis.is_rejected
+
+
+def _diagnosis(
+    experiment: Experiment,
+    held_out: Sequence[Motion],
+    declared: Values,
+    effects: Sequence[FoundEffect],
+    stage: ResidualStage,
+    simulation: SimulationStage | None,
+    progress: Progress,
+) -> Diagnosis:
+    """What both stages say together: `effects` are those of the residual stage, and of a sensor."""
     if simulation is not None:
-        refitted = with_effects_of(stage, experiment, effects, simulation)
-        if simulation.is_in_doubt and (refitted.is_worse_than(stage) or any(refitted.dependences)):
-            simulation = simulation.without_additions()
-            refitted = with_effects_of(stage, experiment, effects, simulation)
-        effects, stage = effects_of_both(effects, simulation), refitted
+        stage = with_effects_of(stage, experiment, effects, simulation)
+        effects = effects_of_both(effects, simulation)
     fits = [*stage.results]
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances

@@ -8,7 +8,7 @@ from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.result import IDENTIFIED, WORSE, FoundEffect
+from workbench.diagnose.result import IDENTIFIED, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular, select
 from workbench.diagnose.selection.unexplained import Dependence, dependence
 from workbench.diagnose.simulation.setup import behind_backlash
@@ -49,11 +49,6 @@ class ResidualStage:
         residual has in it what others leave open.
         """
         return [_depends(result.after) if result.after.names else None for result in self.results]
-
-    def is_worse_than(self, other: "ResidualStage") -> bool:
-        """Whether a balance of the fitted records has a larger residual."""
-        pairs = zip(self.results, other.results, strict=True)
-        return any(own.after.rms > WORSE * its.after.rms for own, its in pairs)
 
     def simulation_start(self, effects: Sequence[FoundEffect]) -> SimulationStart:
         """What the simulation stage begins with, with the effects that were found so far."""
