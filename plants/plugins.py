@@ -79,6 +79,11 @@ def _points(search_path: tuple[str, ...]) -> Any:
     return entry_points()
 
 
+def reason_of(error: Exception) -> str:
+    """What an exception says, on one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
 def owner_of(module: str) -> str:
     """The package, as messages say it, among whose plug-ins a module is; "" of any other module."""
     top, every = module.partition(".")[0], _points(tuple(sys.path))
@@ -97,7 +102,6 @@ def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
             raise TypeError(f"got {type(found).__name__}, expected {kind.__name__}")
         check(found)
     except Exception as error:  # noqa: BLE001  the code of others may raise anything
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        failure = f"{point.value}{package} cannot be used ({reason}); mend or uninstall the package"
+        failure = f"{point.value}{package} cannot be used ({reason_of(error)}); mend or uninstall the package"
         return Plugin(point.module, package, None, failure)
     return Plugin(point.module, package, found, "")

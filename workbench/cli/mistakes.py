@@ -3,7 +3,7 @@
 import traceback
 from pathlib import Path
 
-from plants.plugins import OURS, owner_of
+from plants.plugins import OURS, owner_of, reason_of
 
 
 def of_plugin(error: Exception) -> str:
@@ -13,8 +13,6 @@ def of_plugin(error: Exception) -> str:
         if module.partition(".")[0] in OURS:
             return ""
         if owner := owner_of(module):
-            reason = " ".join(f"{type(error).__name__}: {error}".split())
-            return (
-                f'{owner}: {reason}, in "{frame.f_code.co_name}" ({Path(frame.f_code.co_filename).name}, line {line})'
-            )
+            code = frame.f_code
+            return f'{owner}: {reason_of(error)}, in "{code.co_name}" ({Path(code.co_filename).name}, line {line})'
     return ""

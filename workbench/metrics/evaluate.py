@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 
+from plants.plugins import reason_of
 from workbench.errors import MetricError, UserError
 from workbench.metrics.interface import Figures, Observed
 from workbench.metrics.registry import METRICS, OUTCOME, SOLVER, columns
@@ -68,8 +69,7 @@ def _figures(name: str, find: Callable[[Observed], Figures], observed: Observed)
     except Exception as error:
         if name in METRICS.ours:
             raise
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise MetricError(f"{METRICS.called(name)} fails: {reason} (--debug shows all of it)") from error
+        raise MetricError(f"{METRICS.called(name)} fails: {reason_of(error)} (--debug shows all of it)") from error
 
 
 _SOLVER_NAMES = {column.name for column in SOLVER}

@@ -10,6 +10,7 @@ from plants.effects.registry import EFFECTS
 from plants.equation import Equation
 from plants.interface import Plant
 from plants.laws.registry import LAWS
+from plants.plugins import reason_of
 from plants.registry import PLANTS
 from workbench.errors import UserError
 
@@ -31,7 +32,7 @@ def arrays_told(plant: Plant) -> Iterator[None]:
         if not owner and AMBIGUOUS not in str(error):
             raise
         last = traceback.extract_tb(error.__traceback__)[-1]
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        reason = reason_of(error)
         if AMBIGUOUS in str(error):
             reason = 'in place of a condition ("if", "and", "max") use select(condition, a, b) or np.where'
         place = f'"{last.name}" ({Path(last.filename).name}, line {last.lineno})'

@@ -16,6 +16,7 @@ from controllers.interface import Controller, Reference
 from plants.compiled import POINTER, CFunction, caller, compiled, pack, unpack
 from plants.equation import fingerprint
 from plants.interface import Measurement, Plant
+from plants.plugins import OURS
 from workbench.errors import UserError
 
 NUMBA_FAILED = "Failed in nopython mode pipeline"
@@ -24,7 +25,7 @@ NUMBA_FAILED = "Failed in nopython mode pipeline"
 PLACE = re.compile(r'File "([^"]+)", line (\d+)')
 """How it names a place."""
 
-OURS = tuple(Path(__file__).parents[2] / name for name in ("controllers", "plants", "workbench"))
+FOLDERS = tuple(Path(__file__).parents[2] / name for name in OURS)
 """Where this program's own code lies."""
 
 DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
@@ -162,6 +163,6 @@ def _told(kind: str, name: str) -> Iterator[None]:
         causes = [later for line, later in itertools.pairwise(lines) if NUMBA_FAILED in line]
         reason = " ".join((causes or lines or [type(error).__name__])[-1].split())
         places = [(Path(file).resolve(), line) for file, line in PLACE.findall(str(error))]
-        theirs = [(file.name, line) for file, line in places if not any(map(file.is_relative_to, OURS))]
+        theirs = [(file.name, line) for file, line in places if not any(map(file.is_relative_to, FOLDERS))]
         where = f", in {theirs[-1][0]}, line {theirs[-1][1]}" if theirs else ""
         raise UserError(f'{kind} "{name}" cannot be compiled: {reason}{where} (--debug shows all of it)') from error

@@ -72,7 +72,7 @@ def walk(
     z, x, rates, other = rest.copy(), rest.copy(), np.empty(size), np.empty(size)
     free, bends, slopes = np.empty(size), np.empty(size), np.empty(size)
     ahead, slopes_ahead, slopes_known = np.empty(size), np.empty(size), False
-    before, expected = np.empty(size), np.empty(size)
+    before, expected, limits = np.empty(size), np.empty(size), nudges / sample_time
     p, steps = address(parameters), inputs.shape[1]
     by_motion = hidden.size > settled.size
     most = 1 if by_motion else max(round(REFRESHED / sample_time), 1)
@@ -85,7 +85,7 @@ def walk(
         if still[k]:
             x[velocity] = 0.0
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
-        if slopes_known and by_motion and _bends(rates, expected, contact, nudges / sample_time):
+        if slopes_known and by_motion and _bends(rates, expected, contact, limits):
             way = (known[k - 1], known[k])
             _in_parts(
                 derivatives, time[k], x, u, p, hidden, groups, shown, contact, way, before, z, nudges, sample_time

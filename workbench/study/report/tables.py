@@ -19,11 +19,9 @@ from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import Column, Row, TableSpec
 from workbench.study.report.select import one_row, rows
 from workbench.study.report.table_layout import Heading, LayoutError, lay_out
-from workbench.study.report.unusual import unusual
+from workbench.study.report.unusual import SOLVER_ERROR, unusual
 
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
-
-SOLVER_ERROR = "solver_error_m"
 
 PLACES = "In brackets the place in the column."
 
