@@ -132,6 +132,11 @@ class Plant:
         """Unit of the command, "V" or "N"."""
         return next(field.unit for field in fields(self.Inputs) if field.name == self.command)
 
+    @property
+    def axis(self) -> str:
+        """Unit of the position: "m" of an axis that goes straight, "rad" of one that turns (`plants.axis`)."""
+        return next(field.unit for field in fields(self.State) if field.name == "position")
+
     def input_index(self, name: str) -> int:
         """Place of an input among `Inputs`."""
         return [field.name for field in fields(self.Inputs)].index(name)
