@@ -25,7 +25,7 @@ from scipy.integrate import solve_ivp
 
 from controllers.pid import PID, Settings
 from plants.equation import fields, from_array, to_array
-from plants.non_rotating import NON_ROTATING as PLANT
+from plants.registry import THESIS as PLANT
 from workbench.linear.linearise import nonlinear_system, symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.compilation import compile_derivatives

@@ -12,7 +12,7 @@ import casadi
 import numpy as np
 
 from plants.equation import fields, to_array
-from plants.non_rotating import NON_ROTATING, Inputs
+from plants.registry import THESIS
 from workbench.linear.linearise import symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Sine
@@ -27,13 +27,13 @@ SUBSTEPS = 5
 """Runge-Kutta steps a sample in CasADi; the fastest rate of this run is 2300 1/s."""
 
 VALUES = dict(read_parameters(named_sets()["owen2001_experiment"]))
-NAMES = [item.name for item in fields(NON_ROTATING.Parameters)]
+NAMES = [item.name for item in fields(THESIS.Parameters)]
 
 
 def outputs(changes: dict[str, float], integrator: Integrator) -> np.ndarray:
-    parameters = build(NON_ROTATING.Parameters, {**VALUES, **changes})
-    state = NON_ROTATING.equilibrium(parameters, 0.0)[0]._replace(position=START)
-    setup = Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), DURATION, feeds=(Feed("valve_voltage", VOLTAGE),))
+    parameters = build(THESIS.Parameters, {**VALUES, **changes})
+    state = THESIS.equilibrium(parameters, 0.0)[0]._replace(position=START)
+    setup = Setup(THESIS, parameters, state, THESIS.Inputs(0.0, 0.0), DURATION, feeds=(Feed("valve_voltage", VOLTAGE),))
     return simulate(replace(setup, integrator=integrator)).states[:, OUTPUTS]
 
 
@@ -48,8 +48,8 @@ def differences(step: float, integrator: Integrator) -> np.ndarray:
 
 def sensitivities() -> np.ndarray:
     """Exact sensitivities of a Runge-Kutta solution: CasADi's derivatives of the equations, folded over the samples."""
-    function = symbolic(NON_ROTATING)
-    count = len(fields(NON_ROTATING.State))
+    function = symbolic(THESIS)
+    count = len(fields(THESIS.State))
     x, voltage, p = casadi.SX.sym("x", count), casadi.SX.sym("u", 2), casadi.SX.sym("p", len(NAMES))
     seeds = casadi.SX.sym("s", count, len(FREE))
     places = [NAMES.index(name) for name in FREE]
@@ -75,8 +75,8 @@ def sensitivities() -> np.ndarray:
     both = casadi.horzcat(following, advanced + by_parameters)
     sample = casadi.Function("sample", [casadi.horzcat(x, seeds), casadi.vertcat(voltage, p)], [both])
     samples = round(DURATION / SAMPLE)
-    parameters = build(NON_ROTATING.Parameters, VALUES)
-    state = NON_ROTATING.equilibrium(parameters, 0.0)[0]._replace(position=START)
+    parameters = build(THESIS.Parameters, VALUES)
+    state = THESIS.equilibrium(parameters, 0.0)[0]._replace(position=START)
     start = np.column_stack([to_array(state), np.zeros((count, len(FREE)))])
     volts = VOLTAGE(SAMPLE * np.arange(samples + 1))[0]
     inputs = np.vstack([volts[:-1], volts[1:], np.tile(to_array(parameters)[:, None], samples)])

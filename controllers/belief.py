@@ -4,12 +4,14 @@ A `design` whose belief is one of these needs that part of every plant; one that
 `isinstance` whether there is such a part. What a belief lacks is told where gains are designed.
 """
 
-from typing import Protocol, runtime_checkable
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
+from plants import authority
 from plants.anisotropic import Film, Guide
 from plants.friction import HasFriction, LuGre
-from plants.hydraulics import Hydraulic, Moving
+from plants.hydraulics import Bored, Hydraulic, Moving
 from plants.motor import HasMotor
+from plants.pneumatics import Pneumatic
 
 
 class Sliding(HasFriction, Moving, Protocol):
@@ -18,6 +20,29 @@ class Sliding(HasFriction, Moving, Protocol):
 
 class HydraulicSliding(Hydraulic, Sliding, Protocol):
     """A mass that slides with friction, moved by a valve and a cylinder."""
+
+
+class Velocities(NamedTuple):
+    """K_q: the velocity that a volt at the valve gives without a load, either way; and the lag with which it comes."""
+
+    forward: Annotated[float, "m/(s V)"]
+    backward: Annotated[float, "m/(s V)"]
+    time_constant: Annotated[float, "s"]
+
+
+def velocities(belief: object) -> Velocities | None:
+    """What a voltage is believed to do to the velocity; None of a plant whose command sets no velocity."""
+    if not isinstance(belief, Hydraulic | Pneumatic):
+        return None
+    valve = authority.authority(belief)
+    return Velocities(*authority.velocity_gains(valve), valve.time_constant)
+
+
+def bored(belief: object) -> Bored | None:
+    """The believed cylinder of a plant whose pressures say what force drives it; None of any other."""
+    if isinstance(belief, Pneumatic):
+        return belief.pneumatics
+    return belief.hydraulics if isinstance(belief, Hydraulic) else None
 
 
 class Turned(HasFriction, HasMotor, Protocol):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from controllers import compensation_laws as laws
-from controllers.belief import HasFriction, Hydraulic, Sliding
+from controllers.belief import HasFriction, Hydraulic, Pneumatic, Sliding, bored
 from controllers.believed_friction import (
     FILTER_TIME,
     RotationTimeConstant,
@@ -43,8 +43,8 @@ from controllers.velocity import (
     design_estimator,
     estimate_velocity,
 )
+from plants.authority import NONE, authority, velocity_gains
 from plants.equation import Scalar, equation
-from plants.hydraulics import no_load_velocity_gain, oil_volume, piston_area
 from plants.interface import Measurement
 
 LAWS: dict[str, Law] = {
@@ -130,7 +130,7 @@ Gauge: TypeAlias = Callable[[Measurement], Scalar]
 
 @equation
 def pressure_force(measurement: Measurement, realised: Scalar, gains: Gains) -> Scalar:
-    """Force (N) on the mass as a hydraulic rig measures it: A1 P1 - A2 P2."""
+    """Force (N) on the mass as a rig with a cylinder measures it: A1 P1 - A2 P2."""
     return gains.area_1 * measurement.pressure_1 - gains.area_2 * measurement.pressure_2
 
 
@@ -204,43 +204,39 @@ def design(settings: Settings, belief: Sliding, sample_time: float) -> Gains:
         settings.adaptation,
         low_pass_gain(settings.pressure_time_constant, sample_time),
     )
-    h = belief.hydraulics if isinstance(belief, Hydraulic) else None
-    area_1, area_2 = (h.piston_area_1, h.piston_area_2) if h is not None else (0.0, 0.0)
+    cylinder = bored(belief)
+    area_1, area_2 = (cylinder.piston_area_1, cylinder.piston_area_2) if cylinder is not None else (0.0, 0.0)
     turning = rotation_gain(settings.rotation_time_constant, sample_time)
     return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate, turning)
 
 
 def law_gains(settings: Any, belief: Sliding) -> LawGains:
     """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
-    if not isinstance(belief, Hydraulic):
-        return LawGains(settings.kp, settings.kd, settings.ka, *(0.0,) * 6, belief.body.mass, *(0.0,) * 7)
-    h = belief.hydraulics
-    area = float(piston_area(h))
+    if not isinstance(belief, Hydraulic | Pneumatic):
+        none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return LawGains(settings.kp, settings.kd, settings.ka, *none, belief.body.mass, NONE)
+    valve = authority(belief)
+    forward, backward = velocity_gains(valve)
     return LawGains(
         settings.kp,
         settings.kd,
         settings.ka,
-        settings.feedforward / float(no_load_velocity_gain(h)),
+        settings.feedforward / forward,
+        settings.feedforward / backward,
         settings.position_rate,
         settings.force_rate,
         settings.washout,
         settings.compression,
         settings.lead,
         belief.body.mass,
-        area,
-        float(oil_volume(h)) / (4.0 * h.bulk_modulus * area),
-        h.flow_pressure_share,
-        h.supply_pressure - h.tank_pressure,
-        h.valve_flow_gain,
-        h.valve_position_gain,
-        h.valve_time_constant,
+        valve,
     )
 
 
 @functools.cache
-def compensator(name: str, law: str = "valve_inversion", hydraulic: bool = True) -> Controller:
+def compensator(name: str, law: str = "valve_inversion", pressures: bool = True) -> Controller:
     """The controller made of the estimator `name` and a law, for a plant with measured pressures or without."""
-    return _compensator(name, law, hydraulic, without_use(name, law, hydraulic))
+    return _compensator(name, law, pressures, without_use(name, law, pressures))
 
 
 @functools.cache
@@ -250,9 +246,9 @@ def offered(name: str) -> Controller:
     return _compensator(name, "valve_inversion", True, unused)
 
 
-def _compensator(name: str, law: str, hydraulic: bool, unused: frozenset[str]) -> Controller:
+def _compensator(name: str, law: str, pressures: bool, unused: frozenset[str]) -> Controller:
     estimator = ESTIMATORS[name]
-    applied = pressure_force if hydraulic else commanded_force
+    applied = pressure_force if pressures else commanded_force
     gauge = name == ORACLE
     step = combine(estimator.estimate, LAWS[law], applied, true_friction if gauge else no_gauge)
     summary = f"friction compensation: {estimator.summary}"
@@ -268,15 +264,15 @@ def choose(name: str, settings: Settings, belief: object) -> Controller:
     Raises:
         ValueError: a law that the plant or the estimator has no use for.
     """
-    hydraulic = isinstance(belief, Hydraulic)
-    drive = isinstance(belief, HasFriction) and not hydraulic  # what has neither is told so when the gains are designed
+    pressures = bored(belief) is not None
+    drive = isinstance(belief, HasFriction) and not pressures  # what has neither is told so when the gains are designed
     if settings.law == "valve_inversion" and drive:
         raise ValueError('law = "valve_inversion" needs a valve; for a drive take law = "force_source"')
-    if settings.law == "force_source" and hydraulic:
+    if settings.law == "force_source" and pressures:
         raise ValueError('law = "force_source" needs a drive that gives any force at once; here take "valve_inversion"')
     if name == "load_pressure" and settings.law != "valve_inversion":
         raise ValueError(
             f'law = "{settings.law}" needs a friction estimate, and "load_pressure" has none: with F^ = A P_L the '
             'estimated acceleration (A P_L - F^) / M is always 0; take law = "valve_inversion"'
         )
-    return compensator(name, settings.law, hydraulic)
+    return compensator(name, settings.law, pressures)

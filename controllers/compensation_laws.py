@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 import numpy as np
 
 from controllers.settings import DECADES, SHARE, About, Needs, Tuned
+from plants.authority import Authority, speed_of_opening
 from plants.equation import Scalar, equation, select
 
 _FEEDBACK, _INVERSION = Needs("law", "acceleration_feedback"), Needs("law", "valve_inversion")
@@ -46,7 +47,7 @@ Lead = Annotated[
 ]
 
 LOWEST_DROP = 0.05
-"""Smallest share of the supply pressure that a valve inversion counts on: the root must not vanish."""
+"""Smallest share of the force at which a piston stalls that a valve inversion counts on: the root must not vanish."""
 
 FORCE_STIFFNESS, FORCE_DAMPING = 3600.0, 84.0
 """1/s^2 and 1/s: error dynamics of the ideal force source (60 rad/s, damping ratio 0.7)."""
@@ -71,25 +72,20 @@ class LawState(NamedTuple):
 
 
 class LawGains(NamedTuple):
-    """Gains, and what is believed of valve, cylinder and mass."""
+    """Gains, with a feed-forward for either direction, and what is believed of mass, valve and fluid."""
 
     proportional: Annotated[float, "command/m"]
     derivative: Annotated[float, "command s/m"]
     acceleration: Annotated[float, "command s^2/m"]
     feedforward: Annotated[float, "command s/m"]
+    feedforward_backward: Annotated[float, "command s/m"]
     position_rate: Annotated[float, "1/s"]
     force_rate: Annotated[float, "1/s"]
     washout: Annotated[float, "1/s"]
     compression: Annotated[float, "1"]
     lead: Annotated[float, "1"]
     mass: Annotated[float, "kg"]
-    area: Annotated[float, "m^2"]
-    compliance: Annotated[float, "m^3/N"]
-    drop_share: Annotated[float, "1"]
-    supply_pressure: Annotated[float, "Pa"]
-    flow_gain: Annotated[float, "m^2/(s Pa^0.5)"]
-    position_gain: Annotated[float, "m/V"]
-    time_constant: Annotated[float, "s"]
+    valve: Authority
 
 
 Law: TypeAlias = Callable[[Wanted, Scalar, LawState, LawGains, Scalar], tuple[Scalar, LawState]]
@@ -106,11 +102,12 @@ def acceleration_feedback(
     feed-forward over the valve's lag tau, are derived here.
     """
     acceleration = (wanted.applied_force - friction) / g.mass
+    fed = select(wanted.reference_velocity >= 0.0, g.feedforward, g.feedforward_backward)
     command = (
         g.proportional * wanted.error
         + g.derivative * (wanted.reference_velocity - wanted.velocity)
         + g.acceleration * (wanted.reference_acceleration - acceleration)
-        + g.feedforward * (wanted.reference_velocity + g.lead * g.time_constant * wanted.reference_acceleration)
+        + fed * (wanted.reference_velocity + g.lead * g.valve.time_constant * wanted.reference_acceleration)
     )
     return command, state
 
@@ -121,26 +118,24 @@ def valve_inversion(
 ) -> tuple[Scalar, LawState]:
     """The voltage whose flow moves the piston as wanted against the estimated friction [derived here].
 
-        Q_d = A (dr + k_p e) + V_t / (4 beta A) (c dF_d/dt + lam (E - E_l)),  F_d = M ddr + F^
+        v_d = dr + k_p e + (c dF_d/dt + lam (E - E_l)) / k,  F_d = M ddr + F^
         E = F_d - F_app,  dE_l/dt = w (E - E_l)
-        x_s = Q_d / (K sqrt(share (P_s - sgn(Q_d) P*))),  P* = F^ / A
+        x_s = v_d / (c_v sqrt(F_stall - sgn(v_d) F^))
         V   = (x_s + lead tau dx_s/dt) / K_sv
 
-    The pressure drop is at least `LOWEST_DROP` of the supply pressure. A force loop around the estimate (large lam)
+    k is the stiffness of the fluid, c_v and F_stall are the valve's (`plants.authority`), each of the direction of v_d;
+    what is left of the stall force is at least `LOWEST_DROP` of it. A force loop around the estimate (large lam)
     runs away: the valve's lag acts as added mass.
     """
     target = g.mass * wanted.reference_acceleration + friction
     missing = target - wanted.applied_force
     lasting = state.lasting - np.expm1(-g.washout * sample_time) * (missing - state.lasting)
     rise = g.compression * select(state.previous_target == 0.0, 0.0, target - state.previous_target) / sample_time
-    flow = g.area * (wanted.reference_velocity + g.position_rate * wanted.error) + g.compliance * (
-        rise + g.force_rate * (missing - lasting)
-    )
-    drop = g.supply_pressure - np.sign(flow) * friction / g.area
-    root = np.sqrt(g.drop_share * np.maximum(drop, LOWEST_DROP * g.supply_pressure))
-    spool = flow / (g.flow_gain * root)
+    compressing = (rise + g.force_rate * (missing - lasting)) / g.valve.stiffness
+    velocity = wanted.reference_velocity + g.position_rate * wanted.error + compressing
+    spool = velocity / speed_of_opening(velocity, friction, LOWEST_DROP, g.valve)
     rate = (spool - state.previous_spool) / sample_time
-    return (spool + g.lead * g.time_constant * rate) / g.position_gain, LawState(spool, target, lasting)
+    return (spool + g.lead * g.valve.time_constant * rate) / g.valve.position_gain, LawState(spool, target, lasting)
 
 
 @equation

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.belief import Hydraulic
+from controllers.belief import velocities
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, ProportionalGain
 from controllers.settings import About, Tuned
@@ -23,8 +23,7 @@ from controllers.velocity import (
     design_estimator,
     estimate_velocity,
 )
-from plants.equation import Scalar, equation
-from plants.hydraulics import no_load_velocity_gain
+from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
 
 
@@ -43,14 +42,15 @@ class Settings(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """`velocity_gain` K_q and `time_constant` tau are the believed valve's.
+    """`forward` and `backward` K_q, and `time_constant` tau, are the believed valve's.
 
-    `keep` is exp(-h/tau), `update` 1 - exp(-h/T_q).
+    `feedforward` is a share of the velocity that is fed forward. `keep` is exp(-h/tau), `update` 1 - exp(-h/T_q).
     """
 
     proportional: Annotated[float, "V/m"]
-    feedforward: Annotated[float, "V s/m"]
-    velocity_gain: Annotated[float, "m/(s V)"]
+    feedforward: Annotated[float, "1"]
+    forward: Annotated[float, "m/(s V)"]
+    backward: Annotated[float, "m/(s V)"]
     time_constant: Annotated[float, "s"]
     keep: Annotated[float, "1"]
     update: Annotated[float, "1"]
@@ -64,6 +64,12 @@ class State(NamedTuple):
     nominal: Annotated[float, "m"]
     estimator: EstimatorState
     disturbance: Annotated[float, "V"]
+
+
+@equation
+def velocity_gain(way: Scalar, gains: Gains) -> Scalar:
+    """K_q (m/s per V) in the direction that `way` has by its sign."""
+    return select(way >= 0.0, gains.forward, gains.backward)
 
 
 @equation
@@ -85,8 +91,9 @@ def step(
     error = reference.position - measurement.position
     lead = state.nominal - measurement.position
     lacking, estimator = estimate_velocity(lead, state.estimator, gains.estimator)
-    disturbance = state.disturbance + gains.update * (lacking / gains.velocity_gain - state.disturbance)
-    command = gains.proportional * error + gains.feedforward * reference.velocity + disturbance
+    disturbance = state.disturbance + gains.update * (lacking / velocity_gain(lacking, gains) - state.disturbance)
+    fed = gains.feedforward * reference.velocity / velocity_gain(reference.velocity, gains)
+    command = gains.proportional * error + fed + disturbance
     return command, State(state.lagged, state.nominal, estimator, disturbance)
 
 
@@ -97,7 +104,7 @@ def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) ->
     moved = realised * sample_time + offset * gains.time_constant * (1.0 - gains.keep)
     return State(
         realised + offset * gains.keep,
-        state.nominal + gains.velocity_gain * moved,
+        state.nominal + velocity_gain(moved, gains) * moved,
         state.estimator,
         state.disturbance,
     )
@@ -114,17 +121,16 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     Raises:
         ValueError: a plant whose belief has no velocity gain, or a time constant that is not above 0.
     """
-    if not isinstance(belief, Hydraulic):
-        raise ValueError("disturbance_observer needs a plant with a velocity gain (a hydraulic one)")
+    known = velocities(belief)
+    if known is None:
+        raise ValueError("disturbance_observer needs a plant with a velocity gain (one with a valve)")
     if settings.observer_time_constant <= 0.0:
         raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
-    gain, lag = float(no_load_velocity_gain(belief.hydraulics)), belief.hydraulics.valve_time_constant
     return Gains(
         settings.kp,
-        settings.feedforward / gain,
-        gain,
-        lag,
-        float(np.exp(-sample_time / lag)),
+        settings.feedforward,
+        *known,
+        float(np.exp(-sample_time / known.time_constant)),
         float(-np.expm1(-sample_time / settings.observer_time_constant)),
         design_estimator(settings, sample_time),
     )

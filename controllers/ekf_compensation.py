@@ -109,7 +109,7 @@ def design(settings: Settings, belief: HydraulicSliding, sample_time: float) -> 
     """
     noise = EkfSettings(*(getattr(settings, name) for name in EkfSettings._fields))
     ekf = design_ekf(belief, noise, sample_time, settings.rotation)
-    h = belief.hydraulics
+    h = ekf.hydraulics
     turning = rotation_gain(settings.rotation_time_constant, sample_time)
     return Gains(ekf, law_gains(settings, belief), h.piston_area_1, h.piston_area_2, turning)
 

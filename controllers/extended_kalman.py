@@ -11,11 +11,11 @@ thesis's simulations) or the valve's flow relax. Position follows as the integra
 with noise: it is advanced exactly through the believed lag with the voltage that the amplifier gave.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from controllers.belief import Hydraulic, Sliding
+from controllers.belief import Sliding
 from controllers.believed_friction import Turning, believed_turning, contact, saturated_sign
 from controllers.kalman_algebra import (
     Column,
@@ -31,9 +31,10 @@ from controllers.kalman_algebra import (
 )
 from plants import hydraulics as hyd
 from plants.anisotropic import Levels, level_fall
+from plants.authority import authority, velocity_gains
 from plants.equation import Scalar, equation, select
 from plants.friction import TINY, Friction, LuGre, helical_speed, stribeck_slope
-from plants.hydraulics import Hydraulics, Mass
+from plants.hydraulics import Cylinder, Hydraulics, Mass
 from plants.interface import Measurement
 
 FASTEST_BRISTLE = 50.0
@@ -237,12 +238,12 @@ def design_ekf(belief: Sliding, settings: EkfSettings, sample_time: float, rotat
     Raises:
         ValueError: a standard deviation that is not above 0, or a belief without a valve.
     """
-    if not isinstance(belief, Hydraulic):
-        raise ValueError("the extended Kalman filter needs a hydraulic plant with measured pressures; take another one")
+    known: Any = belief
+    h = _symmetric(known)
     for name, value in settings._asdict().items():
         if not value > 0.0:
             raise ValueError(f"{name} is {value:g}, expected a value above 0")
-    h, mass, sets = belief.hydraulics, belief.body.mass, belief.friction
+    mass, sets = belief.body.mass, belief.friction
     sides = (sets.positive, sets.negative)
     softest = min(side.bristle_stiffness for side in sides)
     oil_stiffness = 4.0 * h.bulk_modulus / float(hyd.oil_volume(h))
@@ -255,11 +256,33 @@ def design_ekf(belief: Sliding, settings: EkfSettings, sample_time: float, rotat
         (settings.flow_noise * oil_stiffness * sample_time) ** 2,
         (settings.friction_noise / softest) ** 2,
     )
-    fastest = ESTIMATE_RANGE * float(hyd.no_load_velocity_gain(h)) * h.spool_limit / h.valve_position_gain
+    fastest = ESTIMATE_RANGE * max(velocity_gains(authority(known))) * h.spool_limit / h.valve_position_gain
     largest = ESTIMATE_RANGE * max(side.coulomb + side.stribeck for side in sides) / softest
     turning = believed_turning(belief, rotation)
     return EkfGains(
         h, belief.body, sets, turning, noise, oil_stiffness, FASTEST_BRISTLE / sample_time, fastest, largest
+    )
+
+
+def _symmetric(belief: Any) -> Hydraulics:
+    """The cylinder that the filter believes in, with one load pressure: dead volumes and edges' gains at their means.
+
+    Raises:
+        ValueError: it has unequal areas, or no oil at all.
+    """
+    if not hasattr(belief, "hydraulics"):
+        raise ValueError("the extended Kalman filter needs a hydraulic plant with measured pressures; take another one")
+    h, own = belief.hydraulics, getattr(belief, "cylinder", Cylinder())
+    if h.piston_area_1 != h.piston_area_2:
+        raise ValueError(
+            "the extended Kalman filter believes in one load pressure, of equal piston areas, and "
+            f"{h.piston_area_1:g} and {h.piston_area_2:g} m^2 differ; take another one"
+        )
+    (forward, _), (backward, _), *_ = authority(belief)
+    (even, _), *_ = authority(belief._replace(cylinder=Cylinder()) if hasattr(belief, "cylinder") else belief)
+    return h._replace(
+        hose_volume=h.hose_volume + 0.5 * (own.dead_volume_1 + own.dead_volume_2),
+        valve_flow_gain=h.valve_flow_gain * 0.5 * (forward + backward) / even,
     )
 
 

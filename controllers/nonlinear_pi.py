@@ -80,6 +80,7 @@ class Gains(NamedTuple):
     reversal_speed: Annotated[float, "m/s"]
     tracking: Annotated[float, "1/s"]
     estimator: Estimator
+    feedforward_backward: Annotated[float, "command s/m"] = 0.0
 
 
 class State(NamedTuple):
@@ -121,7 +122,8 @@ def step(
     kept = select(crossed, gains.retained, 1.0) * select(turned, gains.retained, 1.0)
     integral = kept * state.integral
     rate = gains.integral * error / (1.0 + (velocity / gains.sliding_speed) ** 2)
-    command = gains.proportional * error + integral + gains.feedforward * reference.velocity
+    fed = select(reference.velocity >= 0.0, gains.feedforward, gains.feedforward_backward)
+    command = gains.proportional * error + integral + fed * reference.velocity
     return command, State(integral, rate, command, error_sign, velocity_sign, estimator)
 
 
@@ -162,6 +164,7 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
         settings.reversal_speed,
         linear.tracking,
         design_estimator(settings, sample_time),
+        linear.feedforward_backward,
     )
 
 

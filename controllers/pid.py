@@ -2,7 +2,7 @@
 
 from typing import Annotated, NamedTuple
 
-from controllers.belief import Hydraulic
+from controllers.belief import velocities
 from controllers.interface import Controller, Reference
 from controllers.settings import DECADES, SHARE, About, Needs
 from controllers.velocity import (
@@ -16,8 +16,7 @@ from controllers.velocity import (
     design_estimator,
     estimate_velocity,
 )
-from plants.equation import Scalar, equation
-from plants.hydraulics import no_load_velocity_gain
+from plants.equation import Scalar, equation, select
 from plants.interface import Measurement
 
 ProportionalGain = Annotated[float, "command/m", About("gain on the position error"), DECADES]
@@ -55,7 +54,8 @@ class Settings(NamedTuple):
 class Gains(NamedTuple):
     """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s).
 
-    `lead` is what of the valve's time constant the feed-forward inverts.
+    `lead` is what of the valve's time constant the feed-forward inverts. The feed-forward has a gain for either
+    direction of the reference.
     """
 
     proportional: Annotated[float, "command/m"]
@@ -65,6 +65,7 @@ class Gains(NamedTuple):
     tracking: Annotated[float, "1/s"]
     estimator: Estimator
     lead: Annotated[float, "s"] = 0.0
+    feedforward_backward: Annotated[float, "command s/m"] = 0.0
 
 
 class State(NamedTuple):
@@ -85,11 +86,12 @@ def step(
     """
     error = reference.position - measurement.position
     velocity, estimator = estimate_velocity(measurement.position, state.estimator, gains.estimator)
+    fed = select(reference.velocity >= 0.0, gains.feedforward, gains.feedforward_backward)
     command = (
         gains.proportional * error
         + gains.derivative * (reference.velocity - velocity)
         + state.integral
-        + gains.feedforward * (reference.velocity + gains.lead * reference.acceleration)
+        + fed * (reference.velocity + gains.lead * reference.acceleration)
     )
     return command, State(state.integral, command, error, estimator)
 
@@ -113,18 +115,19 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     Raises:
         ValueError: feed-forward for a plant whose belief has no velocity gain, or an estimator's setting.
     """
-    feedforward, lead = 0.0, 0.0
+    forward, backward, lead = 0.0, 0.0, 0.0
     if settings.feedforward:
-        if not isinstance(belief, Hydraulic):
-            raise ValueError("feedforward needs a plant with a velocity gain (a hydraulic one); leave it out here")
-        feedforward = settings.feedforward / float(no_load_velocity_gain(belief.hydraulics))
-        lead = settings.lead * belief.hydraulics.valve_time_constant
+        known = velocities(belief)
+        if known is None:
+            raise ValueError("feedforward needs a plant with a velocity gain (one with a valve); leave it out here")
+        forward, backward = settings.feedforward / known.forward, settings.feedforward / known.backward
+        lead = settings.lead * known.time_constant
     tracking = 0.0
     if settings.ki:
         tracking_time = settings.tracking_time or abs(settings.kp / settings.ki)
         tracking = 1.0 / max(tracking_time, sample_time)
     estimator = design_estimator(settings, sample_time)
-    return Gains(settings.kp, settings.ki, settings.kd, feedforward, tracking, estimator, lead)
+    return Gains(settings.kp, settings.ki, settings.kd, forward, tracking, estimator, lead, backward)
 
 
 SUMMARY = "P, PI, PD, PID with velocity feed-forward and anti-windup"

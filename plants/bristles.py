@@ -7,16 +7,13 @@ from typing import Annotated, Any, NamedTuple
 from plants.anisotropic import Film, Guide, lugre_anisotropic, steady_anisotropic
 from plants.equation import Scalar, equation
 from plants.friction import Friction, LuGre, lugre_helical, lugre_isotropic, stribeck_level
-from plants.hydraulics import Hydraulics, Mass
 from plants.laws.steady import steady_in_plane
 from plants.motor import Motor
 
 
 class Parameters(NamedTuple):
-    """Of a rotating actuator whose friction is the same along and around the rod."""
+    """Of a rod whose friction is the same along and around it, and what turns it."""
 
-    hydraulics: Hydraulics
-    body: Mass
     friction: Friction
     motor: Motor
 
@@ -24,8 +21,6 @@ class Parameters(NamedTuple):
 class AnisotropicParameters(NamedTuple):
     """Of one whose friction differs along and around; a `rotary` value that is not given is the axial one."""
 
-    hydraulics: Hydraulics
-    body: Mass
     friction: Friction
     rotary: LuGre
     film: Film
@@ -52,7 +47,7 @@ class GuidedBristle(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BristleLaw:
-    """A law by name, with the classes of its bristles and of the parameters of a plant that has it.
+    """A law by name, with the classes of its bristles and of those parameters of a machine that it is about.
 
     friction(axial, rotary, bristles, held, parameters) -> (axial friction, rotary friction, rates of the bristles)
     steady(axial, rotary, parameters) -> (axial friction, rotary friction)     after a long time at constant speeds

@@ -21,7 +21,7 @@ from numba.core.typing import Signature
 from numba.extending import intrinsic, overload, register_jitable
 
 from plants.cache import cache_folder
-from plants.equation import Equation, changed, extended, select, source_hash, tell_compiler, when
+from plants.equation import Equation, changed, extended, gathered, select, source_hash, tell_compiler, when
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(cache_folder() / "compiled" / source_hash())
@@ -87,6 +87,25 @@ def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
         return context.make_tuple(builder, result, [*members, args[2]])
 
     return result(cls, value, last), codegen
+
+
+@overload(gathered)
+def _compiled_gathered(cls: Any, members: Any) -> Callable[..., Any]:
+    def gather(cls: Any, members: Any) -> Any:
+        return _gathered(cls, members)
+
+    return gather
+
+
+@intrinsic
+def _gathered(typingctx: Any, cls: Any, members: Any) -> Any:
+    result = types.BaseTuple.from_types(members.types, cls.instance_class)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        values = [builder.extract_value(args[1], i) for i in range(len(members.types))]
+        return context.make_tuple(builder, result, values)
+
+    return result(cls, members), codegen
 
 
 POINTER = types.CPointer(types.float64)

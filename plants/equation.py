@@ -45,6 +45,7 @@ Arguments = TypeVarTuple("Arguments")
 
 EQUATION_FOLDERS = (
     "plants",
+    "plants/actuators",
     "plants/effects",
     "plants/laws",
     "controllers",
@@ -123,6 +124,11 @@ def changed(value: NumbersT, place: int, new: Scalar | tuple[Scalar, ...]) -> Nu
 def extended(cls: type[NumbersT], value: tuple[Scalar, ...], last: tuple[Scalar, ...]) -> NumbersT:
     """A NamedTuple of class `cls`: the members of another, and one behind them."""
     return cls._make((*value, last))
+
+
+def gathered(cls: type[NumbersT], members: tuple[Any, ...]) -> NumbersT:
+    """A NamedTuple of class `cls`, a constant, of its members: `cls._make` for compiled code too."""
+    return cls._make(members)
 
 
 class Field(NamedTuple):

@@ -19,6 +19,10 @@ printed phase shifts of chapter 3; the same as a valve gain sqrt(2) times larger
 """
 
 
+LAMINAR_DROP = 1e4
+"""Pa. Pressure drop below which the flow through an edge is laminar: 0.1 bar, of a hundred in use."""
+
+
 class Hydraulics(NamedTuple):
     """Supply, valve and cylinder."""
 
@@ -39,6 +43,30 @@ class Hydraulics(NamedTuple):
     leakage_coefficient: Annotated[float, "m^3/(s Pa)"] = 0.0
 
 
+LEAST_VOLUME = 1e-3
+"""Share of a chamber's swept volume that is left in it at the end of the stroke, whatever its dead volume."""
+
+
+class Cylinder(NamedTuple):
+    """What a cylinder and its valve have beside a symmetric actuator's `Hydraulics`.
+
+    Dead volumes are of the oil in each end of the cylinder and in the block, beside the hose's. The edges of the spool
+    are called by what they join: pump (p), tank (t), and the ports of chambers 1 (a) and 2 (b). Each has a gain, a
+    multiple of `valve_flow_gain`, and an overlap beside `valve_overlap`, negative of an edge that is open at rest.
+    """
+
+    dead_volume_1: Annotated[float, "m^3"] = 0.0
+    dead_volume_2: Annotated[float, "m^3"] = 0.0
+    edge_gain_pa: Annotated[float, "1"] = 1.0
+    edge_gain_at: Annotated[float, "1"] = 1.0
+    edge_gain_pb: Annotated[float, "1"] = 1.0
+    edge_gain_bt: Annotated[float, "1"] = 1.0
+    edge_overlap_pa: Annotated[float, "m"] = 0.0
+    edge_overlap_at: Annotated[float, "m"] = 0.0
+    edge_overlap_pb: Annotated[float, "m"] = 0.0
+    edge_overlap_bt: Annotated[float, "m"] = 0.0
+
+
 class Mass(NamedTuple):
     """The moving mass, what pulls at it, and where its travel ends."""
 
@@ -54,6 +82,28 @@ class Hydraulic(Protocol):
 
     @property
     def hydraulics(self) -> Hydraulics: ...
+
+
+class Spool(Protocol):
+    """Parameters of a valve whose spool follows a voltage."""
+
+    @property
+    def valve_position_gain(self) -> float: ...
+    @property
+    def valve_time_constant(self) -> float: ...
+    @property
+    def spool_limit(self) -> float: ...
+
+
+class Bored(Protocol):
+    """Parameters of a cylinder, whatever fills it."""
+
+    @property
+    def piston_area_1(self) -> float: ...
+    @property
+    def piston_area_2(self) -> float: ...
+    @property
+    def stroke(self) -> float: ...
 
 
 class Moving(Protocol):
@@ -97,7 +147,7 @@ def chamber_pressures(load_pressure: Scalar, p: Hydraulics) -> tuple[Scalar, Sca
 
 
 @equation
-def spool_rate(spool: Scalar, voltage: Scalar, p: Hydraulics) -> Scalar:
+def spool_rate(spool: Scalar, voltage: Scalar, p: Spool) -> Scalar:
     """dx_s/dt (m/s) = (K_sv V - x_s) / tau_sv, thesis 3.2.1; the spool's target stays within its travel."""
     target = np.minimum(np.maximum(p.valve_position_gain * voltage, -p.spool_limit), p.spool_limit)
     return (target - spool) / p.valve_time_constant
@@ -125,12 +175,49 @@ def load_flow(spool: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
 
 
 @equation
+def opening(way: Scalar, overlap: Scalar, own: Scalar) -> Scalar:
+    """How far (m) an edge is open whose spool has gone `way` (m) towards it: beyond the overlaps, 0 within them."""
+    return np.maximum(way - (overlap + own), 0.0)
+
+
+@equation
+def chamber_volumes(position: Scalar, dead_1: Scalar, dead_2: Scalar, p: Bored) -> tuple[Scalar, Scalar]:
+    """Fluid (m^3) in each chamber: what is always there, and A (L/2 +- x), the rod at `position` x (m) from mid-stroke.
+
+    At least `LEAST_VOLUME` of what is swept.
+    """
+    swept_1, swept_2 = p.piston_area_1 * p.stroke, p.piston_area_2 * p.stroke
+    volume_1 = dead_1 + 0.5 * swept_1 + p.piston_area_1 * position
+    volume_2 = dead_2 + 0.5 * swept_2 - p.piston_area_2 * position
+    return np.maximum(volume_1, LEAST_VOLUME * swept_1), np.maximum(volume_2, LEAST_VOLUME * swept_2)
+
+
+@equation
+def oil_volumes(position: Scalar, h: Hydraulics, c: Cylinder) -> tuple[Scalar, Scalar]:
+    """Oil (m^3) in each chamber with its hose, the rod at `position` (m) from mid-stroke."""
+    return chamber_volumes(position, h.hose_volume + c.dead_volume_1, h.hose_volume + c.dead_volume_2, h)
+
+
+@equation
+def orifice(drop: Scalar) -> Scalar:
+    """sgn(dp) sqrt(|dp|) (Pa^0.5), turbulent either way; laminar within `LAMINAR_DROP`, without a kink at its end.
+
+        sqrt(d) (5 s - s^3) / 4,  s = dp / d    for |dp| <= d
+
+    A bare root has an infinite slope where nothing flows, of which an integrator makes endless steps. [derived here]
+    """
+    share = drop / LAMINAR_DROP
+    laminar = np.sqrt(LAMINAR_DROP) * share * (5.0 - share**2) / 4.0
+    return select(np.abs(drop) > LAMINAR_DROP, np.sign(drop) * np.sqrt(np.abs(drop)), laminar)
+
+
+@equation
 def edge_flow(opening: Scalar, drop: Scalar, p: Hydraulics) -> Scalar:
-    """Flow (m^3/s) across one edge of the spool: K x_o sqrt(2 share drop), `drop` in Pa, none against the pressure.
+    """Flow (m^3/s) across one edge of the spool: K x_o sgn(dp) sqrt(2 share |dp|), dp = `drop` in Pa (see `orifice`).
 
     With the share of 1/2 of (3.22) an edge sees half the drop of both, which is its own.
     """
-    return p.valve_flow_gain * opening * np.sqrt(np.maximum(2.0 * p.flow_pressure_share * drop, 0.0))
+    return p.valve_flow_gain * opening * orifice(2.0 * p.flow_pressure_share * drop)
 
 
 @equation
@@ -183,10 +270,3 @@ def piston_acceleration(
     """dv/dt (m/s^2) = (P1 A1 - P2 A2 - F_friction - F_load - disturbance + end stops) / M. Thesis (3.29)."""
     stop = end_stop_force(position, velocity, h.stroke, m)
     return (pressure_force(load_pressure, h) - friction - m.load_force - disturbance + stop) / m.mass
-
-
-@equation
-def no_load_velocity_gain(p: Hydraulics) -> Scalar:
-    """K_q (m/s per V): velocity of the unloaded piston for one volt at the valve."""
-    root = np.sqrt(p.flow_pressure_share * (p.supply_pressure - p.tank_pressure))
-    return p.valve_flow_gain * p.valve_position_gain * root / piston_area(p)

@@ -66,8 +66,9 @@ class Plant:
 
     `State` holds at least `position` and `velocity`. `command` is the input that the position controller drives,
     `rotary_command` the one that rotates. `balances` are those that the equations are made of, by name; a record is
-    diagnosed by them. `friction` names the friction law, and `refit` makes the plant anew with another. `contact` is
-    the field of the state that holds what the contact remembers, "" where there is none. `effects` are the names of
+    diagnosed by them. `friction` names the friction law, and `refit` makes the plant anew with another;
+    `turned(bristle, imposed)` makes it with a rod that turns, by a motor or with an imposed speed. `contact` is the
+    field of the state that holds what the contact remembers, "" where there is none. `effects` are the names of
     those that the plant was given, and `bare` is the plant without.
     """
 
@@ -88,6 +89,7 @@ class Plant:
     travel: Callable[[Any], float] = unlimited
     rotary_limit: Callable[[Any], float] = unlimited
     friction: str = ""
+    turned: Callable[[str, bool], "Plant"] | None = None
     refit: Callable[["FrictionLaw"], "Plant"] | None = None
     contact: str = ""
     effects: tuple[str, ...] = ()
@@ -106,6 +108,20 @@ class Plant:
         if mistake := unmarked((law.friction,)):
             raise ValueError(f'friction law "{law.name}": {mistake}')
         return self.refit(law)
+
+    def with_turning_rod(self, bristle: str, imposed: bool = False) -> "Plant":
+        """The same plant with a rod that turns, against friction with bristles of that name.
+
+        Args:
+            bristle: "helical", "isotropic" or "anisotropic", of those that the friction law has.
+            imposed: whether the speed of its surface is an input; else a motor turns it.
+
+        Raises:
+            ValueError: it has no rod that turns, or the law has no such bristles.
+        """
+        if self.turned is None:
+            raise ValueError(f'plant "{self.name}" has no rod that turns')
+        return self.turned(bristle, imposed)
 
     def with_effects(self, *effects: "Effect") -> "Plant":
         """The same plant with effects, neutral until their parameters are given.

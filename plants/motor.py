@@ -16,7 +16,7 @@ class Motor(NamedTuple):
 
     The limits are those of motor and drive together; a set that does not name them has none. `motor_nominal_torque`,
     what it may give for ever, limits nothing: more than it is reported. `motor_speed_limit` limits what a speed servo
-    is asked for.
+    is asked for. `bearing_viscous` is the drag of what carries the part that turns, beside the friction of the rod.
     """
 
     rotary_inertia: Annotated[float, "kg m^2"]
@@ -30,6 +30,13 @@ class Motor(NamedTuple):
     motor_peak_current: Annotated[float, "A"] = np.inf
     motor_voltage_limit: Annotated[float, "V"] = np.inf
     motor_speed_limit: Annotated[float, "rad/s"] = np.inf
+    bearing_viscous: Annotated[float, "N m s/rad"] = 0.0
+
+
+class TurningCylinder(NamedTuple):
+    """What turns where not the rod does but the cylinder around it (thesis 6.2)."""
+
+    cylinder_inertia: Annotated[float, "kg m^2"]
 
 
 @runtime_checkable
@@ -57,9 +64,15 @@ def current_limit(p: Motor) -> Scalar:
 
 
 @equation
-def surface_acceleration(current: Scalar, rotary_friction: Scalar, p: Motor) -> Scalar:
-    """dw/dt (m/s^2) = (K_t i - F_rotary R) R / J. Thesis (3.41), which takes M R^2 for J."""
-    torque = p.torque_constant * current - rotary_friction * p.piston_radius
+def opposing_torque(rotary_friction: Scalar, surface_speed: Scalar, p: Motor) -> Scalar:
+    """F_rotary R + B_b w / R (N m): friction around the rod, and the bearings' drag."""
+    return rotary_friction * p.piston_radius + p.bearing_viscous * surface_speed / p.piston_radius
+
+
+@equation
+def surface_acceleration(current: Scalar, surface_speed: Scalar, rotary_friction: Scalar, p: Motor) -> Scalar:
+    """dw/dt (m/s^2) = (K_t i - F_rotary R) R / J less the bearings' drag. Thesis (3.41), which takes M R^2 for J."""
+    torque = p.torque_constant * current - opposing_torque(rotary_friction, surface_speed, p)
     return torque * p.piston_radius / p.rotary_inertia
 
 
@@ -73,9 +86,9 @@ def current_rate(current: Scalar, surface_speed: Scalar, voltage: Scalar, p: Mot
 
 
 @equation
-def holding_current(rotary_friction: Scalar, p: Motor) -> Scalar:
-    """Current (A) whose torque balances `rotary_friction` (N) at constant speed."""
-    return rotary_friction * p.piston_radius / p.torque_constant
+def holding_current(rotary_friction: Scalar, surface_speed: Scalar, p: Motor) -> Scalar:
+    """Current (A) whose torque balances `rotary_friction` (N), and the bearings, at constant speed."""
+    return opposing_torque(rotary_friction, surface_speed, p) / p.torque_constant
 
 
 @equation

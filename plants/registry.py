@@ -1,25 +1,29 @@
 """The plants by name: ours, and those that other packages bring by entry point."""
 
+from plants.actuators.cylinder import CYLINDER, TWO_CHAMBER
+from plants.actuators.load_pressure import LOAD_PRESSURE
+from plants.actuators.pneumatic import PNEUMATIC
+from plants.actuators.pump import PUMP
 from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
 from plants.equation import fields
 from plants.interface import Plant
-from plants.non_rotating import NON_ROTATING
+from plants.laws.lugre import LUGRE
+from plants.machine import straight
 from plants.plugins import Registry
-from plants.pump_cylinder import PUMP_CYLINDER
-from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
-from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
-from plants.two_chamber import TWO_CHAMBER
+
+THESIS = straight(LOAD_PRESSURE, LUGRE)
+"""The thesis's actuator."""
+
+CHAMBERS = straight(TWO_CHAMBER, LUGRE)
+"""The same with a pressure in each chamber: what tells most of it."""
 
 _OURS = (
-    NON_ROTATING,
-    HELICAL,
-    HELICAL_IDEAL,
-    ISOTROPIC,
-    ISOTROPIC_IDEAL,
-    ANISOTROPIC,
-    ANISOTROPIC_IDEAL,
-    TWO_CHAMBER,
-    PUMP_CYLINDER,
+    THESIS,
+    *(THESIS.with_turning_rod(bristle, imposed) for bristle in LUGRE.plane for imposed in (False, True)),
+    CHAMBERS,
+    straight(CYLINDER, LUGRE),
+    straight(PUMP, LUGRE),
+    straight(PNEUMATIC, LUGRE),
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
 )

@@ -32,26 +32,26 @@ from controllers.pid import PID
 from controllers.velocity import at_rest, estimate_velocity, filtered_differentiator
 from plants.equation import from_array, to_array
 from plants.interface import Measurement
-from plants.non_rotating import NON_ROTATING, Inputs, Parameters, State
+from plants.registry import THESIS
 from workbench.simulation.references import Sine, Triangle
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Loop, Run, simulate
 
 H = 1e-3
-BELIEF: Parameters = registered("non_rotating", duration=1.0).parameters
+BELIEF: Any = registered("non_rotating", duration=1.0).parameters
 RIG = Sensors({"position": Channel(13e-6), "pressure_1": Channel(2e3), "pressure_2": Channel(2e3)})
 MOTIONS = {"sine": (Sine(0.02, 0.5), 4.0), "triangle": (Triangle(2e-3, 0.25), 8.0)}
 SETTLED = 200
 """Samples that the estimates get to forget the start."""
 
 
-def scaled(level: float) -> Parameters:
+def scaled(level: float) -> Any:
     """The believed plant with Coulomb and Stribeck level scaled."""
     sides = (side._replace(coulomb=level * side.coulomb, stribeck=level * side.stribeck) for side in BELIEF.friction)
     return BELIEF._replace(friction=type(BELIEF.friction)(*sides))
 
 
-def rig(motion: str, truth: Parameters = BELIEF) -> Run:
+def rig(motion: str, truth: Any = BELIEF) -> Run:
     """A P-controlled run of the true plant with the sensors' noise."""
     reference, duration = MOTIONS[motion]
     gains = PID.design(PID.Settings(kp=500.0), BELIEF, H)
@@ -139,9 +139,12 @@ def test_rates_are_those_of_the_plant(core: tuple[float, ...]) -> None:
     """Without the bristle's damping, which the filter lets fade with speed; a closed valve's limits apart."""
     sides = (side._replace(bristle_damping=0.0) for side in BELIEF.friction)
     belief = BELIEF._replace(friction=type(BELIEF.friction)(*sides))
-    truth = NON_ROTATING.derivatives(0.0, from_array(State, [0.0, *core]), Inputs(0.0, 0.0), belief)
+    velocity, pressure, bristle, spool = core
+    state = from_array(THESIS.State, [0.0, velocity, pressure, spool, bristle])
+    truth = THESIS.derivatives(0.0, state, THESIS.Inputs(0.0, 0.0), belief)
     rates, _ = believed_rates(*core, design_ekf(belief, EkfSettings(), H))
-    assert to_array(rates) == pytest.approx(to_array(truth)[1:4], rel=1e-13)
+    expected = [truth.velocity, truth.load_pressure, truth.contact.bristle_deflection]
+    assert to_array(rates) == pytest.approx(expected, rel=1e-13)
 
 
 def exact_hold(rates: np.ndarray, jacobian: np.ndarray, h: float) -> np.ndarray:
@@ -279,8 +282,8 @@ def test_friction_above_the_believed_level_is_followed(motion: str, share: float
 def test_nothing_moves_at_rest() -> None:
     """A load of 400 N, held by the pressures, closed valve: no velocity, no friction."""
     belief = BELIEF._replace(body=BELIEF.body._replace(load_force=400.0))
-    state, _ = NON_ROTATING.equilibrium(belief, 0.0)
-    reading = NON_ROTATING.measure(state, belief)
+    state, _ = THESIS.equilibrium(belief, 0.0)
+    reading = THESIS.measure(state, belief)
     gains = floats(design_ekf(belief, EkfSettings(), H))
     readings = np.tile(np.array(reading), (300, 1))
     found, _ = compiled_estimates(readings, np.zeros(300), floats(ekf_at_rest(reading, gains)), gains)

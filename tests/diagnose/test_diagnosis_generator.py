@@ -19,7 +19,7 @@ from diagnosis.generator import (
 )
 from diagnosis.physics import POSITION, PRESSURE_1, PRESSURE_2, SUBSTEPS, run
 
-from plants.non_rotating import NON_ROTATING, Inputs
+from plants.registry import THESIS
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -38,10 +38,10 @@ def chosen(name: str, listed: bool, strength: float) -> dict[str, dict[str, floa
 
 def test_nominal_rig_is_the_plant() -> None:
     """Same voltage into both: 4 s with presliding, reversals and 0.05 m/s, without any effect."""
-    parameters = build(NON_ROTATING.Parameters, read_parameters(named_sets()[DECLARED]))
-    state, _ = NON_ROTATING.equilibrium(parameters, 0.0)
+    parameters = build(THESIS.Parameters, read_parameters(named_sets()[DECLARED]))
+    state, _ = THESIS.equilibrium(parameters, 0.0)
     feed = Feed("valve_voltage", Sine(0.8, 0.5, phase=0.5 * np.pi), linear=False)
-    plant = simulate_plant(Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), 4.0, feeds=(feed,)))
+    plant = simulate_plant(Setup(THESIS, parameters, state, THESIS.Inputs(0.0, 0.0), 4.0, feeds=(feed,)))
     assert plant.outcome == "completed"
     samples = plant.command.size
     states, _, _ = run(NOMINAL, 0.0, plant.command, np.zeros((samples, 3)), np.zeros(3), SAMPLE_TIME, SUBSTEPS)

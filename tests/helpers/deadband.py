@@ -6,8 +6,7 @@ from pathlib import Path
 from command import write
 from experiments import CHANNELS, TRUTH, save_record
 
-from plants.non_rotating import Inputs
-from plants.two_chamber import TWO_CHAMBER
+from plants.registry import CHAMBERS
 from workbench.parameters.sets import build
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Setup, simulate
@@ -30,10 +29,10 @@ use = "held_out"
 
 def make_record(folder: Path, name: str, effect: Mapping[str, float], amplitude: float, seed: int) -> None:
     """15 s in both directions, with white noise."""
-    parameters = build(TWO_CHAMBER.Parameters, {**TRUTH, **effect})
-    state, _ = TWO_CHAMBER.equilibrium(parameters, 0.0)
+    parameters = build(CHAMBERS.Parameters, {**TRUTH, **effect})
+    state, _ = CHAMBERS.equilibrium(parameters, 0.0)
     feed = Feed("valve_voltage", Multisine(amplitude, 0.2, (1, 2, 3, 5)))
-    run = simulate(Setup(TWO_CHAMBER, parameters, state, Inputs(0.0, 0.0), 15.0, feeds=(feed,)))
+    run = simulate(Setup(CHAMBERS, parameters, state, CHAMBERS.Inputs(0.0, 0.0), 15.0, feeds=(feed,)))
     save_record(folder / f"{name}.parquet", run, seed)
 
 

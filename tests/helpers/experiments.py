@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from command import Answer, workbench, write
 
-from plants.non_rotating import NON_ROTATING, Inputs
+from plants.registry import THESIS
 from workbench.identify.thesis import method as thesis_method
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Multisine
@@ -60,10 +60,10 @@ parameters = "owen2001_experiment"
 
 def make_record(folder: Path, *, duration: float = 4.0) -> None:
     """A record of both directions at up to 0.012 m/s, with white noise."""
-    parameters = build(NON_ROTATING.Parameters, TRUTH)
-    state, _ = NON_ROTATING.equilibrium(parameters, 0.0)
+    parameters = build(THESIS.Parameters, TRUTH)
+    state, _ = THESIS.equilibrium(parameters, 0.0)
     feed = Feed("valve_voltage", Multisine(0.6, 0.25, (1, 2, 3)))
-    run = simulate(Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), duration, feeds=(feed,)))
+    run = simulate(Setup(THESIS, parameters, state, THESIS.Inputs(0.0, 0.0), duration, feeds=(feed,)))
     save_record(folder / "record.parquet", run, seed=7)
 
 

@@ -10,7 +10,7 @@ import pytest
 from command import workbench, write
 from experiments import TRUTH, experiment_text, make_record
 
-from plants.non_rotating import NON_ROTATING, Inputs
+from plants.registry import THESIS
 from workbench.fitting import covariance
 from workbench.identify.simulation.method import SimulationFit, identify_by_simulation
 from workbench.identify.thesis import method as thesis_method
@@ -159,10 +159,10 @@ def test_the_command_from_record_to_a_plant_that_a_study_can_name(tmp_path: Path
 
 def test_the_thesis_method_alone_on_a_quasi_static_record(tmp_path: Path) -> None:
     """Without any sensor error its static parameters are the true ones to 1.5 %: the method's own smoothing."""
-    parameters = build(NON_ROTATING.Parameters, TRUTH)
-    state = NON_ROTATING.equilibrium(parameters, 0.0)[0]._replace(position=-0.07)
+    parameters = build(THESIS.Parameters, TRUTH)
+    state = THESIS.equilibrium(parameters, 0.0)[0]._replace(position=-0.07)
     feed = Feed("valve_voltage", Sine(1.0, 0.005, 1.0, -np.pi / 2))
-    run = simulate(Setup(NON_ROTATING, parameters, state, Inputs(0.0, 0.0), 35.0, feeds=(feed,)))
+    run = simulate(Setup(THESIS, parameters, state, THESIS.Inputs(0.0, 0.0), 35.0, feeds=(feed,)))
     columns = {name: run.signals[name] for name in ("position", "pressure_1", "pressure_2")}
     frame = pd.DataFrame({"time": run.time, "valve_voltage": run.command, **columns})
     frame.to_parquet(tmp_path / "record.parquet")

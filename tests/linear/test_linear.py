@@ -13,8 +13,7 @@ from plants.bristles import HelicalBristle
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from plants.laws.lugre import Bristle
-from plants.non_rotating import NON_ROTATING, State
-from plants.rotating import HELICAL, Inputs
+from plants.registry import THESIS, plants
 from workbench.errors import UserError
 from workbench.linear.linearise import (
     jacobians,
@@ -77,12 +76,21 @@ def appendix_c(v: float, load_pressure: float, z: float, spool: float) -> tuple[
     return jacobian, np.array([0.0, 0.0, flow, 0.0])  # C.31 to C.34
 
 
+APPENDIX_C = ("position", "velocity", "load_pressure", "bristle_deflection", "spool_position")
+"""States in the order of its matrices."""
+
+HELICAL = plants()["rotating_helical"]
+
+
 @pytest.mark.parametrize("point", MOVING)
 def test_non_rotating_jacobian_is_appendix_c(point: tuple[float, ...]) -> None:
-    parameters = build(NON_ROTATING.Parameters, SET)
+    parameters = build(THESIS.Parameters, SET)
     v, load_pressure, z, spool = point
-    _, inputs = NON_ROTATING.equilibrium(parameters, 0.0)
-    a, b = jacobians(NON_ROTATING, parameters, State(0.01, v, load_pressure, Bristle(z), spool), inputs)
+    _, inputs = THESIS.equilibrium(parameters, 0.0)
+    a, b = jacobians(THESIS, parameters, THESIS.State(0.01, v, load_pressure, spool, Bristle(z)), inputs)
+    names = [item.name for item in fields(THESIS.State)]
+    order = [names.index(name) for name in APPENDIX_C]
+    a, b = a[np.ix_(order, order)], b[order]
     expected, by_spool = appendix_c(*point)
     np.testing.assert_allclose(a[:4, :4], expected, rtol=1e-10)
     np.testing.assert_allclose(a[:4, 4], by_spool, rtol=1e-10)
@@ -115,9 +123,8 @@ def test_rotating_jacobian_is_appendix_c(v: float, z: float, surface_speed: floa
         [v * bend, w * bend, -S0 * h / g],
     ]
     parameters = build(HELICAL.Parameters, SET)
-    a, b = jacobians(
-        HELICAL, parameters, HELICAL.State(0.01, v, 1e6, w, HelicalBristle(z), 5.0, 1e-4), Inputs(1.0, 20.0, 0.0)
-    )
+    state = HELICAL.State(0.01, v, 1e6, 1e-4, HelicalBristle(z), w, 5.0)
+    a, b = jacobians(HELICAL, parameters, state, HELICAL.Inputs(1.0, 20.0, 0.0))
     names = [item.name for item in fields(HELICAL.State)]
     chosen = [names.index(name) for name in ("velocity", "surface_speed", "bristle_deflection")]
     np.testing.assert_allclose(a[np.ix_(chosen, chosen)], expected, rtol=1e-9)
@@ -188,24 +195,24 @@ def test_measurement_jacobian_is_finite_differences(plant: Plant, parameters: An
 
 
 def test_state_space_carries_names_and_chosen_outputs() -> None:
-    parameters = build(NON_ROTATING.Parameters, SET)
-    state = State(0.0, 0.03, 1.1e6, Bristle(8.1e-5), 1e-4)
-    _, inputs = NON_ROTATING.equilibrium(parameters, 0.0)
-    model = linearise(NON_ROTATING, parameters, state, inputs, outputs=("velocity", "pressure_1", "axial_friction"))
-    assert model.state_labels == ["position", "velocity", "load_pressure", "bristle_deflection", "spool_position"]
+    parameters = build(THESIS.Parameters, SET)
+    state = THESIS.State(0.0, 0.03, 1.1e6, 1e-4, Bristle(8.1e-5))
+    _, inputs = THESIS.equilibrium(parameters, 0.0)
+    model = linearise(THESIS, parameters, state, inputs, outputs=("velocity", "pressure_1", "axial_friction"))
+    assert model.state_labels == ["position", "velocity", "load_pressure", "spool_position", "bristle_deflection"]
     assert model.input_labels == ["valve_voltage", "disturbance_force"]
     assert model.output_labels == ["velocity", "pressure_1", "axial_friction"]
-    a, b = jacobians(NON_ROTATING, parameters, state, inputs)
+    a, b = jacobians(THESIS, parameters, state, inputs)
     np.testing.assert_array_equal(model.A, a)
     np.testing.assert_array_equal(model.B, b)
     np.testing.assert_allclose(model.C[:2], [[0, 1, 0, 0, 0], [0, 0, 0.5, 0, 0]], atol=0.0)
-    np.testing.assert_allclose(model.C[2, [1, 3]], -M * a[1, [1, 3]], rtol=1e-12)  # friction alone depends on v, z
+    np.testing.assert_allclose(model.C[2, [1, 4]], -M * a[1, [1, 4]], rtol=1e-12)  # friction alone depends on v, z
 
 
 def test_at_rest_the_piston_is_a_mass_on_oil_and_bristles() -> None:
     """Without the valve's integrator: M s^2 + (sigma1 + a2) s + sigma0 + 4 beta A^2/V_t (1207 rad/s for oil alone)."""
-    parameters = build(NON_ROTATING.Parameters, SET)
-    poles = linearise(NON_ROTATING, parameters).poles()
+    parameters = build(THESIS.Parameters, SET)
+    poles = linearise(THESIS, parameters).poles()
     oil = 4.0 * BETA * AREA_1**2 / VOLUME
     assert np.sqrt(oil / M) == pytest.approx(1207.0, abs=0.5)
     pair = np.roots([M, S1 + A2, S0 + oil])
@@ -213,7 +220,7 @@ def test_at_rest_the_piston_is_a_mass_on_oil_and_bristles() -> None:
     np.testing.assert_allclose(np.sort_complex(poles), expected, rtol=1e-8, atol=1e-3)
 
 
-@pytest.mark.parametrize(("plant_", "rpm"), [(NON_ROTATING, 0.0), (HELICAL, 120.0)], ids=["non_rotating", "helical"])
+@pytest.mark.parametrize(("plant_", "rpm"), [(THESIS, 0.0), (HELICAL, 120.0)], ids=["non_rotating", "helical"])
 def test_open_loop_response_is_that_of_python_control(plant_: Plant, rpm: float) -> None:
     """A voltage sine through python-control (scipy's LSODA) and through the compiled simulation."""
     parameters = build(plant_.Parameters, SET)
@@ -235,18 +242,18 @@ def test_open_loop_response_is_that_of_python_control(plant_: Plant, rpm: float)
 
 
 def test_unknown_output_names_the_nearest() -> None:
-    parameters = build(NON_ROTATING.Parameters, SET)
+    parameters = build(THESIS.Parameters, SET)
     message = 'plant non_rotating has no signal "axial_fricton"; did you mean "axial_friction"?'
     with pytest.raises(UserError) as error:
-        linearise(NON_ROTATING, parameters, outputs=("axial_fricton",))
+        linearise(THESIS, parameters, outputs=("axial_fricton",))
     assert str(error.value) == message
     with pytest.raises(UserError) as error:
-        nonlinear_system(NON_ROTATING, parameters, ("position", "axial_fricton"))
+        nonlinear_system(THESIS, parameters, ("position", "axial_fricton"))
     assert str(error.value) == message
 
 
 def test_threads_may_linearise_at_once() -> None:
     """CasADi's switch for NumPy's functions is one for the whole process; without it a warning is raised."""
     with ThreadPoolExecutor(4) as executor:
-        made = list(executor.map(lambda _: symbolic.__wrapped__(NON_ROTATING), range(40)))
-    assert {function.name() for function in made} == {NON_ROTATING.name}
+        made = list(executor.map(lambda _: symbolic.__wrapped__(THESIS), range(40)))
+    assert {function.name() for function in made} == {THESIS.name}

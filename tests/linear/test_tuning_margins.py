@@ -20,7 +20,7 @@ from plants.equation import from_array
 from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.laws.lugre import Bristle
-from plants.non_rotating import NON_ROTATING, State
+from plants.registry import THESIS
 from workbench.errors import UserError
 from workbench.linear.linearise import linearise
 from workbench.linear.open_loop import linear_controller, margins, open_loop
@@ -54,10 +54,10 @@ def by_hand(kp: float) -> control.StateSpace:
     pressure = (level + f.viscous * SPEED) / h.piston_area_1
     root = np.sqrt((h.supply_pressure - pressure) / 2.0)
     spool = h.piston_area_1 * SPEED / (h.valve_flow_gain * root)
-    state = State(0.0, SPEED, pressure, Bristle(level / f.bristle_stiffness), spool)
-    _, inputs = NON_ROTATING.equilibrium(p, 0.0)
+    state = THESIS.State(0.0, SPEED, pressure, spool, Bristle(level / f.bristle_stiffness))
+    _, inputs = THESIS.equilibrium(p, 0.0)
     inputs = inputs._replace(valve_voltage=spool / h.valve_position_gain)
-    return control.sample_system(kp * linearise(NON_ROTATING, p, state, inputs)[0, 0], H, "zoh")
+    return control.sample_system(kp * linearise(THESIS, p, state, inputs)[0, 0], H, "zoh")
 
 
 def dense_margins(model: control.StateSpace) -> tuple[float, float]:

@@ -15,9 +15,7 @@ from plants.equation import fields, from_array, leaves, to_array
 from plants.friction import LuGre, steady_friction
 from plants.interface import Plant
 from plants.motor import LIMITS
-from plants.non_rotating import NON_ROTATING
-from plants.registry import plants
-from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
+from plants.registry import THESIS, plants
 from workbench.linear.linearise import symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.compilation import compile_derivatives
@@ -30,6 +28,9 @@ SIMULATION, EXPERIMENT = (
 )
 """As a set that knows no limits of the motor has them."""
 HYDRAULIC = [plant for plant in plants().values() if plant.command == "valve_voltage"]
+HELICAL, ISOTROPIC, ANISOTROPIC = (
+    plants()[f"rotating_{bristle}"] for bristle in ("helical", "isotropic", "anisotropic")
+)
 SPEEDS = [0.0, 0.05, 0.24, 0.92]
 """m/s at the piston's surface: 0 to 460 rpm."""
 
@@ -114,7 +115,7 @@ def test_constant_voltage_holds_the_speed(rotating: Plant, surface_speed: float)
 def test_a_plane_bristle_without_rotation_is_non_rotating(rotating: Plant, values: Any) -> None:
     """The whole trajectory of a closed loop that reverses and sticks, with either set (the second has directions)."""
     runs = []
-    for plant in (NON_ROTATING, rotating):
+    for plant in (THESIS, rotating):
         parameters = build(plant.Parameters, values)
         setup = at_rest(plant, values, duration=2.0, reference=Sine(0.01, 0.9), integrator=Integrator(tolerance=1e-9))
         loop = Loop(PID, PID.design(Settings(kp=500.0), parameters, setup.sample_time))
@@ -134,7 +135,7 @@ def test_load_pressure_stays_within_supply() -> None:
     push = 3000.0
     p = SIMULATION
     feeds = (Feed("disturbance_force", Steps((push,), 1.0), linear=False),)
-    setup = at_rest(NON_ROTATING, p | {"stroke": 1.0}, duration=0.5, feeds=feeds)
+    setup = at_rest(THESIS, p | {"stroke": 1.0}, duration=0.5, feeds=feeds)
     run = simulate(setup)
     pressure = run.state("load_pressure") / p["supply_pressure"]
     assert np.max(pressure) == pytest.approx(1.0, abs=2e-4)
@@ -147,13 +148,13 @@ def test_load_pressure_stays_within_supply() -> None:
 
 def test_voltage_and_spool_saturate() -> None:
     """40 V asked, 10 V given; 10 V is the whole travel of the spool, x_s = 0.6 mm (1 - exp(-t/tau))."""
-    setup = at_rest(NON_ROTATING, SIMULATION, duration=0.06, feeds=voltage(Steps((40.0,), 1.0)))
+    setup = at_rest(THESIS, SIMULATION, duration=0.06, feeds=voltage(Steps((40.0,), 1.0)))
     run = simulate(replace(setup, integrator=Integrator(tolerance=1e-10)))
     assert run.command == pytest.approx(10.0, abs=0.0)
     expected = 0.6e-3 * (1.0 - np.exp(-run.time / 12e-3))
     assert np.max(np.abs(run.state("spool_position") - expected)) < 1e-12
     wide = SIMULATION | {"valve_position_gain": 0.005}
-    printed = simulate(at_rest(NON_ROTATING, wide, duration=0.06, feeds=voltage(Steps((0.5,), 1.0))))
+    printed = simulate(at_rest(THESIS, wide, duration=0.06, feeds=voltage(Steps((0.5,), 1.0))))
     assert np.max(np.abs(printed.state("spool_position") - expected)) < 1e-8
 
 
@@ -164,7 +165,7 @@ def test_voltage_and_spool_saturate() -> None:
 def test_end_stop_holds_the_piston(values: Any, static: float, side: float) -> None:
     """At full voltage the piston rests `static` deep at most, as the sets say; on impact no deeper than its kinetic
     energy and the pressure can press an undamped spring: d <= d_s + sqrt(d_s^2 + M v^2/k)."""
-    run = simulate(at_rest(NON_ROTATING, values, duration=1.5, feeds=voltage(Steps((10.0 * side,), 9.0))))
+    run = simulate(at_rest(THESIS, values, duration=1.5, feeds=voltage(Steps((10.0 * side,), 9.0))))
     depth = side * run.state("position") - 0.5 * values["stroke"]
     assert 0.95 * static < depth[-1] < static
     impact = np.max(np.abs(run.state("velocity")))
@@ -197,7 +198,7 @@ def unit_voltage_speed(friction: float) -> float:
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_measured_friction_of_each_direction_acts(side: float) -> None:
     """Steady sliding at +-1 V under tables 5.2 (extending) and 5.3 (retracting), by hand."""
-    run = simulate(at_rest(NON_ROTATING, EXPERIMENT, duration=1.0, feeds=voltage(Steps((side,), 9.0))))
+    run = simulate(at_rest(THESIS, EXPERIMENT, duration=1.0, feeds=voltage(Steps((side,), 9.0))))
     speed = side * run.state("velocity")[-1]
     coulomb, stribeck, viscous, v_s = (330.0, 150.0, 22800.0, 2.4e-3) if side > 0 else (290.0, 110.0, 28200.0, 3.1e-3)
     friction = coulomb + stribeck * np.exp(-((speed / v_s) ** 2)) + viscous * speed
@@ -209,7 +210,7 @@ def test_set_without_coulomb_friction_slides() -> None:
     """Table 5.4 at 25 rpm, replayed as the thesis does: Coulomb 0, static 50 N, of which the floor leaves 0.5 N."""
     table = {"coulomb": 0.0, "stribeck": 50.0, "viscous": 34800.0, "stribeck_velocity": 3e-3}
     values = {name: value for name, value in EXPERIMENT.items() if not name.endswith("_negative")} | table
-    setup = at_rest(NON_ROTATING, values, duration=1.0, feeds=voltage(Steps((1.0,), 9.0)))
+    setup = at_rest(THESIS, values, duration=1.0, feeds=voltage(Steps((1.0,), 9.0)))
     run = simulate(setup)
     assert run.outcome == "completed"
     speed = run.state("velocity")[-1]
@@ -226,7 +227,7 @@ def test_slow_test_of_the_thesis_travels_as_plotted() -> None:
     the speed at which flow and friction agree, behind by the valve's 12 ms.
     """
     slow = Sine(1.0, 1.0 / 200.0, offset=1.0, phase=-np.pi / 2.0)
-    setup = at_rest(NON_ROTATING, EXPERIMENT, position=-0.07, duration=35.0, feeds=voltage(slow))
+    setup = at_rest(THESIS, EXPERIMENT, position=-0.07, duration=35.0, feeds=voltage(slow))
     run = simulate(setup)
     assert run.outcome == "completed"
     travel = run.state("position")[-1] - run.state("position")[0]

@@ -18,7 +18,7 @@ from controllers.velocity import filtered_differentiator
 from plants.equation import fields, from_array
 from plants.friction_gauge import gauged
 from plants.interface import Measurement, Plant
-from plants.non_rotating import NON_ROTATING
+from plants.registry import THESIS
 from workbench.simulation import compilation, engine
 from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import Multisine, Ramp, Recorded, ReferenceSignal, Sine, Steps
@@ -291,7 +291,7 @@ def test_two_threads_run_the_same_code(monkeypatch: pytest.MonkeyPatch) -> None:
         return made[-1]
 
     monkeypatch.setattr(compilation, "compile_derivatives", slowly)
-    plant = replace(NON_ROTATING, name="of this test alone")
+    plant = replace(THESIS, name="of this test alone")
     with ThreadPoolExecutor(4) as threads:
         addresses = set(threads.map(compilation.plant_addresses, [plant] * 4))
     assert len(made) == len(addresses) == 1

@@ -22,8 +22,10 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-EITHER_SIGN = frozenset(name for effect in effects().values() for name in effect.signed)
-"""Parameters that may be negative: those of effects that may act either way."""
+EDGE_OVERLAPS = frozenset(f"edge_overlap_{edge}" for edge in ("pa", "at", "pb", "bt"))
+
+EITHER_SIGN = EDGE_OVERLAPS.union(*(effect.signed for effect in effects().values()))
+"""Parameters that may be negative: those of effects that may act either way, and edges that are open at rest."""
 
 NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})
 """Values of the parameters that effects bring at which they do nothing."""
@@ -41,11 +43,21 @@ MAY_BE_ZERO = {
     "end_stop_damping",
     "valve_overlap",
     "leakage_coefficient",
+    "bearing_viscous",
+    "dead_volume_1",
+    "dead_volume_2",
+    "edge_gain_pa",
+    "edge_gain_at",
+    "edge_gain_pb",
+    "edge_gain_bt",
     "guide_coulomb",
     "guide_stribeck",
     "elastic_share",
     *(name for name, value in NEUTRAL.items() if value == 0.0),
 }
+UNEQUAL = frozenset({"dead_volume_1", "pump_displacement"})
+"""Parameters by which one knows a plant whose piston areas may differ."""
+
 BELOW_ONE = {"elastic_share"}
 
 LEAST_SHARE = 0.1
@@ -240,10 +252,10 @@ def serves(values: Mapping[str, float]) -> list[str]:
 
 
 def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:
-    if "piston_area_2" in names and values["piston_area_1"] != values["piston_area_2"]:
+    if "piston_area_2" in names and not UNEQUAL & {*names} and values["piston_area_1"] != values["piston_area_2"]:
         raise UserError(
             f"piston areas {values['piston_area_1']:g} and {values['piston_area_2']:g} m^2 differ: the load-pressure "
-            "form holds for equal areas only"
+            'form holds for equal areas only; expected model = "cylinder", or equal areas'
         )
     for suffix in ("", f"_{NEGATIVE}", f"_{ROTARY}"):
         level = [values.get(f"{name}{suffix}", values.get(name)) for name in ("coulomb", "stribeck")]

@@ -12,8 +12,7 @@ from plants.effects.interface import COMMAND, Effect, Scales
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE, ROTARY, fields
 from plants.interface import Plant
-from plants.non_rotating import NON_ROTATING
-from plants.two_chamber import TWO_CHAMBER
+from plants.registry import CHAMBERS, THESIS
 from workbench.diagnose.residuals import pump
 from workbench.diagnose.residuals.along import ARRIVES, Along, input_deviation
 from workbench.diagnose.residuals.balance import Balance
@@ -64,7 +63,7 @@ class Diagnosed(NamedTuple):
 def richest(plant: Plant) -> Plant:
     """The plant that tells most of the same machine: for a valve's actuator the one with a pressure in each chamber."""
     bare = plant.bare or plant
-    return TWO_CHAMBER if bare is NON_ROTATING else bare
+    return CHAMBERS if bare is THESIS else bare
 
 
 def diagnosed_plant(plant: Plant, flow: str, channels: Collection[str]) -> Along:

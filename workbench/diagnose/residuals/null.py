@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from controllers import pid
+from controllers.belief import velocities
 from controllers.pid import PID
 from plants.equation import fields
-from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
@@ -78,8 +78,8 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
 def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Settings:
     """A loop that tracks a position: of a flow, which sets a velocity, or of a force, which sets an acceleration."""
     plant = along.plant
-    if FLOW in plant.balances:
-        return pid.Settings(kp=TRACKING / float(no_load_velocity_gain(parameters.hydraulics)))
+    if (known := velocities(parameters)) is not None:
+        return pid.Settings(kp=TRACKING / max(known.forward, known.backward))
     pushed = inputs._replace(**{plant.command: 1.0})
     rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
     push = float(next(rates)) - float(next(rates))

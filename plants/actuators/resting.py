@@ -1,0 +1,59 @@
+"""A cylinder with a pressure in each chamber at rest under a constant load."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+HALVINGS = 50
+"""Of an interval in which an equilibrium is looked for."""
+
+
+class Resting(NamedTuple):
+    """What an equilibrium is found between: areas (m^2), the pressures of tank and supply (Pa), the spool's way (m)."""
+
+    area_1: float
+    area_2: float
+    tank: float
+    supply: float
+    spool_limit: float
+
+
+def at_rest(
+    net_flows: Callable[..., tuple[float, float]], p: Any, between: Resting, total: float
+) -> tuple[float, float, float]:
+    """Both pressures (Pa) and the spool (m) of a machine at rest: P1 A1 - P2 A2 = F_load.
+
+    A closed valve leaves one pressure open: there P1 + P2 = `total`. Where fluid leaks, past the piston or across edges
+    that are open at rest, the spool stands where it makes that good.
+
+    Args:
+        net_flows: (spool, P1, P2, parameters) -> flow into chamber 1 and out of chamber 2; rise with the spool.
+        p: parameters of the machine, with its `body`.
+        between: areas and limits.
+        total: sum of both pressures (Pa) behind a valve that lets nothing through.
+    """
+    load = p.body.load_force
+
+    def other(pressure_1: float) -> float:
+        return float((pressure_1 * between.area_1 - load) / between.area_2)
+
+    def spool_for(chamber: int, pressure_1: float) -> float:
+        def flow(spool: float) -> float:
+            return float(net_flows(spool, pressure_1, other(pressure_1), p)[chamber])
+
+        return rising(flow, -between.spool_limit, between.spool_limit)
+
+    pressure_1 = (load + total * between.area_2) / (between.area_1 + between.area_2)
+    if all(abs(flow) == 0.0 for flow in net_flows(0.0, pressure_1, other(pressure_1), p)):
+        return pressure_1, other(pressure_1), 0.0
+    least = max(between.tank, (load + between.tank * between.area_2) / between.area_1)
+    most = min(between.supply, (load + between.supply * between.area_2) / between.area_1)
+    pressure_1 = rising(lambda pressure: spool_for(0, pressure) - spool_for(1, pressure), least, most)
+    return pressure_1, other(pressure_1), spool_for(0, pressure_1)
+
+
+def rising(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that rises crosses 0; the nearer end where it does not."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if function(middle) > 0.0 else (middle, high)
+    return 0.5 * (low + high)
