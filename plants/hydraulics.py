@@ -43,6 +43,20 @@ class Hydraulics(NamedTuple):
     leakage_coefficient: Annotated[float, "m^3/(s Pa)"] = 0.0
 
 
+class RatedFlow(NamedTuple):
+    """What a data sheet says of a valve in the place of a flow gain: the flow at full travel, and the pressure drop at
+    which it holds, over one edge: half of that over both.
+    """
+
+    rated_flow: Annotated[float, "m^3/s"]
+    rated_edge_drop: Annotated[float, "Pa"]
+
+
+def flow_gain(rated: RatedFlow, travel: float) -> float:
+    """K (m^2/(s Pa^0.5)) = Q_r / (x_max sqrt(dp)) of an edge that is open by its whole `travel` (m)."""
+    return float(rated.rated_flow / (travel * np.sqrt(rated.rated_edge_drop)))
+
+
 LEAST_VOLUME = 1e-3
 """Share of a chamber's swept volume that is left in it at the end of the stroke, whatever its dead volume."""
 

@@ -46,7 +46,7 @@ def lacks(plant: Plant, effect: Effect) -> str:
     if not effect.own_names:
         missing = sorted(set(effect.numbers) - {item.name for item in fields(plant.Parameters)})
         return f"parameter {', '.join(missing)}"
-    known = {*members(plant.Parameters), *members(plant.Inputs), *plant.channels}
+    known = {*members(plant.Parameters), *members(plant.State), *members(plant.Inputs), *plant.channels}
     for name in (*effect.parameters, *effect.requires):
         if name not in known:
             return name
@@ -102,7 +102,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     chained = functools.partial(_chained, plant, effects)
     altered, driven = chained(plant.Parameters, "parameters"), chained(plant.Inputs, "inputs")
     by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
-    remembered, memory_of = _remembered(effects), _memory_of(plant, remembering)
+    remembered, memory_of = _remembered(plant, effects), _memory_of(plant, remembering)
     bare_rates, bare_signals, bare_measure = plant.derivatives, plant.signals, plant.measure
 
     @equation
@@ -132,7 +132,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def measure(state: Any, p: Any) -> Measurement:
         """What the plant's sensors show, and the effects make of it."""
-        moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
 
     def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
@@ -259,8 +259,9 @@ def _unchanged(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any
     return value
 
 
-def _remembered(effects: Sequence[Effect]) -> Equation:
+def _remembered(plant: Plant, effects: Sequence[Effect]) -> Equation:
     """Rates of what the effects remember, given that: (rates, slip, command, moment, memory, p, own) -> rates."""
+    arriving: Chain = _unchanged
 
     @equation
     def chain(rates: Any, slip: Scalar, command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
@@ -269,17 +270,20 @@ def _remembered(effects: Sequence[Effect]) -> Equation:
     for index, effect in enumerate(effects):
         place = _memory_index(effects, effect)
         if place is not None and effect.remember is not None:
-            chain = _next_memory(chain, place, effect.remember, index)
+            chain = _next_memory(chain, place, effect.remember, index, arriving)
+        if (change := effect.inputs.get(COMMAND, effect.inputs.get(plant.command))) is not None:
+            arriving = _after(arriving, _step(change, index, place))
     return chain
 
 
-def _next_memory(before: Equation, place: int, remember: Equation, index: int) -> Equation:
-    """The chain with the rates of another effect's memory."""
+def _next_memory(before: Equation, place: int, remember: Equation, index: int, arriving: Chain) -> Equation:
+    """The chain with the rates of another effect's memory, which is given the command as it arrives there."""
 
     @equation
     def chain(rates: Any, slip: Scalar, command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
         rates = before(rates, slip, command, moment, memory, p, own)
-        return changed(rates, place, remember(slip, command, moment, memory[place], p, own[index]))
+        arrived = arriving(command, moment, memory, p, own)
+        return changed(rates, place, remember(slip, arrived, moment, memory[place], p, own[index]))
 
     return chain
 

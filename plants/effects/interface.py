@@ -25,7 +25,8 @@ DISTURBANCE = "disturbance_force"
 class Moment(NamedTuple):
     """What the equations of an effect know of an instant.
 
-    Pressures are NaN, the spool and speeds of rotation 0, and the stroke is infinite, for a plant without.
+    Pressures are NaN, spool, its gain and limit and speeds of rotation 0, and the stroke is infinite, for a plant
+    without.
     """
 
     time: Annotated[float, "s"]
@@ -37,6 +38,8 @@ class Moment(NamedTuple):
     pressure_2: Annotated[float, "Pa"]
     spool_position: Annotated[float, "m"]
     stroke: Annotated[float, "m"]
+    spool_gain: Annotated[float, "m/V"]
+    spool_limit: Annotated[float, "m"]
 
 
 class Scales(NamedTuple):
@@ -84,6 +87,7 @@ class Effect:
     `apart` the sets of them that may act alone, the smallest first: all together where none are given. `needs` are the
     channels without which it cannot be told, `acts_on` the signals over which it shows beyond those that are always
     looked at. A `circular` one is made of what it is to explain: the pressure carries every force that is not known.
+    One that is not `sought` is declared or not there: no diagnosis looks for it.
 
     `Own` are those parameters that a plant has not by itself, neutral at their defaults, and `Memory` its states. With
     these, its equations change what they name, if the plant has it:
@@ -94,9 +98,10 @@ class Effect:
         readings[channel](value, moment, memory, parameters, own) -> value      of its sensors, SI; time is 0 there
         remember(slip, command, moment, memory, parameters, own) -> Memory      rates of its states
 
-    `slip` (m/s) is the velocity at which the contact slides, its bristles taken off. A plant can have the effect if it
+    `slip` (m/s) is the velocity at which the contact slides, its bristles taken off; the `command` is as the effects
+    before this one, in the order of the registry, have made it. A plant can have the effect if it
     has all of the parameters' fields and inputs, and one of the rates, that are named here, and what it `requires`:
-    fields of the parameters, or channels that the plant's sensors show.
+    fields of the parameters, states, or channels that the plant's sensors show.
     Its memory of a machine at rest is `at_rest(command)`, or the defaults.
     """
 
@@ -109,6 +114,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     acts_on: tuple[str, ...] = ()
     circular: bool = False
+    sought: bool = True
     requires: tuple[str, ...] = ()
     Own: type = Nothing
     Memory: type = Nothing

@@ -17,7 +17,10 @@ def moment_of(plant: Plant) -> Equation:
     radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
     spool = _path(plant.State, "spool_position", otherwise=0.0)
     pressures_of = _pressures_of(plant)
-    stroke = _path(plant.Parameters, "hydraulics", "stroke", otherwise=np.inf)
+    fluid = next((name for name in ("hydraulics", "pneumatics") if name in members(plant.Parameters)), "")
+    gain = _path(plant.Parameters, fluid, "valve_position_gain", otherwise=0.0)
+    limit = _path(plant.Parameters, fluid, "spool_limit", otherwise=0.0)
+    stroke = _path(plant.Parameters, fluid, "stroke", otherwise=np.inf)
     if "stroke" in members(plant.Parameters):
         stroke = _path(plant.Parameters, "stroke", otherwise=np.inf)
 
@@ -34,6 +37,8 @@ def moment_of(plant: Plant) -> Equation:
             pressures[1],
             spool(state),
             stroke(p),
+            gain(p),
+            limit(p),
         )
 
     return moment

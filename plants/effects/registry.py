@@ -19,6 +19,7 @@ from plants.effects.on_friction import (
     VISCOUS_DRIFT,
 )
 from plants.effects.sensors import BACKLASH, PRESSURE_SENSOR_OFFSET
+from plants.effects.valve import VALVE_DYNAMICS, VALVE_HYSTERESIS
 from plants.equation import fields, unmarked
 from plants.plugins import Registry
 
@@ -39,6 +40,8 @@ _OURS = (
     ENTRAINED_AIR,
     UNEQUAL_AREAS,
     COMMAND_DELAY,
+    VALVE_HYSTERESIS,
+    VALVE_DYNAMICS,
     BACKLASH,
     PRESSURE_SENSOR_OFFSET,
 )

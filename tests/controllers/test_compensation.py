@@ -228,17 +228,22 @@ def hydraulic_law(**changed: float) -> Any:
 
 def spool_flow(gains: Any, spool: float, friction: float) -> float:
     """Flow (m^3/s) of an inverted valve whose load takes this force (N)."""
-    root = math.sqrt(gains.drop_share * (gains.supply_pressure - math.copysign(1.0, spool) * friction / gains.area))
-    return float(gains.flow_gain * spool * root)
+    h = parameters(CYLINDER).hydraulics
+    root = math.sqrt(0.5 * (h.supply_pressure - math.copysign(1.0, spool) * friction / h.piston_area_1))
+    return float(h.valve_flow_gain * spool * root)
+
+
+def compliance() -> float:
+    """V_t / (4 beta A) (m^3/N)."""
+    h = parameters(CYLINDER).hydraulics
+    return float(oil_volume(h)) / (4.0 * h.bulk_modulus * float(piston_area(h)))
 
 
 def test_the_flow_of_compression_is_that_of_the_force_that_rises() -> None:
     """A rod that is held while its force rises by 200 N in a sample takes V_t/(4 beta A) dF/dt."""
     gains = hydraulic_law(compression=0.5)
     _, state = valve_inversion(Wanted(0.0, 0.0, 0.0, 0.0, 0.0), 300.0, LawState(0.0, previous_target=100.0), gains, H)
-    h = parameters(CYLINDER).hydraulics
-    compliance = float(oil_volume(h)) / (4.0 * h.bulk_modulus * float(piston_area(h)))
-    assert spool_flow(gains, state.previous_spool, 300.0) == pytest.approx(0.5 * compliance * 200.0 / H)
+    assert spool_flow(gains, state.previous_spool, 300.0) == pytest.approx(0.5 * compliance() * 200.0 / H)
     assert state.previous_target == 300.0
     _, state = valve_inversion(Wanted(0.0, 0.0, 0.0, 0.0, 0.0), 300.0, LawState(0.0), gains, H)
     assert state.previous_spool == 0.0, "at the first sample nothing is known of how the force changes"
@@ -251,7 +256,7 @@ def test_a_force_loop_forgets_what_lasts_with_its_washout(washout: float) -> Non
         _, state = valve_inversion(Wanted(0.0, 0.0, 0.0, 0.0, 100.0), 300.0, state, gains, H)
     left = 200.0 * math.exp(-washout * count * H)
     flow = spool_flow(gains, state.previous_spool, 300.0)
-    assert flow == pytest.approx(gains.compliance * 5.0 * left, rel=1e-9)
+    assert flow == pytest.approx(compliance() * 5.0 * left, rel=1e-9)
 
 
 def test_the_force_source_by_hand() -> None:

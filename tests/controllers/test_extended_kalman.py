@@ -144,7 +144,7 @@ def test_rates_are_those_of_the_plant(core: tuple[float, ...]) -> None:
     truth = THESIS.derivatives(0.0, state, THESIS.Inputs(0.0, 0.0), belief)
     rates, _ = believed_rates(*core, design_ekf(belief, EkfSettings(), H))
     expected = [truth.velocity, truth.load_pressure, truth.contact.bristle_deflection]
-    assert to_array(rates) == pytest.approx(expected, rel=1e-13)
+    assert to_array(rates) == pytest.approx(np.array(expected, dtype=float), rel=1e-13)
 
 
 def exact_hold(rates: np.ndarray, jacobian: np.ndarray, h: float) -> np.ndarray:

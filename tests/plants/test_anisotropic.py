@@ -232,13 +232,14 @@ def test_stable_with_the_measured_sets(rpm: float, volts: float) -> None:
 def test_a_speed_servo_holds_the_measured_sets(rpm: float) -> None:
     """Rotary viscous friction of 8.3 N s/m, not the axial 22 800, is what the servo has to know of."""
     plant = plants()["rotating_anisotropic"]
-    state, inputs = plant.equilibrium(MEASURED, rpm * RPM)
+    parameters = build(plant.Parameters, SET)
+    state, inputs = plant.equilibrium(parameters, rpm * RPM)
     state = state._replace(position=-50e-3)
     speed = rpm * 2.0 * np.pi / 60.0
-    servo = SPEED_SERVO.design(SPEED_SERVO.Settings(speed, state.motor_current), MEASURED, 1e-3)
+    servo = SPEED_SERVO.design(SPEED_SERVO.Settings(speed, state.motor_current), parameters, 1e-3)
     loop, fed = Loop(SPEED_SERVO, servo), inputs._replace(motor_voltage=0.0)
     valve = Feed("valve_voltage", Sine(9.5, 0.5))
-    run = simulate(Setup(plant, MEASURED, state, fed, 2.0, rotary=loop, rotation_speed=speed, feeds=(valve,)))
+    run = simulate(Setup(plant, parameters, state, fed, 2.0, rotary=loop, rotation_speed=speed, feeds=(valve,)))
     assert run.outcome == "completed"
     assert np.max(np.abs(run.signals["velocity"])) > 0.14
     late = run.time > 1.5

@@ -48,8 +48,9 @@ def check_still(study: Study, table: DecideTable, still: Resolved) -> None:
         raise study.error(("decide", "amplitude"), f"got {table.amplitude:g} m, the stroke ends at +-{end:g} m")
     if not _has(plant, HYDRAULIC):
         raise study.error(("plant", "model"), f"{plant.name} has no hydraulic power: expected a hydraulic actuator")
-    if any(table.rpm) and not plant.rotary_command and study.file.plant.get("model") != "by_rpm":
-        message = f'plant "{plant.name}" does not rotate: expected rpm = [0] (or model = "by_rpm")'
+    turned = study.file.plant.get("model") == "by_rpm" or study.file.plant.get("turned")
+    if any(table.rpm) and not plant.rotary_command and not turned:
+        message = f'plant "{plant.name}" does not rotate: expected rpm = [0] (or turned = "rod")'
         raise study.error(("decide", "rpm"), message)
 
 

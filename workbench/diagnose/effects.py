@@ -26,7 +26,8 @@ CONFOUNDED = 0.2
 
 def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> FoundEffect | None:
     """An offset of pressure 1: the sum of both pressures is off by a constant, and by little else."""
-    if not motions[0].has("pressure_1", "pressure_2") or "supply_pressure" not in values:
+    matched = "tank_pressure" in values and values.get("piston_area_1") == values.get("piston_area_2")
+    if not (motions[0].has("pressure_1", "pressure_2") and "supply_pressure" in values and matched):
         return None
     sums = np.concatenate([_pressure_sum(motion, values)[motion.valid] for motion in motions])
     mean, rms = float(np.mean(sums)), float(np.sqrt(np.mean(sums**2)))

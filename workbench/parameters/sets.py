@@ -12,9 +12,9 @@ from pydantic import ConfigDict, Field
 import workbench.toml.reading as toml
 from plants.effects.registry import EFFECTS, effects
 from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
-from plants.hydraulics import FLOW_LAWS
+from plants.hydraulics import FLOW_LAWS, RatedFlow, flow_gain
 from plants.laws.registry import LAWS
-from plants.motor import LIMITS
+from plants.motor import LIMITS, TurningCylinder
 from plants.registry import PLANTS, plants
 from workbench.errors import UserError, nearest
 from workbench.toml.units import QuantityError, si
@@ -91,6 +91,7 @@ def known_units() -> dict[str, str]:
     for plant in plants().values():
         for item in fields(plant.Parameters):
             known.setdefault(item.name, item.unit)
+    known |= {item.name: item.unit for cls in (TurningCylinder, RatedFlow) for item in fields(cls)}
     for law in LAWS.working().values():
         known |= {item.name: item.unit for item in fields(law.Extra)}
     for effect in effects().values():
@@ -157,7 +158,20 @@ def _parsed(path: Path, text: str) -> tuple[Mapping[str, float], Mapping[str, fl
                 deviations[name] = _deviation(entry.std, known_units()[name])
         except (QuantityError, UserError) as error:
             raise toml.at(path, text, key, str(error)) from None
+    if {*RatedFlow._fields} & values.keys():
+        values = _with_flow_gain(values, path, text)
     return MappingProxyType(values), MappingProxyType(deviations)
+
+
+def _with_flow_gain(values: dict[str, float], path: Path, text: str) -> dict[str, float]:
+    """Values with the valve's flow gain in the place of a data sheet's rated flow at a rated pressure drop."""
+    needed = [*RatedFlow._fields, "spool_limit"]
+    if "valve_flow_gain" in values or not {*needed} <= values.keys():
+        raise toml.at(
+            path, text, ("parameters",), f"expected {', '.join(needed)} together, and no valve_flow_gain beside them"
+        )
+    gain = flow_gain(RatedFlow(*(values.pop(name) for name in RatedFlow._fields)), values["spool_limit"])
+    return {**values, "valve_flow_gain": gain}
 
 
 def _deviation(value: object, unit: str) -> float:

@@ -79,16 +79,22 @@ def _values(parameters: str, overrides: Mapping[str, object], folder: Path, tabl
 
 
 def _rotated(plant: Plant, values: Mapping[str, float], table: Mapping[str, object]) -> Mapping[str, float]:
-    """Values with what a study says of rotation in [plant]: `inertia`, `motor` and `motor_limits`.
+    """Values with what a study says of rotation in [plant]: `turned`, `inertia`, `motor` and `motor_limits`.
 
-    Inertia "mass" is the thesis's M R^2 (section 3.3.1.2). A "consistent" motor has the back-EMF constant of its torque
-    constant, so that what enters at the terminals is shaft power, winding loss and what winding and rotor store:
-    torque and current are what the thesis measured friction with (4.2), the printed back EMF only moves the voltage.
+    Where the cylinder turns (thesis 6.2), the rod at rest in it, the friction is the same and the inertia another:
+    `cylinder_inertia`. Inertia "mass" is the thesis's M R^2 (section 3.3.1.2). A "consistent" motor has the back-EMF
+    constant of its torque constant, so that what enters at the terminals is shaft power, winding loss and what winding
+    and rotor store: torque and current are what the thesis measured friction with (4.2), the printed back EMF only
+    moves the voltage.
     """
     if not plant.rotary_command:
         return values
     values = dict(values)
-    if table.get("inertia") == "mass" and {"mass", "piston_radius"} <= values.keys():
+    if table.get("turned") == "cylinder":
+        if "cylinder_inertia" not in values:
+            raise UserError('turned = "cylinder" needs cylinder_inertia, that of all that turns with the cylinder')
+        values["rotary_inertia"] = values["cylinder_inertia"]
+    elif table.get("inertia") == "mass" and {"mass", "piston_radius"} <= values.keys():
         values["rotary_inertia"] = values["mass"] * values["piston_radius"] ** 2
     if table.get("motor") == "consistent" and "torque_constant" in values:
         values["back_emf_constant"] = values["torque_constant"]

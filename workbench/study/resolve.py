@@ -30,7 +30,10 @@ from workbench.toml import reading as files
 from workbench.toml.reading import SchemaError
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
-"""Models of [plant] that stand for several plants; any registered plant's own name serves too."""
+"""Models of [plant] that stand for several plants; any registered plant's own name serves too.
+
+`by_rpm` is the thesis's actuator whose rod turns where rpm is not 0, as any machine's does that is `turned`; that of
+`rotating` always turns."""
 
 ROTATED_BY = {
     "servo": ("motor_voltage",),
@@ -250,14 +253,14 @@ def _plants(tables: CaseTables, values: Mapping[str, float]) -> tuple[Plant, Pla
 
 def _plant(tables: CaseTables) -> Plant:
     table, rpm = tables.plant, tables.rpm
-    model = table.model
-    if model == "by_rpm":
-        model = "rotating" if rpm else "non_rotating"
-    if model == "rotating":
-        model = f"rotating_{table.bristle}{'_ideal' if table.rotation == 'ideal' else ''}"
-    elif model == "drive":
-        model = f"drive_{table.command}"
-    plant = registered(PLANTS, model, ("plant", "model"), MODELS)
+    models = {"by_rpm": "non_rotating", "rotating": "non_rotating", "drive": f"drive_{table.command}"}
+    plant = registered(PLANTS, models.get(table.model, table.model), ("plant", "model"), MODELS)
+    turns = table.model == "rotating" or (rpm and (table.turned or table.model == "by_rpm"))
+    if turns and not plant.rotary_command:
+        try:
+            plant = plant.with_turning_rod(table.bristle, imposed=table.rotation == "ideal")
+        except ValueError as error:
+            raise SchemaError(("plant", "turned"), str(error)) from None
     if rpm and not plant.rotary_command:
-        raise SchemaError(("rpm",), f'plant "{model}" does not rotate: expected rpm 0 (or model = "by_rpm")')
+        raise SchemaError(("rpm",), f'plant "{plant.name}" does not rotate: expected rpm 0 (or turned = "rod")')
     return plant

@@ -20,6 +20,7 @@ class PlantTable(Strict):
 
     model: str
     parameters: str
+    turned: Literal["rod", "cylinder"] | None = None
     bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
     inertia: Literal["own", "mass"] = "own"
     rotation: Literal["voltage", "servo", "ideal", "scheduled", "switched"] = "servo"

@@ -80,8 +80,8 @@ def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
 
 
 def can_be_told(effect: Effect, plant: Plant, channels: Collection[str]) -> bool:
-    """Whether a record has the channels that an effect needs."""
-    return all(
+    """Whether an effect is looked for at all, and a record has the channels that it needs."""
+    return effect.sought and all(
         bool(given_by(channels, plant.command)) if name == COMMAND else name in channels for name in effect.needs
     )
 

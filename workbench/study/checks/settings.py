@@ -10,7 +10,7 @@ from plants.equation import fields
 from plants.friction import LuGre
 from plants.interface import Plant
 from plants.laws.registry import LAWS
-from plants.registry import plants
+from plants.registry import PLANTS
 from workbench.errors import nearest
 from workbench.parameters.sets import FLOW_SHARE, plain_name
 from workbench.study.resolve import Resolved
@@ -20,9 +20,12 @@ from workbench.toml.reading import Key
 
 def _family(case: Case, plant: Plant) -> list[Plant]:
     """The plants that the model of a case stands for."""
-    if case.tables["plant"].get("model") != "by_rpm":
+    table = case.tables["plant"]
+    by_rpm = table.get("model") == "by_rpm"
+    if not by_rpm and not table.get("turned"):
         return [plant]
-    return [plants()["non_rotating"], plants()["rotating_helical"]]
+    straight = PLANTS.working()["non_rotating" if by_rpm else table["model"]]
+    return [straight, straight.with_turning_rod(table.get("bristle", "helical"))]
 
 
 def plant_settings(case: Case, item: Resolved) -> dict[Key, str]:
@@ -66,7 +69,7 @@ def _applies(case: Case, family: Sequence[Plant], names: Collection[str]) -> dic
     rotates = any(plant.rotary_command is not None for plant in family)
     valve = any(field.name == FLOW_SHARE for plant in family for field in fields(plant.Parameters))
     features = {"bristle": rotates, "inertia": rotates, "rotation": rotates, "start": rotates, "flow": valve}
-    features |= {"motor": rotates, "motor_limits": rotates}
+    features |= {"motor": rotates, "motor_limits": rotates, "turned": rotates}
     features["command"] = table["model"] == "drive"
     found: dict[Key, bool] = {("plant", name): applies for name, applies in features.items() if name in table}
     for section in (("plant", "set"), ("plant", "scale"), ("belief", "set")):

@@ -1,0 +1,123 @@
+"""What a data sheet says of a valve beyond gain and lag: its resonance and slew, and its hysteresis.
+
+They are given, not sought: no diagnosis looks for them.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.interface import COMMAND, Effect, Moment, Number
+from plants.equation import Scalar, equation, select
+
+FOLLOWED = 1e-4
+"""s. Time constant with which a command beyond the hysteresis is followed: play has no rate of its own."""
+
+
+class Dynamics(NamedTuple):
+    """A spool of second order in the place of a lag, where it has a natural frequency; and its largest speed (0: none).
+
+    A data sheet's frequency at a phase of -90 degrees, for small amplitudes, is the natural frequency.
+    """
+
+    valve_natural_frequency: Annotated[float, "Hz"] = 0.0
+    valve_damping_ratio: Annotated[float, "1"] = 0.7
+    valve_slew: Annotated[float, "m/s"] = 0.0
+
+
+class SpoolMotion(NamedTuple):
+    """The spool's speed."""
+
+    spool_velocity: Annotated[float, "m/s", 1e-2] = 0.0
+
+
+@equation
+def within_slew(rate: Scalar, own: Dynamics) -> Scalar:
+    """A speed (m/s) of the spool within its slew."""
+    return select(own.valve_slew > 0.0, np.minimum(np.maximum(rate, -own.valve_slew), own.valve_slew), rate)
+
+
+@equation
+def spool_speed(rate: Scalar, moment: Moment, memory: SpoolMotion, p: Any, own: Dynamics) -> Scalar:
+    """dx_s/dt (m/s): the state of a valve of second order, else the lag's."""
+    return within_slew(select(own.valve_natural_frequency > 0.0, memory.spool_velocity, rate), own)
+
+
+@equation
+def spool_acceleration(
+    slip: Scalar, command: Scalar, moment: Moment, memory: SpoolMotion, p: Any, own: Dynamics
+) -> SpoolMotion:
+    """d2x_s/dt2 (m/s^2) = w^2 (K_sv V - x_s) - 2 D w dx_s/dt, none beyond the slew (Merritt 1967)."""
+    frequency = 2.0 * np.pi * own.valve_natural_frequency
+    target = np.minimum(np.maximum(moment.spool_gain * command, -moment.spool_limit), moment.spool_limit)
+    pushed = frequency**2 * (target - moment.spool_position)
+    pushed = pushed - 2.0 * own.valve_damping_ratio * frequency * memory.spool_velocity
+    limited = own.valve_slew > 0.0
+    fast, back = memory.spool_velocity >= own.valve_slew, memory.spool_velocity <= -own.valve_slew
+    held = select(fast, np.minimum(pushed, 0.0), select(back, np.maximum(pushed, 0.0), pushed))
+    return SpoolMotion(select(limited, held, pushed))
+
+
+VALVE_DYNAMICS = Effect(
+    name="valve_dynamics",
+    balance="valve",
+    words="the valve's spool swings and has a largest speed",
+    source="Merritt 1967",
+    numbers={
+        "valve_natural_frequency": Number(0.0, 1000.0, 50.0),
+        "valve_damping_ratio": Number(0.0, 5.0, 0.7),
+        "valve_slew": Number(0.0, 10.0, 0.1),
+    },
+    needs=(COMMAND,),
+    sought=False,
+    Own=Dynamics,
+    Memory=SpoolMotion,
+    rates={"spool_position": spool_speed},
+    remember=spool_acceleration,
+)
+
+
+class Play(NamedTuple):
+    """By how much the command has to turn back before the spool does."""
+
+    valve_hysteresis: Annotated[float, "V"] = 0.0
+
+
+class Carried(NamedTuple):
+    """The command that the spool follows."""
+
+    carried_command: Annotated[float, "V", 1.0] = 0.0
+
+
+@equation
+def carried(command: Scalar, moment: Moment, memory: Carried, p: Any, own: Play) -> Scalar:
+    """The command (V) behind the hysteresis."""
+    return select(own.valve_hysteresis > 0.0, memory.carried_command, command)
+
+
+@equation
+def carrying(slip: Scalar, command: Scalar, moment: Moment, memory: Carried, p: Any, own: Play) -> Carried:
+    """dV_h/dt (V/s): the nearest value within half the hysteresis of the command is followed with `FOLLOWED`.
+
+    A play of that width (Visintin 1994): friction and magnetic remanence of the spool's drive.
+    """
+    half = 0.5 * own.valve_hysteresis
+    near = np.minimum(np.maximum(memory.carried_command, command - half), command + half)
+    return Carried(select(own.valve_hysteresis > 0.0, (near - memory.carried_command) / FOLLOWED, 0.0))
+
+
+VALVE_HYSTERESIS = Effect(
+    name="valve_hysteresis",
+    balance="valve",
+    words="the spool follows a command that turns back only beyond a play",
+    source="Visintin 1994",
+    numbers={"valve_hysteresis": Number(0.0, 5.0, 0.1)},
+    needs=(COMMAND,),
+    sought=False,
+    requires=("spool_position",),
+    Own=Play,
+    Memory=Carried,
+    inputs={COMMAND: carried},
+    remember=carrying,
+    at_rest=Carried,
+)
