@@ -26,7 +26,7 @@ FORCE, FLOW = "force", "flow"
 
 OWN: Mapping[str, tuple[str, ...]] = {
     FORCE: FRICTION,
-    FLOW: ("valve_flow_gain", "bulk_modulus"),
+    FLOW: ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent"),
     "rotation": tuple(f"{name}_{ROTARY}" for name in FRICTION),
 }
 """What the baseline may move on each balance where an experiment does not say."""
