@@ -1,19 +1,14 @@
-"""Whether the numbers of a record can be what they are called: stuck and saturated channels, gaps, wrong units."""
+"""Whether the numbers of a record can be what they are called: stuck and saturated channels, wrong units."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from workbench.errors import UserError
 from workbench.records.experiment import ChannelSpec, Experiment
-
-LONGEST_GAP = 0.1
-"""s. What is missing for longer is no small gap."""
-
-MOST_MISSING = 0.05
-"""Share of a record that may be missing in small gaps."""
+from workbench.records.sampling.clock import spans
 
 SATURATED_SHARE = 0.05
 """Share of samples at the very same largest or smallest value from which a channel is saturated."""
@@ -28,7 +23,8 @@ AGAINST = -0.5
 """Sum of input times velocity over that of their sizes, below which the one goes against the other."""
 
 PACE = 0.05
-"""s over which a velocity is told for that: noise of the position is small beside what is moved in it."""
+"""s over which a velocity is told for that, a sample at least: noise of the position is small beside what is moved in
+it."""
 
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
@@ -36,45 +32,23 @@ LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 LEAST_POWER = 2
 """Of ten, from which on a channel's numbers are so far off that the message says how far."""
 
-ARRIVAL = 10
-"""Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
+ARRIVAL = 0.01
+"""s before a channel rests at its extreme, a sample at least: in them one that was held there creeps, one cut off still
+moves."""
 
 MOVING = ("position", "pressure_1", "pressure_2", "rotation_angle", "force")
 """Channels that cannot be constant to the last digit unless they are stuck."""
 
 
-def spans(mask: np.ndarray) -> Iterator[tuple[int, int]]:
-    """First place, and one beyond the last, of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-
-
-def gap_notes(path: Path, channels: Mapping[str, np.ndarray], valid: np.ndarray, step: float) -> Iterator[str]:
-    """What is missing, in words.
-
-    Raises:
-        UserError: too much is missing.
-    """
-    for name, values in channels.items():
-        for first, last in spans(~np.isfinite(values)):
-            if (last - first) * step > LONGEST_GAP:
-                raise UserError(
-                    f"{path}: {name} is missing from {first * step:g} s to {last * step:g} s; cut the record there"
-                )
-    missing = np.mean(~valid)
-    if missing > MOST_MISSING:
-        raise UserError(f"{path}: {100.0 * missing:.0f} % of the samples lack a value, expected at most 5 %")
-    if missing > 0.0:
-        count = len(list(spans(~valid)))
-        yield f"{int(np.sum(~valid))} samples in {count} gap{'s' * (count > 1)} are left out"
-
-
-def check_alive(path: Path, name: str, values: np.ndarray) -> None:
+def alive_notes(path: Path, name: str, values: np.ndarray, step: float) -> Iterator[str]:
     """A stuck channel has one value; a saturated one rests at its extreme and nowhere near it.
+
+    A position may: a rod rests at the end of its stroke, and nothing but its drawing tells that from a sensor's end.
 
     Raises:
         UserError: the channel is stuck or saturated.
     """
+    before = max(round(ARRIVAL / step), 1)
     known = values[np.isfinite(values)]
     low, high = float(np.min(known)), float(np.max(known))
     if low == high:
@@ -88,11 +62,18 @@ def check_alive(path: Path, name: str, values: np.ndarray) -> None:
         first, last = max(spans(at), key=lambda span: span[1] - span[0])
         longest = last - first
         beside = np.unique(known)
-        held = abs(values[max(first - ARRIVAL, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
+        held = abs(values[max(first - before, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
         next_to = float(beside[-2] if extreme == high else beside[1])
         # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
-        if longest > SATURATED_SHARE * values.size and crowded and not held:
+        if longest <= SATURATED_SHARE * values.size or not crowded or held:
+            continue
+        if name == "position":
+            yield (
+                f"the position is at its {word} value {extreme:g} for {longest} samples on end: an end of the stroke, "
+                "or of the sensor's range?"
+            )
+        else:
             raise UserError(
                 f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
                 "use a sensor or an amplifier of larger range, or cut the record"
@@ -167,27 +148,35 @@ def _check_command(path: Path, channels: Mapping[str, np.ndarray], experiment: E
             )
 
 
-def check_directions(path: Path, channels: Mapping[str, np.ndarray], step: float) -> None:
-    """Whether the rod moves where valve or pump send it; `step` (s) is the time between samples.
+def check_directions(path: Path, pieces: Sequence[Mapping[str, np.ndarray]], step: float) -> None:
+    """Whether the rod moves where valve or pump send it, by the channels of a record's pieces; `step` (s) is the time
+    between samples.
 
     Raises:
         UserError: it moves against them.
     """
     points = max(round(PACE / step), 1)
-    if "position" not in channels or channels["position"].size <= points:
+    if "position" not in pieces[0]:
         return
-    way = channels["position"][points:] - channels["position"][:-points]
     for name in FOLLOWED:
-        if name not in channels:
+        if name not in pieces[0]:
             continue
-        driven = way * channels[name][points // 2 :][: way.size]
-        driven = driven[np.isfinite(driven)]
+        driven = np.concatenate([_driven(channels["position"], channels[name], points) for channels in pieces])
         total = float(np.sum(np.abs(driven)))
         if total > 0.0 and np.sum(driven) < AGAINST * total:
             raise UserError(
                 f"{path}: the rod moves against {name} on most of its way; is the sign of channel {name} wrong, or "
                 "that of position? scale = -1 turns a channel"
             )
+
+
+def _driven(position: np.ndarray, values: np.ndarray, points: int) -> np.ndarray:
+    """What an input and the way (m) over so many points have in common, where both are known."""
+    if position.size <= points:
+        return np.empty(0)
+    way = position[points:] - position[:-points]
+    driven = way * values[points // 2 :][: way.size]
+    return np.asarray(driven[np.isfinite(driven)])
 
 
 def _unit_hint(got: float, expected: float) -> str:
