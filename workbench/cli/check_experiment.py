@@ -31,7 +31,7 @@ def check_experiment(file: Path) -> None:
     order = "an experiment, in order" if whole else f"an experiment; {absent}"
     print(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
     print(content.title + (f" ({content.source})" if content.source else ""))
-    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
+    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
     print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
     print("\n".join(f"  {line}" for line in lines))
     for spec, pieces in zip(content.records, records, strict=True):

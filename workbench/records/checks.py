@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from plants.axis import LINEAR, ROTARY
 from workbench.errors import UserError
-from workbench.records.experiment import ChannelSpec, Experiment
+from workbench.records.channels import ChannelSpec
+from workbench.records.experiment import Experiment
 from workbench.records.sampling.clock import spans
 
 SATURATED_SHARE = 0.05
@@ -40,10 +42,22 @@ MOVING = ("position", "pressure_1", "pressure_2", "rotation_angle", "force")
 """Channels that cannot be constant to the last digit unless they are stuck."""
 
 
+_STROKE, _OPEN = "an end of the stroke, or of the sensor's range?", "an open chamber, or the end of the sensor's range?"
+RESTS: Mapping[str, Mapping[str, str]] = {
+    "position": {"largest": _STROKE, "smallest": _STROKE},
+    "pressure_1": {"smallest": _OPEN},
+    "pressure_2": {"smallest": _OPEN},
+}
+"""Channels that may rest at an extreme, and why."""
+
+SHOWN = {LINEAR: ("mm", 1e3), ROTARY: ("deg", 180.0 / math.pi)}
+"""How positions along an axis are shown: their unit, and what SI numbers are multiplied with."""
+
+
 def alive_notes(path: Path, name: str, values: np.ndarray, step: float) -> Iterator[str]:
     """A stuck channel has one value; a saturated one rests at its extreme and nowhere near it.
 
-    A position may: a rod rests at the end of its stroke, and nothing but its drawing tells that from a sensor's end.
+    A position may, and a chamber that is open: nothing in a record tells that from the end of a sensor's range.
 
     Raises:
         UserError: the channel is stuck or saturated.
@@ -68,11 +82,8 @@ def alive_notes(path: Path, name: str, values: np.ndarray, step: float) -> Itera
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
         if longest <= SATURATED_SHARE * values.size or not crowded or held:
             continue
-        if name == "position":
-            yield (
-                f"the position is at its {word} value {extreme:g} for {longest} samples on end: an end of the stroke, "
-                "or of the sensor's range?"
-            )
+        if why := RESTS.get(name, {}).get(word):
+            yield f"{name} is at its {word} value {extreme:g} for {longest} samples on end: {why}"
         else:
             raise UserError(
                 f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
@@ -87,15 +98,15 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     Raises:
         UserError: one of these.
     """
-    values = experiment.values
+    values, axis = experiment.values, experiment.plant.axis
     if "position" in channels and np.isfinite(values.get("stroke", np.inf)):
         span = float(np.nanmax(channels["position"]) - np.nanmin(channels["position"]))
         if span > BEYOND * values["stroke"]:
             raise UserError(
-                f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
+                f"{path}: the position spans {span:g} {axis}, and the stroke is {values['stroke']:g} {axis}; "
                 f"is the unit of channel position right?{_length_hint(span, values['stroke'])}"
             )
-        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"], SHOWN[axis])
     supply = values.get("supply_pressure")
     for name in ("pressure_1", "pressure_2"):
         if supply is None or name not in channels:
@@ -116,8 +127,13 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     _check_command(path, channels, experiment)
 
 
-def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec) -> None:
-    """Whether the position is counted from the middle of the stroke, as the plants count it."""
+def _check_origin(
+    path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec, shown: tuple[str, float]
+) -> None:
+    """Whether the position is counted from the middle of the stroke, as the plants count it; `shown` is a unit, and
+    what SI numbers are multiplied with.
+    """
+    unit, scale = shown
     low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
     if max(-low, high) <= BEYOND * half:
         return
@@ -129,9 +145,9 @@ def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: Chan
     else:
         middle = 0.5 * (low + high)
     raise UserError(
-        f"{path}: the position goes from {1e3 * low:.4g} to {1e3 * high:.4g} mm, and a stroke of {1e3 * stroke:.4g} mm "
-        f"from {-1e3 * half:.4g} to {1e3 * half:.4g} mm: 0 is its middle; give channel position "
-        f'offset = "{1e3 * (channel.offset - middle):.4g} mm", if that is the middle here'
+        f"{path}: the position goes from {scale * low:.4g} to {scale * high:.4g} {unit}, and a stroke of "
+        f"{scale * stroke:.4g} {unit} from {-scale * half:.4g} to {scale * half:.4g} {unit}: 0 is its middle; give "
+        f'channel position offset = "{scale * (channel.offset - middle):.4g} {unit}", if that is the middle here'
     )
 
 

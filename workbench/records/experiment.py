@@ -22,11 +22,10 @@ from workbench.parameters.sets import (
     plain_name,
     read_parameters,
 )
+from workbench.records.channels import ChannelSpec, channels_of, quantity
 from workbench.records.schema import (
-    CHANNELS,
     NUISANCES,
     Bound,
-    ChannelTable,
     ExperimentFile,
     FigureTable,
     PlantTable,
@@ -35,20 +34,7 @@ from workbench.records.schema import (
     RecordTable,
 )
 from workbench.toml import reading as files
-from workbench.toml.units import QuantityError, factor, nearest_unit, si
-
-
-@dataclass(frozen=True)
-class ChannelSpec:
-    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
-
-    SI value = factor * number + offset.
-    """
-
-    column: str | int
-    factor: float
-    offset: float
-    anti_alias: float
+from workbench.toml.units import QuantityError, si
 
 
 @dataclass(frozen=True)
@@ -159,7 +145,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
         _bounds(content.fit.bounds, names, values),
         content.fit.method,
-        _channels(content.channels, plant),
+        channels_of(content.channels, plant),
         _accuracies(content.sensors),
         _records(content.records, path.parent),
         truth,
@@ -241,35 +227,6 @@ def _bounds(
     return bounds
 
 
-def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, ChannelSpec]:
-    units = {**CHANNELS, "command": plant.command_unit}
-    specs = {}
-    for name, table in tables.items():
-        if name not in CHANNELS:
-            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, CHANNELS)}")
-        try:
-            scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
-        except QuantityError:
-            meant = nearest_unit(table.unit, units[name])
-            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
-            message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
-            raise files.SchemaError(("channels", name, "unit"), message) from None
-        cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
-        raw = table.offset
-        offset = raw * scale if isinstance(raw, float) else _quantity(raw, units[name], ("channels", name, "offset"))
-        specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
-    if "time" not in specs:
-        raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
-    return specs
-
-
-def _quantity(value: float | str, unit: str, place: files.Key) -> float:
-    try:
-        return si(value, unit)
-    except QuantityError as error:
-        raise files.SchemaError(place, str(error)) from None
-
-
 def _accuracies(table: Mapping[str, Raw]) -> dict[str, float]:
     found = _sensors(table, ("sensors",))
     for name, number in found.items():
@@ -284,14 +241,14 @@ def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
     for name, value in table.items():
         if name not in NUISANCES:
             raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
-        found[name] = _quantity(value, NUISANCES[name], (*place, name))
+        found[name] = quantity(value, NUISANCES[name], (*place, name))
     return found
 
 
 def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for i, table in enumerate(tables):
-        step = None if table.sample_time is None else _quantity(table.sample_time, "s", ("records", i, "sample_time"))
+        step = None if table.sample_time is None else quantity(table.sample_time, "s", ("records", i, "sample_time"))
         if step is not None and step <= 0.0:
             raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
         pattern = any(mark in table.file for mark in "*?[")

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError, nearest
+from workbench.records.agreement import agreement_notes
 from workbench.records.checks import alive_notes, check_directions, check_ranges
 from workbench.records.experiment import Experiment, RecordSpec
 from workbench.records.sampling.clock import stamps_of
@@ -86,6 +87,7 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
     pieces, notes = pieces_of(spec.path, [series], spec.sample_time)
     step = pieces[0].step
     notes += [sight_note(step)] * bool(sight_note(step))
+    notes += agreement_notes([piece.channels for piece in pieces], step)
     together = _together(pieces)
     for name, values in together.items():
         notes += alive_notes(spec.path, name, values, step)

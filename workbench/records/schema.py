@@ -28,8 +28,10 @@ CHANNELS: Mapping[str, str] = {
     "pump_speed": "rad/s",
     "command": "1",
     "force": "N",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
 }
-"""Every channel that a record may have, with its SI unit."""
+"""Every channel that a record may have, with its SI unit along a straight axis."""
 
 Method = Literal["thesis", "simulation", "both"]
 """How parameters are found."""

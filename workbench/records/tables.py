@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError, nearest
-from workbench.records.experiment import ChannelSpec
+from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
 
 
