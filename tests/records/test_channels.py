@@ -1,6 +1,5 @@
 """Channels along axes that go straight and that turn, and measured rates beside the position."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -50,11 +49,10 @@ class TurningState(NamedTuple):
 
 
 @pytest.fixture(autouse=True)
-def _turning(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _turning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plant whose axis turns, of which no more than the units count here."""
     ours = {**PLANTS.ours, "turning": replace(DRIVE_VOLTAGE, name="turning", State=TurningState)}
     monkeypatch.setitem(PLANTS.__dict__, "ours", ours)
-    yield
 
 
 def record_of(folder: Path, text: str = STRAIGHT, **columns: np.ndarray) -> Record:

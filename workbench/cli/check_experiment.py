@@ -23,7 +23,7 @@ def check_experiment(file: Path) -> None:
     """
     content = read_experiment(file)
     identification.check_pattern(content)
-    records = [read_pieces(spec, content) if spec.path.exists() else [] for spec in content.records]
+    records = [read_pieces(spec, content) if spec.is_there else [] for spec in content.records]
     there = [piece for pieces in records for piece in pieces]
     serves, lines = _commands(content, there)
     whole = all(records)
@@ -31,6 +31,7 @@ def check_experiment(file: Path) -> None:
     order = "an experiment, in order" if whole else f"an experiment; {absent}"
     print(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
     print(content.title + (f" ({content.source})" if content.source else ""))
+    names = [channel.called for channel in content.channels.values()]
     print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
     print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
     print("\n".join(f"  {line}" for line in lines))
@@ -70,7 +71,7 @@ def _identify(content: Experiment, there: Sequence[Record], method: str) -> Call
     def check() -> None:
         identification.check_experiment(content, method)
         fitted = [record for record in there if record.use == "fit"]
-        if all(spec.path.exists() for spec in content.records if spec.use == "fit"):
+        if all(spec.is_there for spec in content.records if spec.use == "fit"):
             identification.check_records(content, fitted, method)
 
     return check
@@ -86,10 +87,11 @@ def _diagnose(content: Experiment, there: Sequence[Record]) -> Callable[[], None
 
 def _absent(spec: RecordSpec) -> str:
     """That a record is not there, and which file may have been meant."""
-    folder = spec.path.parent
+    lost = next((path for path in spec.places.values() if not path.exists()), spec.path)
+    folder = lost.parent
     if not folder.is_dir():
         return f"is not there (yet?): there is no folder {folder}"
-    close = get_close_matches(spec.path.name, [item.name for item in folder.iterdir()], n=1, cutoff=LIKE)
+    close = get_close_matches(lost.name, [item.name for item in folder.iterdir()], n=1, cutoff=LIKE)
     return "is not there (yet?)" + (f'; did you mean "{close[0]}"?' if close else "")
 
 

@@ -39,7 +39,8 @@ from workbench.toml.units import QuantityError, si
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One file of a record; `rpm` is a number, or the column that holds it.
+    """One file of a record; `rpm` is a number, or the column that holds it. `places` is the file of each channel: this
+    one, where not every channel has its own.
 
     `skip` rows are left out and `rows` taken (None: all); `sample_time` (s) of the grid that uneven samples are put on.
     """
@@ -51,6 +52,12 @@ class RecordSpec:
     skip: int = 0
     rows: int | None = None
     sample_time: float | None = None
+    places: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether all its files are."""
+        return all(path.exists() for path in (self.path, *self.places.values()))
 
 
 @dataclass(frozen=True)
@@ -133,7 +140,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
     truth = None
     if content.truth is not None:
         truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
-    names = parameter_names(plant)
+    names, channels = parameter_names(plant), channels_of(content.channels, plant)
     return Experiment(
         path,
         content.title,
@@ -145,9 +152,9 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
         _bounds(content.fit.bounds, names, values),
         content.fit.method,
-        channels_of(content.channels, plant),
+        channels,
         _accuracies(content.sensors),
-        _records(content.records, path.parent),
+        _records(content.records, path.parent, channels),
         truth,
         tuple(content.published),
         tuple(content.figures),
@@ -245,17 +252,35 @@ def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
     return found
 
 
-def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
+def _records(tables: list[RecordTable], folder: Path, channels: Mapping[str, ChannelSpec]) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for i, table in enumerate(tables):
         step = None if table.sample_time is None else quantity(table.sample_time, "s", ("records", i, "sample_time"))
         if step is not None and step <= 0.0:
             raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
-        pattern = any(mark in table.file for mark in "*?[")
-        paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
-        # A pattern without a file stays: whoever reads the records says that there is none.
+        if table.files:
+            places = _places(table.files, folder, channels, ("records", i, "files"))
+            found = [(next(iter(places.values())), places)]
+        else:
+            pattern = any(mark in table.file for mark in "*?[")
+            paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
+            # A pattern without a file stays: whoever reads the records says that there is none.
+            found = [(path, dict.fromkeys(channels, path)) for path in paths or [folder / table.file]]
         specs += [
-            RecordSpec(p, table.use, table.label or p.stem, table.rpm, table.skip, table.rows, step)
-            for p in paths or [folder / table.file]
+            RecordSpec(path, table.use, table.label or path.stem, table.rpm, table.skip, table.rows, step, places)
+            for path, places in found
         ]
     return tuple(specs)
+
+
+def _places(
+    table: Mapping[str, str], folder: Path, channels: Mapping[str, ChannelSpec], key: files.Key
+) -> dict[str, Path]:
+    """The file of each channel but the time, which is in all."""
+    names = {channel.called: name for name, channel in channels.items() if name != "time"}
+    for called in table:
+        if called not in names:
+            raise files.SchemaError((*key, called), f"no channel of [channels]; {nearest(called, names)}")
+    if lacking := [called for called in names if called not in table]:
+        raise files.SchemaError(key, f"no file for {' and '.join(lacking)}; name one, or leave the channel out")
+    return {names[called]: folder / file for called, file in table.items()}

@@ -79,12 +79,13 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
     Raises:
         UserError: unreadable, a missing column, or numbers that cannot be what they are called.
     """
-    table = read_table(spec.path)
-    table = table.iloc[spec.skip : None if spec.rows is None else spec.skip + spec.rows]
-    columns = {name: read_column(spec.path, table, name, channel) for name, channel in experiment.channels.items()}
-    stamps = stamps_of(spec.path, columns.pop("time"))
-    series = Series(stamps, {name: values[stamps.rows] for name, values in columns.items()})
-    pieces, notes = pieces_of(spec.path, [series], spec.sample_time)
+    places = {name: spec.places.get(name, spec.path) for name in experiment.channels if name != "time"}
+    tables = {path: _rows(spec, read_table(path)) for path in dict.fromkeys(places.values())}
+    series = [
+        _series(path, table, [name for name, place in places.items() if place == path], experiment)
+        for path, table in tables.items()
+    ]
+    pieces, notes = pieces_of(spec.path, series, spec.sample_time)
     step = pieces[0].step
     notes += [sight_note(step)] * bool(sight_note(step))
     notes += agreement_notes([piece.channels for piece in pieces], step)
@@ -93,7 +94,7 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
         notes += alive_notes(spec.path, name, values, step)
     check_ranges(spec.path, together, experiment)
     check_directions(spec.path, [piece.channels for piece in pieces], step)
-    rpm, log = _rpm(spec, table), experiment.records.index(spec)
+    rpm, log = _rpm(spec, tables[spec.path]), experiment.records.index(spec)
     records = []
     for number, piece in enumerate(pieces, 1):
         records.append(
@@ -112,6 +113,18 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
             )
         )
     return records
+
+
+def _rows(spec: RecordSpec, table: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a table that are taken."""
+    return table.iloc[spec.skip : None if spec.rows is None else spec.skip + spec.rows]
+
+
+def _series(path: Path, table: pd.DataFrame, names: Sequence[str], experiment: Experiment) -> Series:
+    """The channels of one file with its clock, in SI."""
+    stamps = stamps_of(path, read_column(path, table, "time", experiment.channels["time"]))
+    columns = {name: read_column(path, table, name, experiment.channels[name]) for name in names}
+    return Series(stamps, {name: values[stamps.rows] for name, values in columns.items()})
 
 
 def _together(pieces: Sequence[Piece]) -> dict[str, np.ndarray]:
