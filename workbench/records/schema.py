@@ -69,10 +69,10 @@ PUBLISHED: tuple[str, ...] = get_args(Published)
 
 
 class PlantTable(files.Strict):
-    """[plant]: what is believed. `scale` multiplies parameters, as in a study."""
+    """[plant]: what is believed. `scale` multiplies parameters, as in a study; `set` has all without `parameters`."""
 
     model: str
-    parameters: str
+    parameters: str = ""
     flow: Literal["derived", "chapter3"] = "derived"
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
