@@ -15,6 +15,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
+from workbench.records.sampling.sight import window_points
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
@@ -103,13 +104,19 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     )
     measured = {name: averaged(np.where(record.valid, channels[name], np.nan), count) for name in outputs}
     inputs_key = b"".join(feed.signal(record.time)[0].tobytes() for feed in feeds)
-    key = inputs_key + repr((record.rpm, round(float(state.position), 3), outputs)).encode()
+    key = inputs_key + repr((record.rpm, round(float(state.position), 3), float(state.velocity), outputs)).encode()
     return Observed(record, averaged(record.time, count), measured, count, setup, key)
 
 
 def _input(record: Record, values: np.ndarray) -> Sampled:
     known = np.isfinite(values)
     return Sampled(record.time[known], values[known])
+
+
+def _slope(time: np.ndarray, values: np.ndarray) -> float:
+    """Rate of a line through the values that are known."""
+    known = np.isfinite(values)
+    return float(np.polyfit(time[known], values[known], 1)[0]) if np.sum(known) > 1 else 0.0
 
 
 def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple[Any, Any]:
@@ -122,6 +129,9 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
     if position is not None:
         # To the millimetre: the rest is an offset that every fit finds, and repeats can share a simulation.
         state = state._replace(position=round(float(np.nanmean(position[:20])), 3))
+        if record.piece:  # it begins wherever the record before it was lost, and not at rest
+            first = slice(window_points(record.sample_time))
+            state = state._replace(velocity=_slope(record.time[first], position[first]))
     fed = {name: 0.0 for name in inputs._fields if name in record.channels}
     fed |= {experiment.plant.command: 0.0}
     return state, inputs._replace(**fed)

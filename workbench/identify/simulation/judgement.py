@@ -7,6 +7,7 @@ import numpy as np
 from workbench.errors import UserError
 from workbench.identify.simulation.problem import Problem, noise_of, projected
 from workbench.parameters.sets import known_units
+from workbench.records.reading import Record
 from workbench.records.schema import NUISANCES
 
 UNKNOWN = 0.5
@@ -112,7 +113,7 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
         off = float(np.sqrt(np.mean(residuals[place][known] ** 2)))
         if not off < LOST * varied:
             by = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
-            lost.setdefault(name, []).append((off / varied, f"does not follow {item.record.path}: {by}"))
+            lost.setdefault(name, []).append((off / varied, f"does not follow {_which(item.record)}: {by}"))
     moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
     moving = moving or list(seen)
     if moving and all(name in lost for name in moving):
@@ -157,6 +158,10 @@ def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> 
                 "records show, and the standard deviations do not know it"
             )
     return tuple(suspicions)
+
+
+def _which(record: Record) -> str:
+    return f"{record.path}" + (f" ({record.name})" if record.piece else "")
 
 
 def _number(output: str, value: float) -> str:

@@ -50,7 +50,7 @@ class SimulationFit:
 
     `unidentified` says of each parameter that the records cannot identify why; it is at its declared value. `bounded`
     are those at a bound of the experiment: value (SI), and which bound, in words; such a number has no deviation.
-    `residuals` and `simulated` are by record path and output, in SI, over `times`; `rms` the residuals' by output.
+    `measured` and `simulated` are by record and output, in SI, over `times`; `rms` the residuals' by output.
     """
 
     estimates: Mapping[str, Fitted]
@@ -59,9 +59,9 @@ class SimulationFit:
     sensors: Mapping[str, Fitted]
     rms: Mapping[str, float]
     before: Mapping[str, float]
-    times: Mapping[str, np.ndarray]
-    simulated: Mapping[str, Mapping[str, np.ndarray]]
-    measured: Mapping[str, Mapping[str, np.ndarray]]
+    times: Mapping[Record, np.ndarray]
+    simulated: Mapping[Record, Mapping[str, np.ndarray]]
+    measured: Mapping[Record, Mapping[str, np.ndarray]]
     memory: float
     evaluations: int
     notes: tuple[str, ...] = ()
@@ -220,14 +220,13 @@ def _result(
         estimates[name] = Fitted(value, abs(problem.slope(name, theta[i])) * deviations[i], ends[0], ends[1])
     left, numbers = problem.left(theta)
     residuals = left / problem.weights
-    times: dict[str, np.ndarray] = {}
-    simulated: dict[str, dict[str, np.ndarray]] = {}
-    measured: dict[str, dict[str, np.ndarray]] = {}
+    times: dict[Record, np.ndarray] = {}
+    simulated: dict[Record, dict[str, np.ndarray]] = {}
+    measured: dict[Record, dict[str, np.ndarray]] = {}
     for item, name, place in problem.series():
-        path = str(item.record.path)
-        times[path] = item.time
-        measured.setdefault(path, {})[name] = item.measured[name]
-        simulated.setdefault(path, {})[name] = problem.measured[place] - residuals[place]
+        times[item.record] = item.time
+        measured.setdefault(item.record, {})[name] = item.measured[name]
+        simulated.setdefault(item.record, {})[name] = problem.measured[place] - residuals[place]
     scales = np.outer(deviations[:count], deviations[:count])
     sensors = {}
     for name, std in problem.experiment.accuracies.items():
