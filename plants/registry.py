@@ -9,6 +9,7 @@ from plants.pump_cylinder import PUMP_CYLINDER
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
 from plants.two_chamber import TWO_CHAMBER
+from plants.valve_axis import VALVE_AXIS
 
 _OURS = (
     NON_ROTATING,
@@ -22,6 +23,7 @@ _OURS = (
     PUMP_CYLINDER,
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
+    VALVE_AXIS,
 )
 
 

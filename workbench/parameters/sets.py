@@ -22,8 +22,10 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-EITHER_SIGN = frozenset(name for effect in effects().values() for name in effect.signed)
-"""Parameters that may be negative: those of effects that may act either way."""
+EITHER_SIGN = frozenset(
+    ("drift_velocity", *(name for effect in effects().values() for name in effect.signed))
+)
+"""Parameters that may be negative: a drift, and those of effects that may act either way."""
 
 NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})
 """Values of the parameters that effects bring at which they do nothing."""
@@ -44,6 +46,7 @@ MAY_BE_ZERO = {
     "guide_coulomb",
     "guide_stribeck",
     "elastic_share",
+    "dead_band",
     *(name for name, value in NEUTRAL.items() if value == 0.0),
 }
 BELOW_ONE = {"elastic_share"}
