@@ -11,7 +11,7 @@ oil and the electronics are all in these few numbers, and no force is known. The
 are the command as it was T and T_n ago, and the simulation switches them exactly then.
 """
 
-from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 

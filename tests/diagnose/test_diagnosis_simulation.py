@@ -45,10 +45,9 @@ def test_a_complete_plant_leaves_noise_and_nothing_is_added(tmp_path: Path) -> N
     ("change", "said"),
     [
         (lambda frame: frame.iloc[:50], "are too little for a diagnosis; expected at least 2 s"),
-        (lambda frame: frame.iloc[::100], "a sample every 0.1 s does not show a reversal; expected at most 0.02 s"),
         (lambda frame: frame.assign(position=1.0 + 1e-3 * np.sin(1e4 * frame["time"] ** 2)), "nothing moves beyond"),
     ],
-    ids=["short", "coarse", "at_rest"],
+    ids=["short", "at_rest"],
 )
 def test_a_record_that_says_nothing_is_refused_in_a_line(
     tmp_path: Path, change: Callable[[pd.DataFrame], pd.DataFrame], said: str

@@ -8,7 +8,7 @@ from workbench.diagnose import readiness as diagnosis
 from workbench.errors import UserError
 from workbench.identify import readiness as identification
 from workbench.records.experiment import Experiment, RecordSpec, read_experiment
-from workbench.records.reading import Record, read_record
+from workbench.records.reading import Record, read_pieces
 from workbench.records.schema import METHODS
 
 LIKE = 0.6
@@ -23,19 +23,20 @@ def check_experiment(file: Path) -> None:
     """
     content = read_experiment(file)
     identification.check_pattern(content)
-    records = [read_record(spec, content) if spec.path.exists() else None for spec in content.records]
-    there = [record for record in records if record is not None]
+    records = [read_pieces(spec, content) if spec.is_there else [] for spec in content.records]
+    there = [piece for pieces in records for piece in pieces]
     serves, lines = _commands(content, there)
-    whole = len(there) == len(records)
+    whole = all(records)
     absent = "its records are not there yet" if not there else "some of its records are not there yet"
     order = "an experiment, in order" if whole else f"an experiment; {absent}"
     print(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
     print(content.title + (f" ({content.source})" if content.source else ""))
-    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(content.channels)}")
+    names = [channel.called for channel in content.channels.values()]
+    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
     print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
     print("\n".join(f"  {line}" for line in lines))
-    for spec, record in zip(content.records, records, strict=True):
-        print(f"  {spec.path}: {_absent(spec) if record is None else _present(record)}")
+    for spec, pieces in zip(content.records, records, strict=True):
+        print(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")
 
 
 def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], list[str]]:
@@ -70,7 +71,7 @@ def _identify(content: Experiment, there: Sequence[Record], method: str) -> Call
     def check() -> None:
         identification.check_experiment(content, method)
         fitted = [record for record in there if record.use == "fit"]
-        if len(fitted) == sum(spec.use == "fit" for spec in content.records):
+        if all(spec.is_there for spec in content.records if spec.use == "fit"):
             identification.check_records(content, fitted, method)
 
     return check
@@ -86,13 +87,15 @@ def _diagnose(content: Experiment, there: Sequence[Record]) -> Callable[[], None
 
 def _absent(spec: RecordSpec) -> str:
     """That a record is not there, and which file may have been meant."""
-    folder = spec.path.parent
+    lost = next((path for path in spec.places.values() if not path.exists()), spec.path)
+    folder = lost.parent
     if not folder.is_dir():
         return f"is not there (yet?): there is no folder {folder}"
-    close = get_close_matches(spec.path.name, [item.name for item in folder.iterdir()], n=1, cutoff=LIKE)
+    close = get_close_matches(lost.name, [item.name for item in folder.iterdir()], n=1, cutoff=LIKE)
     return "is not there (yet?)" + (f'; did you mean "{close[0]}"?' if close else "")
 
 
-def _present(record: Record) -> str:
-    said = "".join(f"; {note}" for note in record.notes)
-    return f"{record.use}, {record.time[-1]:g} s at {1.0 / record.sample_time:.6g} Hz{said}"
+def _present(pieces: Sequence[Record]) -> str:
+    first, seconds = pieces[0], sum(float(piece.time[-1]) for piece in pieces)
+    said = "".join(f"; {note}" for piece in pieces for note in piece.notes)
+    return f"{first.use}, {seconds:g} s at {1.0 / first.sample_time:.6g} Hz{said}"

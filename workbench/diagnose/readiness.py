@@ -11,11 +11,11 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.errors import UserError
 from workbench.parameters.sets import EITHER_SIGN
 from workbench.records.experiment import Experiment
-from workbench.records.reading import Record
+from workbench.records.reading import Record, by_log
 from workbench.records.sliding import check_opposes
 
-SHORTEST, COARSEST, MOVES = 2.0, 0.02, 6.0
-"""s of a record, s between its samples, and noise deviations of the position's range, from which it can be used."""
+SHORTEST, MOVES = 2.0, 6.0
+"""s of a record, and noise deviations of the position's range, from which it can be used."""
 
 
 def declared_values(experiment: Experiment) -> dict[str, float]:
@@ -47,39 +47,46 @@ def check_experiment(experiment: Experiment) -> None:
 def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion]:
     """Records smoothed and differentiated; labels that several have are numbered.
 
+    A piece of a record that says nothing is left out, and the record's first piece that stays says so.
+
     Raises:
-        UserError: a record that is too short or too coarse, on which nothing moves, or whose friction drives the rod.
+        UserError: a record of which every piece is too short, on which nothing moves, or whose friction drives the rod.
     """
     taken: list[str] = []
     motions = []
-    for record in records:
-        taken.append(_unique(record.label, taken))
-        motions.append(motion_of(replace(record, label=taken[-1])))
-        _check(motions[-1])
-        check_opposes(record, experiment)
+    for pieces in by_log(records):
+        made = [motion_of(piece) for piece in pieces]
+        lacks = [_lacks(motion) for motion in made]
+        if all(lacks):
+            raise UserError(f"{pieces[0].path}: {max(lacks, key=len) if len(lacks) > 1 else lacks[0]}")
+        check_opposes(pieces, experiment)
+        notes = [note for piece, lack in zip(pieces, lacks, strict=True) if lack for note in piece.notes]
+        notes += [f"{sum(map(bool, lacks))} of {len(pieces)} pieces are not diagnosed: they say nothing"] * any(lacks)
+        for motion, lack in zip(made, lacks, strict=True):
+            if not lack:
+                taken.append(_unique(motion.record.name, taken))
+                told, notes = (*motion.record.notes, *notes), []
+                motions.append(replace(motion, record=replace(motion.record, label=taken[-1], piece=0, notes=told)))
     return motions
 
 
 def _unique(label: str, taken: Sequence[str]) -> str:
-    """The label, numbered where another record has it: two pieces of one file are two curves."""
+    """The label, numbered where another record has it: two parts of one file are two curves."""
     numbered = (f"{label} ({number})" for number in range(2, len(taken) + 2))
     return next(name for name in (label, *numbered) if name not in taken)
 
 
-def _check(motion: Motion) -> None:
-    """A record that is too short or too coarse for smoothing, or on which nothing moves, says nothing."""
-    known, path = float(np.sum(motion.valid)) * motion.sample_time, motion.record.path
-    if motion.sample_time > COARSEST:
-        raise UserError(
-            f"{path}: a sample every {motion.sample_time:g} s does not show a reversal; expected at most {COARSEST:g} s"
-        )
+def _lacks(motion: Motion) -> str:
+    """Why a record says nothing: it is too short for smoothing, or nothing moves on it; empty where it does."""
+    known = float(np.sum(motion.valid)) * motion.sample_time
     if known < SHORTEST:
-        raise UserError(
-            f"{path}: {known:.3g} s without ends and gaps are too little for a diagnosis; expected at least "
-            f"{SHORTEST:g} s, and better 40 s"
+        return (
+            f"{known:.3g} s without ends and gaps are too little for a diagnosis; expected at least {SHORTEST:g} s, "
+            "and better 40 s"
         )
     if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
-        raise UserError(f"{path}: nothing moves beyond the position's noise; expected a record in which the rod slides")
+        return "nothing moves beyond the position's noise; expected a record in which the rod slides"
+    return ""
 
 
 def _check_free(experiment: Experiment, declared: Values, balances: Sequence[Diagnosed]) -> None:

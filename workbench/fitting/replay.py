@@ -16,6 +16,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
+from workbench.records.sampling.sight import window_points
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
@@ -127,7 +128,7 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     )
     measured = {name: averaged(np.where(record.valid, channels[name], np.nan), count) for name in outputs}
     inputs_key = b"".join(feed.signal(record.time)[0].tobytes() for feed in feeds)
-    key = inputs_key + repr((record.rpm, round(float(state.position), 3), outputs)).encode()
+    key = inputs_key + repr((record.rpm, round(float(state.position), 3), float(state.velocity), outputs)).encode()
     return Observed(record, record, 0, averaged(record.time, count), measured, count, setup, key, every)
 
 
@@ -153,7 +154,13 @@ def observe_all(record: Record, experiment: Experiment) -> Iterator[Observed]:
             valid=record.valid[begin:last] & (np.arange(begin, last) >= first),
         )
         if np.any(part.valid):
-            yield replace(observe(part, experiment), of=record, warm=first - begin, time=record.time[begin:last], integrators=integrators)
+            yield replace(
+                observe(part, experiment),
+                of=record,
+                warm=first - begin,
+                time=record.time[begin:last],
+                integrators=integrators,
+            )
 
 
 def _integrators(setup: Setup) -> Sequence[Integrator]:
@@ -174,6 +181,12 @@ def _input(record: Record, values: np.ndarray) -> Sampled:
     return Sampled(points, PchipInterpolator(time, values)(points))
 
 
+def _slope(time: np.ndarray, values: np.ndarray) -> float:
+    """Rate of a line through the values that are known."""
+    known = np.isfinite(values)
+    return float(np.polyfit(time[known], values[known], 1)[0]) if np.sum(known) > 1 else 0.0
+
+
 def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple[Any, Any]:
     """The plant at rest (turning, where the record's rpm says so) where the record begins; fed inputs count from 0."""
     surface = 0.0
@@ -184,6 +197,9 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
     if position is not None:
         # To the millimetre: the rest is an offset that every fit finds, and repeats can share a simulation.
         state = state._replace(position=round(float(np.nanmean(position[:20])), 3))
+        if record.piece:  # it begins wherever the record before it was lost, and not at rest
+            first = slice(window_points(record.sample_time))
+            state = state._replace(velocity=_slope(record.time[first], position[first]))
     fed = {name: 0.0 for name in inputs._fields if name in record.channels}
     fed |= {experiment.plant.command: 0.0}
     fed |= dict.fromkeys(experiment.plant.delayed, _first_command(experiment, record))

@@ -6,15 +6,12 @@ from plants.equation import fields
 from plants.interface import SENSORS
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment
-from workbench.records.friction import AVERAGED, AXIAL, ROTARY
-from workbench.records.reading import Record
+from workbench.records.friction import AXIAL, ROTARY, fewest_samples
+from workbench.records.reading import Record, by_log
 from workbench.records.sliding import check_opposes, check_slides
 
 MARKS = "*?["
 """What makes a file's name a pattern."""
-
-FEWEST = AVERAGED**2 * 18
-"""Samples that the thesis's averaging needs."""
 
 
 def check_experiment(experiment: Experiment, method: str) -> None:
@@ -48,14 +45,15 @@ def check_records(experiment: Experiment, records: Sequence[Record], method: str
         _check_rotates(experiment, [record.rpm for record in records])
     if method in ("thesis", "both"):
         check_slides(records, experiment)
-        for record in records:
-            if record.time.size < FEWEST:
+        for pieces in by_log(records):
+            longest = max(pieces, key=lambda record: record.time.size)
+            if longest.time.size < (fewest := fewest_samples(longest.sample_time)):
                 raise UserError(
-                    f"{record.path}: {record.time.size} samples are too few for the thesis's averaging, expected at "
-                    f"least {FEWEST}; take --method simulation"
+                    f"{longest.path}: {longest.time.size} samples are too few for the thesis's averaging, expected at "
+                    f"least {fewest}; take --method simulation"
                 )
-    for record in records:
-        check_opposes(record, experiment)
+    for pieces in by_log(records):
+        check_opposes(pieces, experiment)
     speeds = sorted({record.rpm for record in records})
     for spec in experiment.figures:
         if not spec.parameter and spec.rpm not in speeds:

@@ -121,7 +121,7 @@ class Identification:
             "plant": experiment.plant.name,
             "declared": experiment.declared,
             "records": [
-                {"file": record.path.name, "label": record.label, "rpm": record.rpm, "notes": list(record.notes)}
+                {"file": record.path.name, "label": record.name, "rpm": record.rpm, "notes": list(record.notes)}
                 for record in self.records
             ],
             "parameters": {

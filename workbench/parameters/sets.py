@@ -22,9 +22,7 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-EITHER_SIGN = frozenset(
-    ("drift_velocity", *(name for effect in effects().values() for name in effect.signed))
-)
+EITHER_SIGN = frozenset(("drift_velocity", *(name for effect in effects().values() for name in effect.signed)))
 """Parameters that may be negative: a drift, and those of effects that may act either way."""
 
 NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})

@@ -1,19 +1,16 @@
-"""Whether the numbers of a record can be what they are called: stuck and saturated channels, gaps, wrong units."""
+"""Whether the numbers of a record can be what they are called: stuck and saturated channels, wrong units."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from plants.axis import LINEAR, ROTARY
 from workbench.errors import UserError
-from workbench.records.experiment import ChannelSpec, Experiment
-
-LONGEST_GAP = 0.1
-"""s. What is missing for longer is no small gap."""
-
-MOST_MISSING = 0.05
-"""Share of a record that may be missing in small gaps."""
+from workbench.records.channels import ChannelSpec
+from workbench.records.experiment import Experiment
+from workbench.records.sampling.clock import spans
 
 SATURATED_SHARE = 0.05
 """Share of samples at the very same largest or smallest value from which a channel is saturated."""
@@ -28,7 +25,8 @@ AGAINST = -0.5
 """Sum of input times velocity over that of their sizes, below which the one goes against the other."""
 
 PACE = 0.05
-"""s over which a velocity is told for that: noise of the position is small beside what is moved in it."""
+"""s over which a velocity is told for that, a sample at least: noise of the position is small beside what is moved in
+it."""
 
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
@@ -36,45 +34,35 @@ LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 LEAST_POWER = 2
 """Of ten, from which on a channel's numbers are so far off that the message says how far."""
 
-ARRIVAL = 10
-"""Samples before a channel rests at its extreme: in them one that was held there creeps, one cut off still moves."""
+ARRIVAL = 0.01
+"""s before a channel rests at its extreme, a sample at least: in them one that was held there creeps, one cut off still
+moves."""
 
 MOVING = ("position", "pressure_1", "pressure_2", "rotation_angle", "force")
 """Channels that cannot be constant to the last digit unless they are stuck."""
 
 
-def spans(mask: np.ndarray) -> Iterator[tuple[int, int]]:
-    """First place, and one beyond the last, of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+_STROKE, _OPEN = "an end of the stroke, or of the sensor's range?", "an open chamber, or the end of the sensor's range?"
+RESTS: Mapping[str, Mapping[str, str]] = {
+    "position": {"largest": _STROKE, "smallest": _STROKE},
+    "pressure_1": {"smallest": _OPEN},
+    "pressure_2": {"smallest": _OPEN},
+}
+"""Channels that may rest at an extreme, and why."""
+
+SHOWN = {LINEAR: ("mm", 1e3), ROTARY: ("deg", 180.0 / math.pi)}
+"""How positions along an axis are shown: their unit, and what SI numbers are multiplied with."""
 
 
-def gap_notes(path: Path, channels: Mapping[str, np.ndarray], valid: np.ndarray, step: float) -> Iterator[str]:
-    """What is missing, in words.
-
-    Raises:
-        UserError: too much is missing.
-    """
-    for name, values in channels.items():
-        for first, last in spans(~np.isfinite(values)):
-            if (last - first) * step > LONGEST_GAP:
-                raise UserError(
-                    f"{path}: {name} is missing from {first * step:g} s to {last * step:g} s; cut the record there"
-                )
-    missing = np.mean(~valid)
-    if missing > MOST_MISSING:
-        raise UserError(f"{path}: {100.0 * missing:.0f} % of the samples lack a value, expected at most 5 %")
-    if missing > 0.0:
-        count = len(list(spans(~valid)))
-        yield f"{int(np.sum(~valid))} samples in {count} gap{'s' * (count > 1)} are left out"
-
-
-def check_alive(path: Path, name: str, values: np.ndarray) -> None:
+def alive_notes(path: Path, name: str, values: np.ndarray, step: float) -> Iterator[str]:
     """A stuck channel has one value; a saturated one rests at its extreme and nowhere near it.
+
+    A position may, and a chamber that is open: nothing in a record tells that from the end of a sensor's range.
 
     Raises:
         UserError: the channel is stuck or saturated.
     """
+    before = max(round(ARRIVAL / step), 1)
     known = values[np.isfinite(values)]
     low, high = float(np.min(known)), float(np.max(known))
     if low == high:
@@ -88,11 +76,15 @@ def check_alive(path: Path, name: str, values: np.ndarray) -> None:
         first, last = max(spans(at), key=lambda span: span[1] - span[0])
         longest = last - first
         beside = np.unique(known)
-        held = abs(values[max(first - ARRIVAL, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
+        held = abs(values[max(first - before, 0)] - extreme) < 2.5 * float(np.min(np.diff(beside)))
         next_to = float(beside[-2] if extreme == high else beside[1])
         # Slow motion rests at a converter's step, but at the next one as long; what is cut off piles up at its wall.
         crowded = np.sum(at) > 5 * max(1, int(np.sum(known == next_to)))
-        if longest > SATURATED_SHARE * values.size and crowded and not held:
+        if longest <= SATURATED_SHARE * values.size or not crowded or held:
+            continue
+        if why := RESTS.get(name, {}).get(word):
+            yield f"{name} is at its {word} value {extreme:g} for {longest} samples on end: {why}"
+        else:
             raise UserError(
                 f"{path}: {name} is saturated: at its {word} value {extreme:g} for {longest} samples on end; "
                 "use a sensor or an amplifier of larger range, or cut the record"
@@ -106,15 +98,15 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     Raises:
         UserError: one of these.
     """
-    values = experiment.values
+    values, axis = experiment.values, experiment.plant.axis
     if "position" in channels and np.isfinite(values.get("stroke", np.inf)):
         span = float(np.nanmax(channels["position"]) - np.nanmin(channels["position"]))
         if span > BEYOND * values["stroke"]:
             raise UserError(
-                f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
+                f"{path}: the position spans {span:g} {axis}, and the stroke is {values['stroke']:g} {axis}; "
                 f"is the unit of channel position right?{_length_hint(span, values['stroke'])}"
             )
-        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"], SHOWN[axis])
     supply = values.get("supply_pressure")
     for name in ("pressure_1", "pressure_2"):
         if supply is None or name not in channels:
@@ -135,8 +127,13 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     _check_command(path, channels, experiment)
 
 
-def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec) -> None:
-    """Whether the position is counted from the middle of the stroke, as the plants count it."""
+def _check_origin(
+    path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec, shown: tuple[str, float]
+) -> None:
+    """Whether the position is counted from the middle of the stroke, as the plants count it; `shown` is a unit, and
+    what SI numbers are multiplied with.
+    """
+    unit, scale = shown
     low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
     if max(-low, high) <= BEYOND * half:
         return
@@ -148,9 +145,9 @@ def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: Chan
     else:
         middle = 0.5 * (low + high)
     raise UserError(
-        f"{path}: the position goes from {1e3 * low:.4g} to {1e3 * high:.4g} mm, and a stroke of {1e3 * stroke:.4g} mm "
-        f"from {-1e3 * half:.4g} to {1e3 * half:.4g} mm: 0 is its middle; give channel position "
-        f'offset = "{1e3 * (channel.offset - middle):.4g} mm", if that is the middle here'
+        f"{path}: the position goes from {scale * low:.4g} to {scale * high:.4g} {unit}, and a stroke of "
+        f"{scale * stroke:.4g} {unit} from {-scale * half:.4g} to {scale * half:.4g} {unit}: 0 is its middle; give "
+        f'channel position offset = "{scale * (channel.offset - middle):.4g} {unit}", if that is the middle here'
     )
 
 
@@ -167,27 +164,35 @@ def _check_command(path: Path, channels: Mapping[str, np.ndarray], experiment: E
             )
 
 
-def check_directions(path: Path, channels: Mapping[str, np.ndarray], step: float) -> None:
-    """Whether the rod moves where valve or pump send it; `step` (s) is the time between samples.
+def check_directions(path: Path, pieces: Sequence[Mapping[str, np.ndarray]], step: float) -> None:
+    """Whether the rod moves where valve or pump send it, by the channels of a record's pieces; `step` (s) is the time
+    between samples.
 
     Raises:
         UserError: it moves against them.
     """
     points = max(round(PACE / step), 1)
-    if "position" not in channels or channels["position"].size <= points:
+    if "position" not in pieces[0]:
         return
-    way = channels["position"][points:] - channels["position"][:-points]
     for name in FOLLOWED:
-        if name not in channels:
+        if name not in pieces[0]:
             continue
-        driven = way * channels[name][points // 2 :][: way.size]
-        driven = driven[np.isfinite(driven)]
+        driven = np.concatenate([_driven(channels["position"], channels[name], points) for channels in pieces])
         total = float(np.sum(np.abs(driven)))
         if total > 0.0 and np.sum(driven) < AGAINST * total:
             raise UserError(
                 f"{path}: the rod moves against {name} on most of its way; is the sign of channel {name} wrong, or "
                 "that of position? scale = -1 turns a channel"
             )
+
+
+def _driven(position: np.ndarray, values: np.ndarray, points: int) -> np.ndarray:
+    """What an input and the way (m) over so many points have in common, where both are known."""
+    if position.size <= points:
+        return np.empty(0)
+    way = position[points:] - position[:-points]
+    driven = way * values[points // 2 :][: way.size]
+    return np.asarray(driven[np.isfinite(driven)])
 
 
 def _unit_hint(got: float, expected: float) -> str:

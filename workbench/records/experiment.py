@@ -22,11 +22,10 @@ from workbench.parameters.sets import (
     plain_name,
     read_parameters,
 )
+from workbench.records.channels import ChannelSpec, channels_of, quantity
 from workbench.records.schema import (
-    CHANNELS,
     NUISANCES,
     Bound,
-    ChannelTable,
     ExperimentFile,
     FigureTable,
     PlantTable,
@@ -35,25 +34,13 @@ from workbench.records.schema import (
     RecordTable,
 )
 from workbench.toml import reading as files
-from workbench.toml.units import QuantityError, factor, nearest_unit, si
-
-
-@dataclass(frozen=True)
-class ChannelSpec:
-    """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
-
-    SI value = factor * number + offset.
-    """
-
-    column: str | int
-    factor: float
-    offset: float
-    anti_alias: float
+from workbench.toml.units import QuantityError, si
 
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One file of a record; `rpm` is a number, or the column that holds it.
+    """One file of a record; `rpm` is a number, or the column that holds it. `places` is the file of each channel: this
+    one, where not every channel has its own.
 
     `skip` rows are left out and `rows` taken (None: all); `sample_time` (s) of the grid that uneven samples are put on.
     """
@@ -65,6 +52,12 @@ class RecordSpec:
     skip: int = 0
     rows: int | None = None
     sample_time: float | None = None
+    places: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether all its files are."""
+        return all(path.exists() for path in (self.path, *self.places.values()))
 
 
 @dataclass(frozen=True)
@@ -147,7 +140,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
     truth = None
     if content.truth is not None:
         truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
-    names = parameter_names(plant)
+    names, channels = parameter_names(plant), channels_of(content.channels, plant)
     return Experiment(
         path,
         content.title,
@@ -159,9 +152,9 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
         _bounds(content.fit.bounds, names, values),
         content.fit.method,
-        _channels(content.channels, plant),
+        channels,
         _accuracies(content.sensors),
-        _records(content.records, path.parent),
+        _records(content.records, path.parent, channels),
         truth,
         tuple(content.published),
         tuple(content.figures),
@@ -241,35 +234,6 @@ def _bounds(
     return bounds
 
 
-def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, ChannelSpec]:
-    units = {**CHANNELS, "command": plant.command_unit}
-    specs = {}
-    for name, table in tables.items():
-        if name not in CHANNELS:
-            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, CHANNELS)}")
-        try:
-            scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
-        except QuantityError:
-            meant = nearest_unit(table.unit, units[name])
-            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
-            message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
-            raise files.SchemaError(("channels", name, "unit"), message) from None
-        cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
-        raw = table.offset
-        offset = raw * scale if isinstance(raw, float) else _quantity(raw, units[name], ("channels", name, "offset"))
-        specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
-    if "time" not in specs:
-        raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
-    return specs
-
-
-def _quantity(value: float | str, unit: str, place: files.Key) -> float:
-    try:
-        return si(value, unit)
-    except QuantityError as error:
-        raise files.SchemaError(place, str(error)) from None
-
-
 def _accuracies(table: Mapping[str, Raw]) -> dict[str, float]:
     found = _sensors(table, ("sensors",))
     for name, number in found.items():
@@ -284,21 +248,39 @@ def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
     for name, value in table.items():
         if name not in NUISANCES:
             raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
-        found[name] = _quantity(value, NUISANCES[name], (*place, name))
+        found[name] = quantity(value, NUISANCES[name], (*place, name))
     return found
 
 
-def _records(tables: list[RecordTable], folder: Path) -> tuple[RecordSpec, ...]:
+def _records(tables: list[RecordTable], folder: Path, channels: Mapping[str, ChannelSpec]) -> tuple[RecordSpec, ...]:
     specs: list[RecordSpec] = []
     for i, table in enumerate(tables):
-        step = None if table.sample_time is None else _quantity(table.sample_time, "s", ("records", i, "sample_time"))
+        step = None if table.sample_time is None else quantity(table.sample_time, "s", ("records", i, "sample_time"))
         if step is not None and step <= 0.0:
             raise files.SchemaError(("records", i, "sample_time"), f"got {step:g} s, expected a time above 0")
-        pattern = any(mark in table.file for mark in "*?[")
-        paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
-        # A pattern without a file stays: whoever reads the records says that there is none.
+        if table.files:
+            places = _places(table.files, folder, channels, ("records", i, "files"))
+            found = [(next(iter(places.values())), places)]
+        else:
+            pattern = any(mark in table.file for mark in "*?[")
+            paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
+            # A pattern without a file stays: whoever reads the records says that there is none.
+            found = [(path, dict.fromkeys(channels, path)) for path in paths or [folder / table.file]]
         specs += [
-            RecordSpec(p, table.use, table.label or p.stem, table.rpm, table.skip, table.rows, step)
-            for p in paths or [folder / table.file]
+            RecordSpec(path, table.use, table.label or path.stem, table.rpm, table.skip, table.rows, step, places)
+            for path, places in found
         ]
     return tuple(specs)
+
+
+def _places(
+    table: Mapping[str, str], folder: Path, channels: Mapping[str, ChannelSpec], key: files.Key
+) -> dict[str, Path]:
+    """The file of each channel but the time, which is in all."""
+    names = {channel.called: name for name, channel in channels.items() if name != "time"}
+    for called in table:
+        if called not in names:
+            raise files.SchemaError((*key, called), f"no channel of [channels]; {nearest(called, names)}")
+    if lacking := [called for called in names if called not in table]:
+        raise files.SchemaError(key, f"no file for {' and '.join(lacking)}; name one, or leave the channel out")
+    return {names[called]: folder / file for called, file in table.items()}

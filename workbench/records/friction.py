@@ -1,7 +1,7 @@
 """Velocity and friction force that a record shows, and which way it moves, as the thesis takes them (Owen 2001, 4.3).
 
-Positions are averaged over 10 samples (100 Hz at 1 kHz) and differentiated by a non-causal FIR filter of order 16; the
-velocity is averaged over 10 again (10 Hz).
+Positions are averaged to 100 Hz (10 samples at 1 kHz) and differentiated by a non-causal FIR filter of order 16; the
+velocity is averaged to 10 Hz. A record that is slower than that is taken as it is.
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,14 @@ from workbench.records.reading import Record
 AXIAL = ("position", "pressure_1", "pressure_2")
 ROTARY = ("rotation_speed", "motor_current")
 
-AVERAGED = 10
-"""Samples of one mean."""
+FINE, COARSE = 100.0, 10.0
+"""Hz to which a record is averaged, and its velocity."""
+
+FEWEST_COARSE = 18
+"""Samples of the slower data that the thesis's averaging needs."""
+
+ORDER = 16
+"""Of the differentiator."""
 
 SLIDING = 0.6e-3
 """m/s. Faster, the contact slides: static parameters; slower, it is the bristle that bends."""
@@ -41,8 +47,19 @@ class Slow:
         return Slow(self.time, direction * self.velocity, direction * self.force)
 
 
+def meant(sample_time: float, rate: float) -> int:
+    """Samples of one mean at a `rate` (Hz) that is no faster than the record's."""
+    return max(round(1.0 / (rate * sample_time)), 1)
+
+
+def fewest_samples(sample_time: float) -> int:
+    """Samples that a record of this sample time (s) has, at least, where the thesis's averaging can use it."""
+    fine = meant(sample_time, FINE)
+    return max(fine * meant(fine * sample_time, COARSE) * FEWEST_COARSE, fine * (ORDER + 2))
+
+
 def friction_of(record: Record, experiment: Experiment) -> Slow:
-    """Velocity and friction force of a record, averaged over 10 samples (100 Hz at 1 kHz).
+    """Velocity and friction force of a record, averaged to 100 Hz.
 
     Raises:
         UserError: the channels give neither axial nor rotary friction.
@@ -73,6 +90,12 @@ def _rotary(record: Record, values: dict[str, float]) -> Slow:
     return from_speed(record.time, radius * record.channels["rotation_speed"], force)
 
 
+def shows_friction(record: Record) -> bool:
+    """Whether a record has the channels and the length that friction over velocity needs."""
+    known = any(all(name in record.channels for name in names) for names in (AXIAL, ("position", "force"), ROTARY))
+    return known and record.time.size >= fewest_samples(record.sample_time)
+
+
 def is_rotary(record: Record) -> bool:
     """Whether a record shows friction around the rod, there being no axial one."""
     return "position" not in record.channels and all(name in record.channels for name in ROTARY)
@@ -96,19 +119,22 @@ def _velocity(record: Record, experiment: Experiment) -> np.ndarray:
 
 
 def from_position(time: np.ndarray, position: np.ndarray, force: np.ndarray) -> Slow:
-    """Position (m) and force (N) averaged over `AVERAGED` samples, the position then differentiated (thesis 4.3)."""
-    time, position, force = (averaged(values, AVERAGED) for values in (time, position, force))
+    """Position (m) and force (N) averaged to 100 Hz, the position then differentiated (thesis 4.3)."""
+    count = meant(float(time[1] - time[0]), FINE)
+    time, position, force = (averaged(values, count) for values in (time, position, force))
     return Slow(time, velocity_of(position, float(time[1] - time[0])), force)
 
 
 def from_speed(time: np.ndarray, speed: np.ndarray, force: np.ndarray) -> Slow:
     """The same of a measured speed (m/s), which needs no differentiation (thesis 4.6)."""
-    return Slow(*(averaged(values, AVERAGED) for values in (time, speed, force)))
+    count = meant(float(time[1] - time[0]), FINE)
+    return Slow(*(averaged(values, count) for values in (time, speed, force)))
 
 
 def slower(data: Slow) -> Slow:
-    """Averaged over `AVERAGED` samples once more."""
-    return Slow(*(averaged(values, AVERAGED) for values in (data.time, data.velocity, data.force)))
+    """Averaged to 10 Hz."""
+    count = meant(data.sample_time, COARSE)
+    return Slow(*(averaged(values, count) for values in (data.time, data.velocity, data.force)))
 
 
 def pressure_force(pressure_1: np.ndarray, pressure_2: np.ndarray, area_1: float, area_2: float) -> np.ndarray:
@@ -130,7 +156,7 @@ def averaged(values: np.ndarray, count: int) -> np.ndarray:
     return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
 
 
-def velocity_of(position: np.ndarray, sample_time: float, order: int = 16) -> np.ndarray:
+def velocity_of(position: np.ndarray, sample_time: float, order: int = ORDER) -> np.ndarray:
     """Velocity (m/s) of positions (m) by the thesis's non-causal FIR filter; NaN where its window is not whole."""
     if position.size <= order:
         return np.full(position.size, np.nan)

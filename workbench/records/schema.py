@@ -28,8 +28,10 @@ CHANNELS: Mapping[str, str] = {
     "pump_speed": "rad/s",
     "command": "1",
     "force": "N",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
 }
-"""Every channel that a record may have, with its SI unit."""
+"""Every channel that a record may have, with its SI unit along a straight axis."""
 
 Method = Literal["thesis", "simulation", "both"]
 """How parameters are found."""
@@ -118,18 +120,27 @@ class ChannelTable(files.Strict):
 class RecordTable(files.Strict):
     """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
 
+    `files` are in the place of `file` where every channel has a file of its own, with a column of the time in each.
+
     Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
     sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was
     set, or the name of the column that holds it.
     """
 
-    file: str
+    file: str = ""
+    files: dict[str, str] = {}
     use: Literal["fit", "held_out"] = "fit"
     label: str = ""
     skip: Annotated[StrictInt, Field(ge=0)] = 0
     rows: Annotated[StrictInt, Field(gt=0)] | None = None
     sample_time: Raw | None = None
     rpm: Annotated[StrictFloat, Field(ge=0.0)] | str = 0.0
+
+    @model_validator(mode="after")
+    def _one_or_many(self) -> "RecordTable":
+        if bool(self.file) == bool(self.files):
+            raise ValueError("expected either file, or files: one for each channel")
+        return self
 
 
 class TruthTable(files.Strict):

@@ -53,8 +53,9 @@ def _unit_mistake(record: Record, experiment: Experiment) -> str:
     return ""
 
 
-def check_opposes(record: Record, experiment: Experiment) -> None:
-    """Whether the force that pressures or a load cell show opposes the motion, on the average over a record's way.
+def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
+    """Whether the force that pressures or a load cell show opposes the motion, on the average over the way of a record
+    in its pieces.
 
     What the pressure sensors may be off by, as [sensors] has it, is allowed for; a plant under a load or on a spring is
     not judged.
@@ -62,6 +63,7 @@ def check_opposes(record: Record, experiment: Experiment) -> None:
     Raises:
         UserError: it drives the rod instead.
     """
+    record = pieces[0]
     channels, values = record.channels, experiment.known_values()
     pressures = all(name in channels for name in AXIAL)
     if not pressures and not ("position" in channels and "force" in channels):
@@ -69,11 +71,14 @@ def check_opposes(record: Record, experiment: Experiment) -> None:
     free = experiment.free or ()
     if any(values.get(name) or name in free for name in ("load_force", "spring_stiffness")):
         return
-    data = friction_of(record, experiment)
-    sliding = np.isfinite(data.force) & (np.abs(np.nan_to_num(data.velocity)) > SLIDING)
+    data = [friction_of(piece, experiment) for piece in pieces]
+    velocity, force = (
+        np.concatenate(parts) for parts in zip(*((one.velocity, one.force) for one in data), strict=True)
+    )
+    sliding = np.isfinite(force) & (np.abs(np.nan_to_num(velocity)) > SLIDING)
     if not np.any(sliding):
         return
-    velocity, force = data.velocity[sliding], data.force[sliding]
+    velocity, force = velocity[sliding], force[sliding]
     opposing = float(np.sum(velocity * force) / np.sum(np.abs(velocity)))
     areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
     offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]

@@ -1,13 +1,16 @@
 """Files of records: a table out of a file of any format, and its columns in SI."""
 
 import csv
+import warnings
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError, nearest
-from workbench.records.experiment import ChannelSpec
+from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
 
 
@@ -33,10 +36,27 @@ def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec
     Raises:
         UserError: no such column, or no numbers in it.
     """
-    numbers = pd.to_numeric(table.iloc[:, _place(path, table, name, channel)], errors="coerce").to_numpy(dtype=float)
+    column = table.iloc[:, _place(path, table, name, channel)]
+    numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    if name == "time" and (column.dtype.kind in "mM" or not np.any(np.isfinite(numbers))):
+        channel, numbers = replace(channel, factor=1.0), seconds(column)
     if not np.any(np.isfinite(numbers)):
         raise UserError(f'{path}: column "{channel.column}" ({name}) holds no numbers')
     return numbers * channel.factor + channel.offset
+
+
+def seconds(column: "pd.Series[Any]") -> np.ndarray:
+    """Seconds from the first of a column's dates or times of day; NaN where there is none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of dates whose order of day and month is a guess
+        stamps = column if column.dtype.kind in "mM" else pd.to_datetime(column, errors="coerce", format="mixed")
+    if not stamps.notna().any():
+        stamps = pd.to_timedelta(column.astype(str), errors="coerce")
+    values = stamps.to_numpy()
+    ticks = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64)
+    known = stamps.notna().to_numpy()
+    first = int(ticks[known][0]) if known.any() else 0
+    return np.where(known, 1e-9 * (ticks - first), np.nan)
 
 
 def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> int:

@@ -96,5 +96,5 @@ def _scope(diagnosis: Diagnosis) -> str:
     return (
         f"Declared plant: {experiment.plant.name}, {experiment.declared}. {len(records)} "
         f"record{'s' * (len(records) > 1)} of {seconds:.0f} s in all for the fit; {tested}. "
-        f"Channels: {', '.join(map(plain_name, experiment.channels))}."
+        f"Channels: {', '.join(plain_name(channel.called) for channel in experiment.channels.values())}."
     )

@@ -21,6 +21,9 @@ FEWEST = 8
 LONGEST_LAG = 1.0
 """s of the autocorrelation that is shown."""
 
+LEAST_LAGS = 20
+"""Lags of it at least, of a slow record."""
+
 
 @dataclass(frozen=True, eq=False)
 class Part:
@@ -143,14 +146,14 @@ def binned(signal: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.nda
     return centre, mean, spread
 
 
-def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float]:
+def autocorrelation(series: Sequence[np.ndarray], step: float = THINNED) -> tuple[np.ndarray, np.ndarray, float]:
     """Lags (s), autocorrelation over all series, and what white noise of that many values keeps to in 95 %.
 
-    Values that are NaN take no part. A series is sampled every `THINNED` seconds.
+    Values that are NaN take no part. A series is sampled every `step` (s).
     """
     series = [values for values in series if np.isfinite(values).any()]
     shortest = min(values.size for values in series)
-    count = min(round(LONGEST_LAG / THINNED), shortest // 2)
+    count = min(max(round(LONGEST_LAG / step), LEAST_LAGS), shortest // 2)
     filled = [np.where(np.isfinite(values), values - np.nanmean(values), 0.0) for values in series]
     known = [np.isfinite(values).astype(float) for values in series]
     means = []
@@ -159,7 +162,7 @@ def autocorrelation(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarra
         means.append(products / max(pairs, 1.0))
     total = sum(float(np.sum(values)) for values in known)
     correlation = np.array(means)
-    return THINNED * np.arange(count + 1), correlation / max(correlation[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
+    return step * np.arange(count + 1), correlation / max(correlation[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
 
 
 def _lagged(series: Sequence[np.ndarray], lag: int) -> float:

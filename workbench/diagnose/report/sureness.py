@@ -1,5 +1,6 @@
 """How sure a diagnosis is, a line each: what speaks for an effect, what stopped the others, what is left over the
-floor, what simulation says, and which parameters the records do not identify.
+floor, what simulation says, which parameters the records do not identify, and what was
+done to the records.
 """
 
 from collections.abc import Mapping
@@ -60,6 +61,8 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
         )
     if not diagnosis.errors.held_out.before.by_key:
         lines.append("There is no held-out record: nothing tests what was found on data that it has not seen whole.")
+    every = [*diagnosis.results[0].balance.motions, *diagnosis.held_out]
+    lines += [f"{motion.record.label}: {note}." for motion in every for note in motion.record.notes]
     return lines
 
 

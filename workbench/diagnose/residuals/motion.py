@@ -15,9 +15,7 @@ from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.signal import lfilter
 
 from workbench.records.reading import Record
-
-WINDOW = 0.06
-"""s over which channels are smoothed: 61 points at 1 kHz."""
+from workbench.records.sampling.sight import FEWEST, window_points
 
 WALKED = 0.002
 """s between the instants at which a plant goes along a motion, at most: what is hidden is followed exactly between
@@ -56,9 +54,6 @@ record of 100 Hz, and pressures, which are not differentiated, do not share that
 
 REACH = 3
 """Points by which they reach beyond a window."""
-
-FEWEST = 7
-"""Points of the shortest window."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,11 +187,6 @@ def with_slack(motion: Motion, slack: np.ndarray) -> Motion:
 
 def _with_rates(values: np.ndarray, points: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return smoothed(values, points), smoothed(values, points, 1, step), smoothed(values, points, 2, step)
-
-
-def window_points(sample_time: float) -> int:
-    """Points of the smoothing window, odd."""
-    return max(2 * round(0.5 * WINDOW / sample_time) + 1, FEWEST)
 
 
 def smoothed(values: np.ndarray, points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:

@@ -13,6 +13,9 @@ SPEED = "pump_speed"
 PLATEAU = 0.3
 """s over which a pump's speed has to be steady."""
 
+LEAST = 3
+"""Samples of that time at least."""
+
 STEADY = 0.08
 """Share of its largest speed by which it may vary over that time."""
 
@@ -21,7 +24,7 @@ def on_plateau(motion: Motion) -> np.ndarray:
     """Where the pump's speed is steady. While it runs up, what fills lines and turns valves is no flow of the balance:
     fitted with that, the displacement of a measured pump comes out 9 % too small.
     """
-    speed, points = motion.channels[SPEED], max(round(PLATEAU / motion.sample_time), 1)
+    speed, points = motion.channels[SPEED], max(round(PLATEAU / motion.sample_time), LEAST)
     span = maximum_filter1d(speed, points) - minimum_filter1d(speed, points)
     return np.asarray(span < STEADY * np.max(np.abs(speed)))
 
@@ -33,7 +36,7 @@ def plateau_means(motion: Motion, flow_residual: np.ndarray, displacement: float
     speed = np.abs(motion.channels[SPEED])
     counts = motion.valid & on_plateau(motion) & (speed > STEADY * np.max(speed))
     error = flow_residual / displacement
-    points = max(round(PLATEAU / motion.sample_time), 1)
+    points = max(round(PLATEAU / motion.sample_time), LEAST)
     pieces = [slice(start, start + points) for start in range(0, speed.size - points + 1, points)]
     return np.array([np.mean(error[piece]) for piece in pieces if np.all(counts[piece])])
 

@@ -127,7 +127,7 @@ def notes_of(identification: Identification) -> list[str]:
     notes = []
     fit = identification.simulation
     for record in identification.records:
-        notes += [f"{record.label}, {record.path.name}: {note}." for note in record.notes]
+        notes += [f"{record.name}, {record.path.name}: {note}." for note in record.notes]
     if identification.thesis is not None:
         count = max(estimate.count for group in identification.thesis.groups.values() for estimate in group.values())
         repeats = (

@@ -1,13 +1,13 @@
 """What a fit by simulation is worth: which parameters the records cannot tell, which are at a bound, does it follow."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from workbench.errors import UserError
 from workbench.identify.simulation.problem import Problem, noise_of, projected
 from workbench.parameters.sets import known_units
-from workbench.records.reading import Record
 from workbench.records.schema import NUISANCES
 
 UNKNOWN = 0.5
@@ -105,10 +105,10 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
     residuals = left / problem.weights
     lost: dict[str, list[tuple[float, str]]] = {}
     seen: dict[str, None] = {}
-    windows: dict[tuple[Record, str], list[slice]] = {}
+    windows: dict[tuple[int, Path, str], list[slice]] = {}
     for item, name, place in problem.series():
-        windows.setdefault((item.of, name), []).append(place)
-    for (record, name), places in windows.items():
+        windows.setdefault((item.of.log, item.of.path, name), []).append(place)
+    for (_, path, name), places in windows.items():
         values = [problem.measured[place] for place in places]
         varied = _rms([each - np.nanmean(each) for each in values])
         if varied < SEEN * _rms([np.array([noise_of(each)]) for each in values]):
@@ -118,7 +118,7 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
         off = _rms([residuals[place][own] for place, own in zip(places, known, strict=True)])
         if not off < LOST * varied:
             by = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
-            lost.setdefault(name, []).append((off / varied, f"does not follow {record.path}: {by}"))
+            lost.setdefault(name, []).append((off / varied, f"does not follow {path}: {by}"))
     moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
     moving = moving or list(seen)
     if moving and all(name in lost for name in moving):

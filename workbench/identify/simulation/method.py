@@ -53,7 +53,7 @@ class SimulationFit:
 
     `unidentified` says of each parameter that the records cannot identify why; it is at its declared value. `bounded`
     are those at a bound of the experiment: value (SI), and which bound, in words; such a number has no deviation.
-    `residuals` and `simulated` are by record path and output, in SI, over `times`; `rms` the residuals' by output.
+    `measured` and `simulated` are by record and output, in SI, over `times`; `rms` the residuals' by output.
     """
 
     estimates: Mapping[str, Fitted]
@@ -62,9 +62,9 @@ class SimulationFit:
     sensors: Mapping[str, Fitted]
     rms: Mapping[str, float]
     before: Mapping[str, float]
-    times: Mapping[str, np.ndarray]
-    simulated: Mapping[str, Mapping[str, np.ndarray]]
-    measured: Mapping[str, Mapping[str, np.ndarray]]
+    times: Mapping[Record, np.ndarray]
+    simulated: Mapping[Record, Mapping[str, np.ndarray]]
+    measured: Mapping[Record, Mapping[str, np.ndarray]]
     memory: float
     evaluations: int
     notes: tuple[str, ...] = ()
@@ -253,15 +253,15 @@ def _result(
         estimates[name] = Fitted(value, abs(problem.slope(name, theta[i])) * deviations[i], ends[0], ends[1])
     left, numbers = problem.left(theta)
     residuals = left / problem.weights
-    times, measured, simulated = (dict[str, dict[str, list[np.ndarray]]]() for _ in range(3))
+    times, measured, simulated = (dict[Record, dict[str, list[np.ndarray]]]() for _ in range(3))
     for item, name, place in problem.series():
-        path, own = str(item.of.path), slice(place.start + item.warm, place.stop)
+        own = slice(place.start + item.warm, place.stop)
         for table, values in (
             (times, item.time[item.warm :]),
             (measured, problem.measured[own]),
             (simulated, (problem.measured - residuals)[own]),
         ):
-            table.setdefault(path, {}).setdefault(name, []).append(values)
+            table.setdefault(item.of, {}).setdefault(name, []).append(values)
     scales = np.outer(deviations[:count], deviations[:count])
     sensors = {}
     for name, std in problem.experiment.accuracies.items():
@@ -278,9 +278,9 @@ def _result(
         sensors=sensors,
         rms=rms,
         before=before,
-        times={path: np.concatenate(next(iter(parts.values()))) for path, parts in times.items()},
-        simulated={path: _joined(parts) for path, parts in simulated.items()},
-        measured={path: _joined(parts) for path, parts in measured.items()},
+        times={record: np.concatenate(next(iter(parts.values()))) for record, parts in times.items()},
+        simulated={record: _joined(parts) for record, parts in simulated.items()},
+        measured={record: _joined(parts) for record, parts in measured.items()},
         memory=length * float(problem.observed[0].count) * problem.observed[0].record.sample_time,
         evaluations=problem.evaluations,
         notes=judgement.remarks(problem, theta, rms),

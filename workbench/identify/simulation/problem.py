@@ -222,7 +222,9 @@ def make_problem(experiment: Experiment, observed: Sequence[Observed], free: Seq
         np.full(values.size, 1.0 / noises[item.of, name]) for item in observed for name, values in item.measured.items()
     ]
     measured = np.concatenate(stack)
-    problem = Problem(experiment, observed, list(free), start, np.concatenate(weights), measured, np.zeros((measured.size, 0)), [])
+    problem = Problem(
+        experiment, observed, list(free), start, np.concatenate(weights), measured, np.zeros((measured.size, 0)), []
+    )
     problem.describe_sensors(np.zeros(len(start)))
     return problem
 

@@ -11,7 +11,7 @@ from workbench.identify.thesis import method
 from workbench.identify.thesis.method import Estimate
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
-from workbench.records.friction import SLIDING, Slow, directions, friction_of, is_rotary, slower
+from workbench.records.friction import SLIDING, Slow, directions, fewest_samples, friction_of, is_rotary, slower
 from workbench.records.reading import Record
 from workbench.records.schema import STATIC, SUFFIXES
 
@@ -23,11 +23,11 @@ DOUBTFUL = 10.0
 class ThesisFit:
     """What the thesis's method finds, by speed of rotation (rpm) and canonical name; what it cannot do.
 
-    `curves` are the 10 Hz data of each record by its path. `static` is among the names, for tables.
+    `curves` are the 10 Hz data of each record. `static` is among the names, for tables.
     """
 
     groups: Mapping[float, Mapping[str, Estimate]]
-    curves: dict[str, Slow]
+    curves: dict[Record, Slow]
     notes: tuple[str, ...]
 
     @property
@@ -61,14 +61,17 @@ def identify_by_thesis(experiment: Experiment, records: Sequence[Record], progre
         UserError: the channels do not serve, or no record gives anything.
     """
     by_rpm: dict[float, list[dict[str, float]]] = {}
-    curves: dict[str, Slow] = {}
+    curves: dict[Record, Slow] = {}
     failed: Counter[tuple[str, str, float]] = Counter()
     mass = experiment.known_values()["mass"]
     for place, record in enumerate(sorted(records, key=lambda record: record.rpm)):
         progress(f"the thesis's method: record {place + 1} of {len(records)}")
+        if record.time.size < fewest_samples(record.sample_time):
+            failed["too short for the averaging", "piece", record.rpm] += 1
+            continue
         fine = friction_of(record, experiment)
         coarse = slower(fine)
-        curves[str(record.path)] = coarse
+        curves[record] = coarse
         moved = directions(record, experiment)
         if not moved:
             failed["nothing slides", record.path.name, record.rpm] += 1

@@ -5,10 +5,13 @@ from pathlib import Path
 from plants.plugins import Registry
 from workbench.records.formats.interface import RecordFormat
 from workbench.records.formats.mat import MAT
+from workbench.records.formats.mdf import MDF
 from workbench.records.formats.parquet import PARQUET
+from workbench.records.formats.rosbag import ROSBAG
+from workbench.records.formats.tdms import TDMS
 from workbench.records.formats.text import TEXT
 
-_OURS = (TEXT, PARQUET, MAT)
+_OURS = (TEXT, PARQUET, MAT, TDMS, MDF, ROSBAG)
 
 
 def _check(one: RecordFormat) -> None:
@@ -22,4 +25,4 @@ FORMATS = Registry("friction_workbench.formats", RecordFormat, {one.name: one fo
 
 def format_of(path: Path) -> RecordFormat:
     """The format of a file by the ending of its name; text, where no format has that."""
-    return next((one for one in FORMATS.working().values() if path.suffix in one.endings), TEXT)
+    return next((one for one in FORMATS.working().values() if path.suffix.lower() in one.endings), TEXT)

@@ -11,7 +11,7 @@ from workbench.identify.result import Identification
 from workbench.identify.thesis.method import STATIC as STEADY
 from workbench.identify.thesis.method import steady
 from workbench.publish.style import figure_style, line_style
-from workbench.records.friction import Slow, friction_of, is_rotary, slower
+from workbench.records.friction import Slow, friction_of, is_rotary, shows_friction, slower
 from workbench.records.reading import Record
 from workbench.records.schema import STATIC, SUFFIXES
 
@@ -50,7 +50,7 @@ def friction_data(identification: Identification, rpm: float | None) -> Friction
     """The numbers of the figure, of the records at one speed of rotation or (None) of all."""
     records = [record for record in identification.records if rpm is None or record.rpm == rpm]
     rotary = all(is_rotary(record) for record in records)
-    measured = [_measured(identification, record) for record in records]
+    measured = [_measured(identification, record) for record in records if shows_friction(record)]
     forward, backward = (
         max((float(np.nanmax(sign * data.velocity)) for data in measured), default=0.0) for sign in (1.0, -1.0)
     )
@@ -81,7 +81,7 @@ def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
 
 
 def _measured(identification: Identification, record: Record) -> Slow:
-    known = identification.thesis.curves.get(str(record.path)) if identification.thesis is not None else None
+    known = identification.thesis.curves.get(record) if identification.thesis is not None else None
     return known or slower(friction_of(record, identification.experiment))
 
 

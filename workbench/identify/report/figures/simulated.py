@@ -49,13 +49,13 @@ def simulated_data(identification: Identification, fit: SimulationFit) -> list[S
         name = f"record_{''.join(c if c.isalnum() else '_' for c in record.label)}"
         if name in chosen:
             continue
-        path = str(record.path)
         alike = [other for other in identification.records if other.label == record.label]
-        which = f"{record.label}, record 1 of {len(alike)}" if len(alike) > 1 else record.label
+        which = f"{record.name}, record 1 of {len(alike)}" if len(alike) > 1 else record.name
         outputs = [
-            _output(output, measured, fit.simulated[path][output]) for output, measured in fit.measured[path].items()
+            _output(output, measured, fit.simulated[record][output])
+            for output, measured in fit.measured[record].items()
         ]
-        chosen[name] = SimulatedRecord(name, which, fit.times[path], outputs)
+        chosen[name] = SimulatedRecord(name, which, fit.times[record], outputs)
     return [*chosen.values()]
 
 
