@@ -2,8 +2,8 @@
 
 import functools
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from plants.equation import fields, from_array, unmarked
@@ -70,6 +70,10 @@ class Plant:
     `turned(bristle, imposed)` makes it with a rod that turns, by a motor or with an imposed speed. `contact` is the
     field of the state that holds what the contact remembers, "" where there is none. `effects` are the names of
     those that the plant was given, and `bare` is the plant without.
+
+    `delayed` names the inputs that are the command of a time ago, each with that time: delay(parameters) -> s. Nobody
+    feeds them; a simulation does, exactly, whatever its sample time. `unknown` are the parameters, in either direction,
+    that an identification frees where an experiment does not say which, of a plant without a friction law.
     """
 
     name: str
@@ -94,6 +98,8 @@ class Plant:
     contact: str = ""
     effects: tuple[str, ...] = ()
     bare: "Plant | None" = None
+    delayed: Mapping[str, Callable[[Any], float]] = field(default_factory=dict)
+    unknown: tuple[str, ...] = ()
 
     def with_friction(self, law: "FrictionLaw") -> "Plant":
         """The same plant with another friction law.

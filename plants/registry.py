@@ -10,6 +10,7 @@ from plants.interface import Plant
 from plants.laws.lugre import LUGRE
 from plants.machine import straight
 from plants.plugins import Registry
+from plants.valve_axis import VALVE_AXIS
 
 THESIS = straight(LOAD_PRESSURE, LUGRE)
 """The thesis's actuator."""
@@ -26,6 +27,7 @@ _OURS = (
     straight(PNEUMATIC, LUGRE),
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
+    VALVE_AXIS,
 )
 
 

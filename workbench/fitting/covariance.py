@@ -37,6 +37,16 @@ def at_least(cov: np.ndarray, floor: np.ndarray) -> np.ndarray:
     return np.asarray(cov * np.outer(scale, scale))
 
 
+def inverse(normal: np.ndarray) -> np.ndarray:
+    """Of the normal equations' matrix, in units of its own unknowns: one that is known a million times worse than
+    another is no zero.
+    """
+    scale = np.sqrt(np.diag(normal))
+    scale[scale == 0.0] = 1.0
+    both = np.outer(scale, scale)
+    return np.asarray(np.linalg.pinv(normal / both, hermitian=True) / both)
+
+
 def sandwich(
     jacobian: np.ndarray, residuals: np.ndarray, groups: list[slice], length: int, priors: np.ndarray
 ) -> np.ndarray:
@@ -53,7 +63,7 @@ def sandwich(
         length: samples over which residuals remember.
         priors: 1 for an unknown with a prior of unit standard deviation, else 0, shape (unknowns,).
     """
-    inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(priors), hermitian=True)
+    curved = inverse(jacobian.T @ jacobian + np.diag(priors))
     meat = np.diag(priors).astype(float)
     for group in groups:
         scores = jacobian[group] * residuals[group, None]
@@ -61,4 +71,4 @@ def sandwich(
         full = np.vstack([np.zeros((length - 1, scores.shape[1])), padded, np.repeat(padded[-1:], length - 1, axis=0)])
         windows = full[length:] - full[:-length]
         meat += windows.T @ windows / length
-    return np.asarray(inverse @ meat @ inverse)
+    return np.asarray(curved @ meat @ curved)

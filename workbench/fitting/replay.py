@@ -3,11 +3,12 @@
 A fit asks for the same records many times; those of the same `key` share one simulation.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement
@@ -19,14 +20,28 @@ from workbench.records.sampling.sight import window_points
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
-from workbench.simulation.simulate import simulate
+from workbench.simulation.simulate import largest_distance, simulate
 
 FIT_RATE = 100.0
 """Hz. Records are compared as means over 1 / FIT_RATE; their noise is in the means' scatter."""
 
+SLOW = 0.02
+"""s between samples beyond which a record does not show its inputs between them. A position that is integrated from
+them drifts then, whatever the parameters, and is compared window by window."""
+
+FINE, CURVED = 0.01, 10
+"""s between the samples of a simulation along a slow record, and points of a curve through each of its samples."""
+
+WINDOW, WARM = 6.0, 3.0
+"""s of a slow record in which a simulation is compared before it starts anew, and for which it runs before that: what a
+plant remembers of its inputs is then right, and of the position only an offset is not, which every fit finds."""
+
 INTEGRATORS = (Integrator("rk4", 1e-4), Integrator())
 """Fixed steps come first: their error is as smooth in the parameters as the solution, where that of an error-controlled
 method jumps, and a difference quotient takes the jumps for information. The second is for stiffer plants."""
+
+LONG_STEP, NEAR = Integrator("rk4", 1e-3), 1e-4
+"""Ten times longer steps serve a slow record if, halved, they move its plant by less than this share of the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +58,21 @@ class Sampled(Moving):
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """A record as it is compared: `measured` by output, means of `count` samples, NaN over gaps; and its setup."""
+    """A record as it is compared: `measured` by output, means of `count` samples, NaN over gaps; and its setup.
+
+    It may be a window of the record `of`: `time` is that one's, and the first `warm` values are none of the window.
+    """
 
     record: Record
+    of: Record
+    warm: int
     time: np.ndarray
     measured: Mapping[str, np.ndarray]
     count: int
     setup: Setup
     key: bytes
+    every: int = 1
+    integrators: Sequence[Integrator] = INTEGRATORS
 
     def predicted(self, experiment: Experiment, changes: Mapping[str, float]) -> dict[str, np.ndarray] | None:
         """What the plant with changed parameters shows in place of `measured`; None where it diverges.
@@ -60,7 +82,7 @@ class Observed:
         """
         parameters = experiment.parameters(changes)
         state, inputs = _start(experiment, self.record, parameters)
-        for integrator in INTEGRATORS:
+        for integrator in self.integrators:
             setup = replace(self.setup, parameters=parameters, state=state, inputs=inputs, integrator=integrator)
             run = simulate(setup)
             if not run.diverged:
@@ -68,7 +90,8 @@ class Observed:
         if run.diverged:
             return None
         places = Measurement._fields
-        return {name: averaged(run.measurements[:, places.index(name)], self.count) for name in self.measured}
+        shown = run.measurements[:: self.every]
+        return {name: averaged(shown[:, places.index(name)], self.count) for name in self.measured}
 
 
 def observe(record: Record, experiment: Experiment) -> Observed:
@@ -92,6 +115,7 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     parameters = experiment.parameters()
     state, inputs = _start(experiment, record, parameters)
     duration = record.sample_time * (record.time.size - 1)
+    every = int(np.ceil(record.sample_time / FINE)) if record.sample_time > SLOW else 1
     setup = Setup(
         experiment.plant,
         parameters,
@@ -100,17 +124,61 @@ def observe(record: Record, experiment: Experiment) -> Observed:
         duration,
         feeds=feeds,
         sensors=Sensors(filters),
-        sample_time=record.sample_time,
+        sample_time=record.sample_time / every,
     )
     measured = {name: averaged(np.where(record.valid, channels[name], np.nan), count) for name in outputs}
     inputs_key = b"".join(feed.signal(record.time)[0].tobytes() for feed in feeds)
     key = inputs_key + repr((record.rpm, round(float(state.position), 3), float(state.velocity), outputs)).encode()
-    return Observed(record, averaged(record.time, count), measured, count, setup, key)
+    return Observed(record, record, 0, averaged(record.time, count), measured, count, setup, key, every)
+
+
+def observe_all(record: Record, experiment: Experiment) -> Iterator[Observed]:
+    """The record as a fit compares it: as a whole, or a slow one in windows.
+
+    Raises:
+        UserError: as `observe`.
+    """
+    if record.sample_time <= SLOW:
+        yield observe(record, experiment)
+        return
+    size, integrators = record.time.size, _integrators(observe(record, experiment).setup)
+    warm = round(WARM / record.sample_time)
+    start = min(warm, size // 2)
+    edges = np.linspace(start, size, max(round((size - start) * record.sample_time / WINDOW), 1) + 1).astype(int)
+    for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        begin = max(first - warm, 0)
+        part = replace(
+            record,
+            time=record.time[begin:last] - record.time[begin],
+            channels={name: values[begin:last] for name, values in record.channels.items()},
+            valid=record.valid[begin:last] & (np.arange(begin, last) >= first),
+        )
+        if np.any(part.valid):
+            yield replace(
+                observe(part, experiment),
+                of=record,
+                warm=first - begin,
+                time=record.time[begin:last],
+                integrators=integrators,
+            )
+
+
+def _integrators(setup: Setup) -> Sequence[Integrator]:
+    """With long steps if these serve the plant as it is declared."""
+    run = simulate(replace(setup, integrator=LONG_STEP))
+    off = largest_distance(run, simulate(replace(setup, integrator=LONG_STEP.finer())))
+    serves = off is not None and off < NEAR * float(np.ptp(run.state("position")))
+    return (LONG_STEP, *INTEGRATORS) if serves else INTEGRATORS
 
 
 def _input(record: Record, values: np.ndarray) -> Sampled:
+    """A measured input between its samples: a straight line, or in a slow record a curve without overshoot."""
     known = np.isfinite(values)
-    return Sampled(record.time[known], values[known])
+    time, values = record.time[known], values[known]
+    if record.sample_time <= SLOW:
+        return Sampled(time, values)
+    points = np.linspace(time[0], time[-1], CURVED * (record.time.size - 1) + 1)
+    return Sampled(points, PchipInterpolator(time, values)(points))
 
 
 def _slope(time: np.ndarray, values: np.ndarray) -> float:
@@ -134,4 +202,12 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
             state = state._replace(velocity=_slope(record.time[first], position[first]))
     fed = {name: 0.0 for name in inputs._fields if name in record.channels}
     fed |= {experiment.plant.command: 0.0}
+    fed |= dict.fromkeys(experiment.plant.delayed, _first_command(experiment, record))
     return state, inputs._replace(**fed)
+
+
+def _first_command(experiment: Experiment, record: Record) -> float:
+    """The first command (SI) of a record: before it nothing is known, and a delayed one goes on from there."""
+    names = [name for name in (experiment.plant.command, "command") if name in record.channels]
+    values = record.channels[names[0]]
+    return float(values[np.argmax(np.isfinite(values))])

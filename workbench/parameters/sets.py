@@ -22,10 +22,10 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-EDGE_OVERLAPS = frozenset(f"edge_overlap_{edge}" for edge in ("pa", "at", "pb", "bt"))
+SIGNED = ("drift_velocity", *(f"edge_overlap_{edge}" for edge in ("pa", "at", "pb", "bt")))
 
-EITHER_SIGN = EDGE_OVERLAPS.union(*(effect.signed for effect in effects().values()))
-"""Parameters that may be negative: those of effects that may act either way, and edges that are open at rest."""
+EITHER_SIGN = frozenset((*SIGNED, *(name for effect in effects().values() for name in effect.signed)))
+"""Parameters that may be negative: a drift, edges that are open at rest, and those of effects that may act either way."""
 
 NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})
 """Values of the parameters that effects bring at which they do nothing."""
@@ -53,6 +53,7 @@ MAY_BE_ZERO = {
     "guide_coulomb",
     "guide_stribeck",
     "elastic_share",
+    "dead_band",
     *(name for name, value in NEUTRAL.items() if value == 0.0),
 }
 UNEQUAL = frozenset({"dead_volume_1", "pump_displacement"})

@@ -35,6 +35,9 @@ FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
 DIVERGENCE_BOUND = 1e6
 """A state beyond this many times its typical magnitude (and its initial value) has diverged."""
 
+KEPT = 2
+"""Samples of the command that are kept beyond a delay of whole ones: this one, and one that ends within this one."""
+
 Ended: TypeAlias = tuple[int, int, int]
 """How a loop ended, the number of samples logged, the number of integration steps."""
 
@@ -52,6 +55,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
     types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
+    _table,  # of each input that is the command of a time ago: its place, that time in whole samples, and the rest in s
     types.Tuple((_number, _integer, _number)),  # sample time, steps a sample, tolerance
     types.Tuple((_integer, _integer, _number, _vector)),  # the method: `workbench.simulation.steppers.scheme`
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
@@ -69,15 +73,16 @@ def _scalar_loops(function: Callable[..., Ended]) -> Callable[..., Ended]:
         numba.config.LOOP_VECTORIZE = vectorize
 
 
-def scratch_size(states: int, inputs: int, channels: int, delay_samples: int, slopes: int) -> int:
+def scratch_size(states: int, inputs: int, channels: int, delay_samples: int, slopes: int, past: int) -> int:
     """Numbers that the loop works on beside its arguments: with `states` those of the filters are counted.
 
-    `slopes` is how many the method takes in a step; beside them stand the states of a stage, and bounds.
+    `slopes` is how many the method takes in a step; beside them stand the states of a stage, and bounds. `past` is the
+    longest delay of a command in whole samples.
 
     They come from the caller, who keeps them: the loop has pointers alone, and an array of its own would be freed after
     its last mention, before the last use of its memory.
     """
-    return (slopes + 2) * states + 3 * inputs + (4 + delay_samples) * channels
+    return (slopes + 2) * states + 3 * inputs + (4 + delay_samples) * channels + 2 * (past + KEPT)
 
 
 @register_jitable
@@ -97,6 +102,24 @@ def _read(system: Any, y: Any, out: Any) -> None:
                 out[j] = y[plant_states + j]
 
 
+@register_jitable
+def _arrive(lined: Any, inputs: Any, k: int, h: float, time: float) -> None:
+    """Set the inputs that are the command of a time ago, from `time` (s) in sample k on: values and slopes.
+
+    `lined` is (number of them, the command's value and slope in the last samples, how many, place, whole samples and
+    rest (s) of each); values are those at the start of the sample, as the slopes would have them.
+    """
+    count, past, depth, lines = lined
+    now, initial, slopes = inputs
+    for i in range(count):
+        place, samples, rest = int(lines[3 * i]), int(lines[3 * i + 1]), lines[3 * i + 2]
+        early = 1 if time < k * h + rest else 0
+        sent = (k - samples - early) % depth
+        slopes[place] = past[2 * sent + 1]
+        initial[place] = past[2 * sent] + slopes[place] * (early * h - rest)
+        now[place] = initial[place] + slopes[place] * (time - k * h)
+
+
 @_scalar_loops
 def run_loop(
     plant: Any,
@@ -107,6 +130,7 @@ def run_loop(
     signals: Any,
     sensors: Any,
     delay: Any,
+    lines: Any,
     clock: Any,
     method: Any,
     logs: Any,
@@ -117,7 +141,8 @@ def run_loop(
     At sample k: the sensors deliver y(k h - delay), those of the motor's drive y(k h), with systematic error, noise and
     quantisation; the controllers step; the sum of each command and its exogenous input is saturated and committed; the
     plant is integrated to (k + 1) h. An exogenous input is held over the sample, or a ramp to its next value where its
-    hold is linear.
+    hold is linear. An input that is the command of a time ago changes exactly that time behind it, also within a
+    sample; before t = 0 it was what the inputs say.
 
     Returns:
         how it ended, the number of samples logged, the number of integration steps.
@@ -150,6 +175,7 @@ def run_loop(
     p_readings = shift(p_now, 3 * m)
     p_measured, p_prompt = shift(p_readings, channel_count), shift(p_readings, 2 * channel_count)
     p_delayed = shift(p_readings, 3 * channel_count)
+    p_past, p_lines = shift(p_delayed, slots * channel_count), address(lines)
     p_state, p_gains = address(state), address(gains)
     p_rotary_state, p_rotary_gains = address(rotary_state), address(rotary_gains)
     p_references, p_rotary_references = address(references), address(rotary_references)
@@ -174,6 +200,12 @@ def run_loop(
         p_initial[j] = p_base[j]
     for i in range(slots):
         _read(system, p_y, shift(p_delayed, i * channel_count))
+    line_count, depth = lines.shape[0], KEPT
+    for i in range(line_count):
+        depth = max(depth, int(lines[i, 1]) + KEPT)
+    for i in range(depth if line_count > 0 else 0):
+        p_past[2 * i] = p_base[int(lines[0, 0])]
+    lined = (line_count, p_past, depth, p_lines)
 
     for k in range(samples):
         if delay_rest == 0.0:
@@ -209,6 +241,10 @@ def run_loop(
             rotary_feed = p_initial[rotary_input]
             p_initial[rotary_input] = _clip(rotary + rotary_feed, rotary_limit)
             call_commit(rotary_commit, p_initial[rotary_input] - rotary_feed, p_rotary_state, p_rotary_gains, h)
+        if line_count > 0:
+            p_past[2 * (k % depth)] = p_initial[command_input]
+            p_past[2 * (k % depth) + 1] = p_slopes[command_input]
+            _arrive(lined, inputs, k, h, k * h)
         for j in range(memory_count):
             p_log_control[k * memory_count + j] = p_state[j]
         for j in range(plant_states):
@@ -219,25 +255,31 @@ def run_loop(
         if k + 1 == samples:
             break
 
-        middle = (k + 1) * h - delay_rest
-        for part in range(2 if delay_rest > 0.0 else 1):
-            interval = (k * h, middle) if part == 0 else (middle, (k + 1) * h)
-            driven = (*inputs, k * h, ramped)
+        at, end, middle = k * h, (k + 1) * h, (k + 1) * h - delay_rest
+        reading = delay_rest > 0.0
+        while at < end:
+            until, steps_here = middle if reading else end, steps_a_sample
+            for i in range(line_count):
+                turn = k * h + p_lines[3 * i + 2]
+                until = turn if at < turn < until else until
+            if line_count > 0:
+                _arrive(lined, inputs, k, h, at)
+                steps_here = max(int(np.ceil(steps_a_sample * (until - at) / h - 1e-9)), 1)
+            interval, driven = (at, until), (*inputs, k * h, ramped)
             if kind == WRITTEN_OUT:
                 ended, guess, tried = dormand_prince(system, interval, guess, tolerance, p_scales, p_y, driven, p_work)
             elif kind == FIXED_STEP:
-                ended, tried = (
-                    fixed_step(system, interval, tableau, steps_a_sample, p_y, driven, p_work),
-                    steps_a_sample,
-                )
+                ended, tried = fixed_step(system, interval, tableau, steps_here, p_y, driven, p_work), steps_here
             else:
                 control = (guess, tolerance, p_scales)
                 ended, guess, tried = controlled(system, interval, tableau, control, p_y, driven, p_work)
             total_steps += tried
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
-            if part == 0 and delay_rest > 0.0:
+            if reading and until == middle:
                 _read(system, p_y, shift(p_delayed, ((k + 1) % slots) * channel_count))
+                reading = False
+            at = until
         for j in range(n):
             if not abs(p_y[j]) <= p_bounds[j]:
                 return DIVERGED, k + 1, total_steps

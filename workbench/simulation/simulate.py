@@ -72,8 +72,14 @@ def simulate(setup: Setup) -> Run:
     memory = _memory(setup.loop, shown)
     widths = (len(fields(plant.State)), inputs.size, len(Measurement._fields), memory[0].size)
     log = tuple(np.empty((samples, width)) for width in widths)
-    delay_samples = int(np.floor(setup.sensors.delay / h + DELAY_SLACK))
-    delay_rest = setup.sensors.delay - delay_samples * h
+    delay_samples, delay_rest = _in_samples(setup.sensors.delay, h)
+    lines = np.array(
+        [
+            (plant.input_index(name), *_in_samples(float(delay(setup.parameters)), h))
+            for name, delay in plant.delayed.items()
+        ]
+    ).reshape(-1, 3)
+    past = int(np.max(lines[:, 1], initial=0))
     integrator = setup.integrator
     method = INTEGRATORS.working()[integrator.method]
     limit = float(plant.command_limit(setup.parameters))
@@ -90,11 +96,12 @@ def simulate(setup: Setup) -> Run:
         ),
         (references, rotary_references, exogenous, linear),
         (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
-        (delay_samples, delay_rest if delay_rest > DELAY_SLACK * h else 0.0),
+        (delay_samples, delay_rest),
+        lines,
         (h, int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
         scheme(method),
         log,
-        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count)),
+        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
     )
     states, realised, measurements, remembered = (table[:count] for table in log)
     run = Run(
@@ -111,6 +118,13 @@ def simulate(setup: Setup) -> Run:
         steps,
     )
     return replace(run, outcome=_outcome(run, ended, limit))
+
+
+def _in_samples(delay: float, sample_time: float) -> tuple[int, float]:
+    """A delay (s) as whole samples and the rest (s)."""
+    samples = int(np.floor(delay / sample_time + DELAY_SLACK))
+    rest = delay - samples * sample_time
+    return samples, rest if rest > DELAY_SLACK * sample_time else 0.0
 
 
 def _memory(loop: Loop, reading: Measurement) -> tuple[np.ndarray, np.ndarray]:

@@ -1,13 +1,13 @@
 """What a fit by simulation is worth: which parameters the records cannot tell, which are at a bound, does it follow."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from workbench.errors import UserError
 from workbench.identify.simulation.problem import Problem, noise_of, projected
 from workbench.parameters.sets import known_units
-from workbench.records.reading import Record
 from workbench.records.schema import NUISANCES
 
 UNKNOWN = 0.5
@@ -54,14 +54,15 @@ def not_identified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> d
     count = len(problem.free)
     _, singular, directions = np.linalg.svd(projected(problem.projector(), jacobian[:, :count]), full_matrices=False)
     deviations = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0))
-    if singular[-1] <= SINGULAR * singular[0]:
+    unknown = np.max(deviations) > UNKNOWN
+    if unknown and singular[-1] <= SINGULAR * singular[0]:
         parts = np.abs(directions[-1])
         named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
         worst = problem.free[int(np.argmax(parts))]
         others = [name for name in named if name != worst]
         why = f"cannot be told apart from {', '.join(others)}" if others else NO_EFFECT
         return {worst: why}
-    if np.max(deviations) > UNKNOWN:
+    if unknown:
         i = int(np.argmax(deviations))
         return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
     return {}
@@ -104,16 +105,20 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
     residuals = left / problem.weights
     lost: dict[str, list[tuple[float, str]]] = {}
     seen: dict[str, None] = {}
+    windows: dict[tuple[int, Path, str], list[slice]] = {}
     for item, name, place in problem.series():
-        known = np.isfinite(problem.measured[place])
-        varied = float(np.std(problem.measured[place][known]))
-        if varied < SEEN * noise_of(problem.measured[place]):
+        windows.setdefault((item.of.log, item.of.path, name), []).append(place)
+    for (_, path, name), places in windows.items():
+        values = [problem.measured[place] for place in places]
+        varied = _rms([each - np.nanmean(each) for each in values])
+        if varied < SEEN * _rms([np.array([noise_of(each)]) for each in values]):
             continue
         seen[name] = None
-        off = float(np.sqrt(np.mean(residuals[place][known] ** 2)))
+        known = [np.isfinite(each) for each in values]
+        off = _rms([residuals[place][own] for place, own in zip(places, known, strict=True)])
         if not off < LOST * varied:
             by = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
-            lost.setdefault(name, []).append((off / varied, f"does not follow {_which(item.record)}: {by}"))
+            lost.setdefault(name, []).append((off / varied, f"does not follow {path}: {by}"))
     moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
     moving = moving or list(seen)
     if moving and all(name in lost for name in moving):
@@ -160,8 +165,9 @@ def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> 
     return tuple(suspicions)
 
 
-def _which(record: Record) -> str:
-    return f"{record.path}" + (f" ({record.name})" if record.piece else "")
+def _rms(parts: Sequence[np.ndarray]) -> float:
+    """Of all their values that are known."""
+    return float(np.sqrt(np.nanmean(np.concatenate(parts) ** 2)))
 
 
 def _number(output: str, value: float) -> str:

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from plants.equation import NEGATIVE
 from workbench.errors import UserError
 from workbench.fitting import covariance
-from workbench.fitting.replay import observe
+from workbench.fitting.replay import observe_all
 from workbench.identify.simulation import judgement
 from workbench.identify.simulation.problem import Problem, make_problem, projected
 from workbench.progress import Progress, silent
@@ -22,6 +22,9 @@ from workbench.records.sliding import check_slides
 
 FLAT, NEAR, MOST_STEPS = 1e-8, 1e-5, 60
 """A search ends when a step gains less of the sum of squares, or moves the unknowns less, than this."""
+
+LOGARITHMIC_SCAN, LINEAR_SCAN, FARTHEST, MOST_SCANS = (-1.2, -0.4, 0.4, 1.2), (-2.0, -0.5, 0.5, 2.0), 2.4, 6
+"""Steps of the unknowns in a coarse scan, how far it goes (11 times as much), and how often through all of them."""
 
 INSIDE = 1e-9
 """A search starts this far inside its bounds."""
@@ -81,13 +84,15 @@ class SimulationFit:
 
 
 def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]:
-    """Friction in the directions in which the records move; one value for both where the plant has one."""
-    known = parameter_names(experiment.plant)
+    """Friction in the directions in which the records move, or what the plant is `unknown` by in its place; one value
+    for both where the plant has one.
+    """
+    known, wanted = parameter_names(experiment.plant), experiment.plant.unknown or FRICTION
     moved = {sign for record in records for sign in directions(record, experiment)}
-    apart = any(f"{name}_{NEGATIVE}" in experiment.values for name in FRICTION)
-    names = [name for name in FRICTION if name in known and (1 in moved or not apart)]
+    apart = any(f"{name}_{NEGATIVE}" in experiment.values for name in wanted)
+    names = [name for name in wanted if name in known and (1 in moved or not apart)]
     if -1 in moved and apart:
-        names += [f"{name}_{NEGATIVE}" for name in FRICTION if f"{name}_{NEGATIVE}" in experiment.values]
+        names += [f"{name}_{NEGATIVE}" for name in wanted if f"{name}_{NEGATIVE}" in experiment.values]
     return names
 
 
@@ -103,7 +108,7 @@ def identify_by_simulation(
     Raises:
         UserError: nothing to fit, or the plant cannot be simulated on these records, or follows them not at all.
     """
-    observed = [observe(record, experiment) for record in records]
+    observed = [part for record in records for part in observe_all(record, experiment)]
     free = list(experiment.free) if experiment.free is not None else default_free(experiment, records)
     if not free and experiment.free is None:
         check_slides(records, experiment)
@@ -113,6 +118,8 @@ def identify_by_simulation(
     problem.progress = progress
     theta = np.zeros(len(free))
     before = _rms(problem, theta)
+    if experiment.plant.unknown:
+        theta = _scanned(problem)
     unidentified = judgement.without_effect(problem, theta)
     theta = _without(problem, theta, unidentified)
     theta = _solve(problem, theta, rough=True)
@@ -143,6 +150,32 @@ def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -
     keep = [i for i, name in enumerate(problem.free) if name not in names]
     problem.free = [problem.free[i] for i in keep]
     return theta[keep]
+
+
+def _scanned(problem: Problem) -> np.ndarray:
+    """The unknowns from which a search starts of which the valleys are narrow: of delays and dead bands.
+
+    Each unknown in turn takes the best of some values far around its own, until none gets better.
+    """
+    theta, q = np.zeros(len(problem.free)), problem.projector()
+    low, high = (np.clip(ends, -FARTHEST, FARTHEST) for ends in problem.limits())
+
+    def left(x: np.ndarray) -> float:
+        return float(np.sum(projected(q, problem.errors(x)) ** 2))
+
+    best = left(theta)
+    for _ in range(MOST_SCANS):
+        before = best
+        for i, name in enumerate(problem.free):
+            steps = LOGARITHMIC_SCAN if problem.logarithmic(name) else LINEAR_SCAN
+            for value in {float(np.clip(theta[i] + step, low[i], high[i])) for step in steps} - {float(theta[i])}:
+                trial = theta.copy()
+                trial[i] = value
+                if (found := left(trial)) < best:
+                    theta, best = trial, found
+        if best == before:
+            break
+    return theta
 
 
 def _solve(problem: Problem, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
@@ -187,7 +220,7 @@ def _covariance(problem: Problem, theta: np.ndarray, length: int) -> tuple[np.nd
     groups = [place for _, _, place in problem.series()]
     cov = covariance.sandwich(jacobian, left, groups, length, priors)
     if len(problem.observed) < FEW:
-        plain = np.linalg.pinv(jacobian.T @ jacobian + np.diag(priors), hermitian=True)
+        plain = covariance.inverse(jacobian.T @ jacobian + np.diag(priors))
         cov = covariance.at_least(cov, plain)
     return jacobian, cov
 
@@ -220,13 +253,15 @@ def _result(
         estimates[name] = Fitted(value, abs(problem.slope(name, theta[i])) * deviations[i], ends[0], ends[1])
     left, numbers = problem.left(theta)
     residuals = left / problem.weights
-    times: dict[Record, np.ndarray] = {}
-    simulated: dict[Record, dict[str, np.ndarray]] = {}
-    measured: dict[Record, dict[str, np.ndarray]] = {}
+    times, measured, simulated = (dict[Record, dict[str, list[np.ndarray]]]() for _ in range(3))
     for item, name, place in problem.series():
-        times[item.record] = item.time
-        measured.setdefault(item.record, {})[name] = item.measured[name]
-        simulated.setdefault(item.record, {})[name] = problem.measured[place] - residuals[place]
+        own = slice(place.start + item.warm, place.stop)
+        for table, values in (
+            (times, item.time[item.warm :]),
+            (measured, problem.measured[own]),
+            (simulated, (problem.measured - residuals)[own]),
+        ):
+            table.setdefault(item.of, {}).setdefault(name, []).append(values)
     scales = np.outer(deviations[:count], deviations[:count])
     sensors = {}
     for name, std in problem.experiment.accuracies.items():
@@ -243,11 +278,16 @@ def _result(
         sensors=sensors,
         rms=rms,
         before=before,
-        times=times,
-        simulated=simulated,
-        measured=measured,
+        times={record: np.concatenate(next(iter(parts.values()))) for record, parts in times.items()},
+        simulated={record: _joined(parts) for record, parts in simulated.items()},
+        measured={record: _joined(parts) for record, parts in measured.items()},
         memory=length * float(problem.observed[0].count) * problem.observed[0].record.sample_time,
         evaluations=problem.evaluations,
         notes=judgement.remarks(problem, theta, rms),
         bounded=bounded,
     )
+
+
+def _joined(parts: Mapping[str, Sequence[np.ndarray]]) -> dict[str, np.ndarray]:
+    """The windows of each output one after the other."""
+    return {name: np.concatenate(values) for name, values in parts.items()}

@@ -18,6 +18,7 @@ from workbench.identify.simulation.nuisance import columns
 from workbench.parameters.sets import EITHER_SIGN
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
+from workbench.records.reading import Record
 
 WIDEST = 100.0
 """A parameter without bounds of its own stays within this factor of its declared value."""
@@ -29,6 +30,9 @@ integrator's own error, which then looks like information about parameters that 
 DIVERGED = 1e6
 """Weighted error of a sample that a diverged simulation does not reach."""
 
+KEPT = 200
+"""Simulations that are kept; of many records some of each."""
+
 TYPICAL = {
     "coulomb": 100.0,
     "stribeck": 100.0,
@@ -36,6 +40,8 @@ TYPICAL = {
     "load_force": 100.0,
     "valve_overlap": 1e-5,
     "leakage_coefficient": 1e-13,
+    "command_delay": 0.05,
+    "drift_velocity": 1e-3,
 }
 """Scales (SI) of parameters whose declared value is 0."""
 
@@ -62,7 +68,8 @@ class Problem:
     sensors: list[str]
     evaluations: int = 0
     idle: dict[bytes, frozenset[str]] = field(default_factory=dict)
-    """Of each kind of record, the parameters that change nothing in it, such as those of the other direction."""
+    """Of each kind of record, the parameters of friction that change nothing in it, such as those of the other
+    direction. Where a dead band is what keeps a plant from moving, that changes with the band."""
     known: dict[tuple[bytes, tuple[float, ...]], list[np.ndarray]] = field(default_factory=dict)
     held: dict[str, float] = field(default_factory=dict)
     """Parameters (SI) that a fit has driven to their bounds and that stay there."""
@@ -116,7 +123,7 @@ class Problem:
         idle = self.idle.get(item.key, frozenset())
         key = (item.key, tuple(value for name, value in changes.items() if name not in idle))
         if key not in self.known:
-            if len(self.known) > 200:
+            if len(self.known) > max(KEPT, 20 * len(self.observed)):
                 self.known.clear()
             predicted = item.predicted(self.experiment, changes)
             self.evaluations += 1
@@ -148,7 +155,7 @@ class Problem:
             behind = base if rough else self.errors(theta - STEP * direction)
             slopes.append((ahead - behind) / (STEP if rough else 2.0 * STEP))
         jacobian = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
-        if not self.idle:
+        if not self.idle and self.experiment.plant.friction:
             for item in self.observed:
                 rows = np.concatenate([np.arange(p.start, p.stop) for other, _, p in self.series() if other is item])
                 moved = np.any(jacobian[rows] != 0.0, axis=0)
@@ -210,11 +217,25 @@ def make_problem(experiment: Experiment, observed: Sequence[Observed], free: Seq
             raise UserError(f"{experiment.path}: {name} is free and has no declared value; set it in [plant.set]")
         start[name] = value
     stack = [values for item in observed for values in item.measured.values()]
-    weights = np.concatenate([np.full(values.size, 1.0 / noise_of(values)) for values in stack])
+    noises = _noises(observed)
+    weights = [
+        np.full(values.size, 1.0 / noises[item.of, name]) for item in observed for name, values in item.measured.items()
+    ]
     measured = np.concatenate(stack)
-    problem = Problem(experiment, observed, list(free), start, weights, measured, np.zeros((measured.size, 0)), [])
+    problem = Problem(
+        experiment, observed, list(free), start, np.concatenate(weights), measured, np.zeros((measured.size, 0)), []
+    )
     problem.describe_sensors(np.zeros(len(start)))
     return problem
+
+
+def _noises(observed: Sequence[Observed]) -> dict[tuple[Record, str], float]:
+    """The noise of each output of each record, over all of its windows."""
+    squares: dict[tuple[Record, str], list[float]] = {}
+    for item in observed:
+        for name, values in item.measured.items():
+            squares.setdefault((item.of, name), []).append(noise_of(values) ** 2)
+    return {key: float(np.sqrt(np.mean(each))) for key, each in squares.items()}
 
 
 def noise_of(values: np.ndarray) -> float:
