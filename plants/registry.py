@@ -1,6 +1,13 @@
 """The plants by name: ours, and those that other packages bring by entry point."""
 
-from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
+from plants.drive import (
+    DRIVE_CURRENT,
+    DRIVE_FORCE,
+    DRIVE_VOLTAGE,
+    ROTARY_CURRENT,
+    ROTARY_TORQUE,
+    ROTARY_VOLTAGE,
+)
 from plants.equation import fields
 from plants.interface import Plant
 from plants.non_rotating import NON_ROTATING
@@ -9,6 +16,14 @@ from plants.pump_cylinder import PUMP_CYLINDER
 from plants.rotating import ANISOTROPIC, HELICAL, ISOTROPIC
 from plants.rotating_ideal import ANISOTROPIC_IDEAL, HELICAL_IDEAL, ISOTROPIC_IDEAL
 from plants.two_chamber import TWO_CHAMBER
+from plants.two_mass import (
+    TWO_INERTIA_CURRENT,
+    TWO_INERTIA_TORQUE,
+    TWO_INERTIA_VOLTAGE,
+    TWO_MASS_CURRENT,
+    TWO_MASS_FORCE,
+    TWO_MASS_VOLTAGE,
+)
 
 _OURS = (
     NON_ROTATING,
@@ -22,6 +37,16 @@ _OURS = (
     PUMP_CYLINDER,
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
+    DRIVE_CURRENT,
+    ROTARY_TORQUE,
+    ROTARY_VOLTAGE,
+    ROTARY_CURRENT,
+    TWO_MASS_FORCE,
+    TWO_MASS_VOLTAGE,
+    TWO_MASS_CURRENT,
+    TWO_INERTIA_TORQUE,
+    TWO_INERTIA_VOLTAGE,
+    TWO_INERTIA_CURRENT,
 )
 
 

@@ -1,4 +1,22 @@
-"""What the thesis's actuator has not, and other plants need beside its parameters."""
+"""What the thesis's actuator has not, and other plants need beside its parameters; its numbers on a turning axis."""
 
-FORCE_GAIN = {"force_gain": 100.0, "pump_displacement": 2e-7}
-"""N/V and m^3/rad: a drive that a voltage moves and a pump need them."""
+from collections.abc import Mapping
+
+from plants.axis import name_along
+from plants.interface import Plant
+
+OF_DRIVES = {
+    "force_gain": 100.0,
+    "force_constant": 50.0,
+    "pump_displacement": 2e-7,
+    "motor_mass": 5.0,
+    "motor_viscous": 20.0,
+    "coupling_stiffness": 2e6,
+    "coupling_damping": 300.0,
+}
+"""SI. A drive, a pump and a motor with a coupling to its load need them."""
+
+
+def along(plant: Plant, values: Mapping[str, float]) -> dict[str, float]:
+    """The same numbers under the names that they have on the plant's axis."""
+    return {name_along(name, plant.axis): value for name, value in values.items()}

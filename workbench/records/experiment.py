@@ -6,6 +6,7 @@ from glob import glob
 from pathlib import Path
 from typing import NamedTuple
 
+from plants.axis import name_along, unit_along
 from plants.effects.attach import meant
 from plants.equation import NEGATIVE, fields, to_array
 from plants.interface import Plant
@@ -136,9 +137,9 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def _resolved(content: ExperimentFile, path: Path) -> Experiment:
-    values = _declared(content.plant, path.parent)
-    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
     bare = _plant(content.plant.model)
+    values = _declared(content.plant, path.parent, bare.axis)
+    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
     plant = bare.with_effects(*meant(bare, [*acting, *(content.fit.free or ()), *content.fit.bounds]))
     try:
         build(plant.Parameters, values, content.plant.flow)
@@ -146,7 +147,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         raise files.SchemaError(("plant", "parameters"), f"does not serve {plant.name}: {error}") from None
     truth = None
     if content.truth is not None:
-        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
+        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"), plant.axis)
     names = parameter_names(plant)
     return Experiment(
         path,
@@ -157,15 +158,15 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         content.plant.parameters,
         values,
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
-        _bounds(content.fit.bounds, names, values),
+        _bounds(content.fit.bounds, names, values, known_units(plant.axis)),
         content.fit.method,
         _channels(content.channels, plant),
-        _accuracies(content.sensors),
+        _accuracies(content.sensors, plant.axis),
         _records(content.records, path.parent),
         truth,
         tuple(content.published),
         tuple(content.figures),
-        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors")),
+        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors"), plant.axis),
     )
 
 
@@ -181,19 +182,19 @@ def _plant(model: str) -> Plant:
     return known[model]
 
 
-def _set_values(name: str, folder: Path, key: files.Key) -> dict[str, float]:
+def _set_values(name: str, folder: Path, key: files.Key, axis: str) -> dict[str, float]:
     try:
-        return dict(read_parameters(parameter_path(name, folder)))
+        return dict(read_parameters(parameter_path(name, folder), axis))
     except UserError as error:
         raise files.SchemaError(key, str(error)) from None
 
 
-def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
+def _declared(table: PlantTable, folder: Path, axis: str) -> dict[str, float]:
     """The declared values; a plain name in [plant.set] sets both directions, unless the other is set too."""
-    values = _set_values(table.parameters, folder, ("plant", "parameters"))
+    values = _set_values(table.parameters, folder, ("plant", "parameters"), axis)
     for name, value in table.set.items():
         try:
-            number = parameter_value(name, value)
+            number = parameter_value(name, value, axis)
         except (UserError, QuantityError) as error:
             raise files.SchemaError(("plant", "set", name), str(error)) from None
         values[name] = number
@@ -219,7 +220,7 @@ def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tup
 
 
 def _bounds(
-    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float]
+    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float], units: Mapping[str, str]
 ) -> dict[str, tuple[float, float]]:
     bounds = {}
     for name, bound in table.items():
@@ -228,36 +229,38 @@ def _bounds(
         limits = []
         for key, value, default in (("min", bound.min, -float("inf")), ("max", bound.max, float("inf"))):
             try:
-                limits.append(default if value is None else si(value, known_units()[name]))
+                limits.append(default if value is None else si(value, units[name]))
             except QuantityError as error:
                 raise files.SchemaError(("fit", name, key), str(error)) from None
         if limits[0] >= limits[1]:
             raise files.SchemaError(("fit", name), "expected a min below max")
         declared = values.get(name, values.get(plain_name(name)))
         if declared is not None and not limits[0] <= declared <= limits[1]:
-            got = f"the declared value {declared:.6g} {known_units()[name]} is outside these bounds"
+            got = f"the declared value {declared:.6g} {units[name]} is outside these bounds"
             raise files.SchemaError(("fit", name), f"{got}; widen them, or start from another value with [plant.set]")
         bounds[name] = (limits[0], limits[1])
     return bounds
 
 
 def _channels(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, ChannelSpec]:
-    units = {**CHANNELS, "command": plant.command_unit}
+    units = {name: unit_along(unit, plant.axis) for name, unit in CHANNELS.items()} | {"command": plant.command_unit}
     specs = {}
+    called = {name_along(name, plant.axis): name for name in CHANNELS}
     for name, table in tables.items():
-        if name not in CHANNELS:
-            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, CHANNELS)}")
+        if name not in called:
+            raise files.SchemaError(("channels", name), f"unknown channel; {nearest(name, called)}")
+        unit = units[called[name]]
         try:
-            scale = factor(table.unit, units[name]) if table.unit != units[name] else 1.0
+            scale = factor(table.unit, unit) if table.unit != unit else 1.0
         except QuantityError:
-            meant = nearest_unit(table.unit, units[name])
-            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{units[name]}"'
+            meant = nearest_unit(table.unit, unit)
+            hint = f'did you mean "{meant}"?' if meant else f'expected a unit such as "{unit}"'
             message = f'got "{table.unit}"{"; " if meant else ", "}{hint}'
             raise files.SchemaError(("channels", name, "unit"), message) from None
         cutoff = _quantity(table.anti_alias, "Hz", ("channels", name, "anti_alias"))
         raw = table.offset
-        offset = raw * scale if isinstance(raw, float) else _quantity(raw, units[name], ("channels", name, "offset"))
-        specs[name] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
+        offset = raw * scale if isinstance(raw, float) else _quantity(raw, unit, ("channels", name, "offset"))
+        specs[called[name]] = ChannelSpec(table.column, table.scale * scale, offset, cutoff)
     if "time" not in specs:
         raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
     return specs
@@ -270,21 +273,21 @@ def _quantity(value: float | str, unit: str, place: files.Key) -> float:
         raise files.SchemaError(place, str(error)) from None
 
 
-def _accuracies(table: Mapping[str, Raw]) -> dict[str, float]:
-    found = _sensors(table, ("sensors",))
+def _accuracies(table: Mapping[str, Raw], axis: str) -> dict[str, float]:
+    found = _sensors(table, ("sensors",), axis)
     for name, number in found.items():
         if number < 0.0:
             raise files.SchemaError(("sensors", name), f"got {table[name]!r}, expected a value that is not negative")
     return found
 
 
-def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
+def _sensors(table: Mapping[str, Raw], place: files.Key, axis: str) -> dict[str, float]:
     """Errors of sensors (SI) by name."""
     found = {}
     for name, value in table.items():
         if name not in NUISANCES:
             raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
-        found[name] = _quantity(value, NUISANCES[name], (*place, name))
+        found[name] = _quantity(value, unit_along(NUISANCES[name], axis), (*place, name))
     return found
 
 

@@ -27,6 +27,7 @@ from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
 from workbench.study.study import Case, Study, located
 from workbench.toml import reading as files
+from workbench.toml.quantities import along_axis
 from workbench.toml.reading import SchemaError
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
@@ -94,7 +95,8 @@ def parse_case(study: Study, case: Case) -> ParsedCase:
     """
     try:
         tables = files.conform(CaseTables, case.tables)
-        plant, values = _plant(tables), read_values(tables, case)
+        plant = _plant(tables)
+        values = read_values(tables, case, plant.axis)
         return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder))
     except SchemaError as mistake:
         raise _located(study, case, mistake) from None
@@ -121,14 +123,17 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     belief = build_belief(believed, tables, case.declared, parsed.values)
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
     state, _ = plant.equilibrium(parameters, turning)
-    state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed
+    start = ("plant", "start_position")
+    state = state._replace(
+        position=along_axis(tables.plant.start_position, plant.axis, start)
+    )  # all else that the machine is given is believed
     state = _within_limits(state, parameters)
     rotation_speed, surface_speed = _rotation(believed, belief, tables)
     rotary, inputs = _rotary(believed, belief, rotation_speed, surface_speed, tables)
     settings = wanted.settings._replace(**overrides.settings)
     loop = _position_loop(wanted, settings, believed, belief, tables.simulation.sample_time)
     plant = _gauged(plant, loop.controller, tables)
-    sensors = build_sensors(tables.sensors)
+    sensors = build_sensors(tables.sensors, plant.axis)
     position = sensors.channels["position"]
     simulation = tables.simulation
     registered(INTEGRATORS, simulation.method, ("simulation", "method"))

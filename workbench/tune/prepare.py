@@ -94,7 +94,7 @@ def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, o
     try:
         dimensions = list[Dimension]()
         if tuned:
-            dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
+            dimensions += space_of(name, controller, settings, table, first.setup.plant)
             dimensions += rotation_of(table, chosen[0].rpm, cases[0].tables.plant.minimum_helical_speed)
         uncertainty = study.file.uncertainty or UncertaintyTable()
         task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at)

@@ -171,4 +171,4 @@ def plant_file(identification: Identification) -> str:
         entry = corrected.get(name, Corrected(value, None, declared))
         entries.append(Entry(name, value, entry.std, entry.source))
     title = f"{experiment.declared}, corrected by {experiment.path.name}"
-    return parameter_file(title, f"workbench identify: {experiment.title}", entries)
+    return parameter_file(title, f"workbench identify: {experiment.title}", entries, experiment.plant.axis)
