@@ -156,5 +156,8 @@ def drive(law: FrictionLaw, source: Source, axis: str = LINEAR) -> Plant:
 
 DRIVE_FORCE, DRIVE_VOLTAGE, DRIVE_CURRENT = (drive(LUGRE, source) for source in (FORCE, VOLTAGE, CURRENT))
 ROTARY_TORQUE, ROTARY_VOLTAGE, ROTARY_CURRENT = (drive(LUGRE, source, ROTARY) for source in (FORCE, VOLTAGE, CURRENT))
-PRESSED_MASS = drive(LUGRE, PRESSED)
-"""What any machine is of which the force is measured that drives it."""
+
+
+def pressed(axis: str = LINEAR) -> Plant:
+    """What any machine is of which the force, or the torque, is measured that drives it."""
+    return drive(LUGRE, PRESSED, axis)

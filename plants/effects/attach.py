@@ -61,7 +61,7 @@ def lacks(plant: Plant, effect: Effect) -> str:
 
 def possible(plant: Plant) -> tuple[Effect, ...]:
     """The effects that a plant can have."""
-    return _possible(plant.bare or plant, tuple(effect.along(plant.axis) for effect in registered().values()))
+    return _possible(plant.bare or plant, tuple(registered(plant.axis).values()))
 
 
 @functools.cache
@@ -84,8 +84,7 @@ def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
             raise ValueError(f'effect "{effect.name}": {mistake}')
         if missing := lacks(bare, effect):
             raise ValueError(f'plant "{bare.name}" cannot have the effect "{effect.name}": it has no {missing}')
-    ours = {name: effect.along(bare.axis) for name, effect in registered().items()}
-    known = {**ours, **{effect.name: effect for effect in effects}}
+    known = {**registered(bare.axis), **{effect.name: effect for effect in effects}}
     wanted = {*plant.effects, *(effect.name for effect in effects if not acts_by_itself(bare, effect))}
     return _attached(bare, tuple(effect for effect in known.values() if effect.name in wanted))
 

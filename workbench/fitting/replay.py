@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import fields
+from plants.equation import fields, replaced
 from plants.interface import SENSORS, Measurement
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment
@@ -122,6 +122,5 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
     if position is not None:
         # To the millimetre: the rest is an offset that every fit finds, and repeats can share a simulation.
         state = state._replace(position=round(float(np.nanmean(position[:20])), 3))
-    fed = {name: 0.0 for name in inputs._fields if name in record.channels}
-    fed |= {experiment.plant.command: 0.0}
-    return state, inputs._replace(**fed)
+    fed = {item.name: 0.0 for item in fields(experiment.plant.Inputs) if item.name in record.channels}
+    return state, replaced(inputs, fed | {experiment.plant.command: 0.0})

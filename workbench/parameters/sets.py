@@ -26,7 +26,7 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
-_EFFECTS = [effect.along(axis) for effect in effects().values() for axis in AXES]
+_EFFECTS = [effect for axis in AXES for effect in effects(axis).values()]
 
 EITHER_SIGN = frozenset(name for effect in _EFFECTS for name in effect.signed)
 """Parameters that may be negative: those of effects that may act either way."""
@@ -102,8 +102,8 @@ def known_units(axis: str = LINEAR) -> dict[str, str]:
             known.setdefault(item.name, item.unit)
     for law in LAWS.working().values():
         known |= {item.name: item.unit for item in fields(along(law.Extra, axis))}
-    for effect in effects().values():
-        known |= {item.name: item.unit for item in fields(effect.along(axis).Own)}
+    for effect in effects(axis).values():
+        known |= {item.name: item.unit for item in fields(effect.Own)}
     return known
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import UserError
+from workbench.publish.along import SHOWN
 from workbench.records.experiment import ChannelSpec, Experiment
 
 LONGEST_GAP = 0.1
@@ -106,15 +107,15 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     Raises:
         UserError: one of these.
     """
-    values = experiment.values
+    values, axis = experiment.values, experiment.plant.axis
     if "position" in channels and np.isfinite(values.get("stroke", np.inf)):
         span = float(np.nanmax(channels["position"]) - np.nanmin(channels["position"]))
         if span > BEYOND * values["stroke"]:
             raise UserError(
-                f"{path}: the position spans {span:g} m, and the stroke is {values['stroke']:g} m; "
+                f"{path}: the position spans {span:g} {axis}, and the stroke is {values['stroke']:g} {axis}; "
                 f"is the unit of channel position right?{_length_hint(span, values['stroke'])}"
             )
-        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"])
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"], axis)
     supply = values.get("supply_pressure")
     for name in ("pressure_1", "pressure_2"):
         if supply is None or name not in channels:
@@ -135,7 +136,7 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     _check_command(path, channels, experiment)
 
 
-def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec) -> None:
+def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec, axis: str) -> None:
     """Whether the position is counted from the middle of the stroke, as the plants count it."""
     low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
     if max(-low, high) <= BEYOND * half:
@@ -147,10 +148,11 @@ def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: Chan
         middle = -half
     else:
         middle = 0.5 * (low + high)
+    scale, unit = SHOWN[axis].factor, SHOWN[axis].unit
     raise UserError(
-        f"{path}: the position goes from {1e3 * low:.4g} to {1e3 * high:.4g} mm, and a stroke of {1e3 * stroke:.4g} mm "
-        f"from {-1e3 * half:.4g} to {1e3 * half:.4g} mm: 0 is its middle; give channel position "
-        f'offset = "{1e3 * (channel.offset - middle):.4g} mm", if that is the middle here'
+        f"{path}: the position goes from {scale * low:.4g} to {scale * high:.4g} {unit}, and a stroke of "
+        f"{scale * stroke:.4g} {unit} from {-scale * half:.4g} to {scale * half:.4g} {unit}: 0 is its middle; give "
+        f'channel position offset = "{scale * (channel.offset - middle):.4g} {unit}", if that is the middle here'
     )
 
 

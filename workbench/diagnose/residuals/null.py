@@ -13,7 +13,7 @@ import numpy as np
 
 from controllers import pid
 from controllers.pid import PID
-from plants.equation import fields
+from plants.equation import fields, replaced
 from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
@@ -46,7 +46,7 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
         for name in (item.name for item in fields(plant.Inputs))
         if given_by(record.channels, name)
     ]
-    inputs = inputs._replace(**dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
+    inputs = replaced(inputs, dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
     run = simulate(
         Setup(
             plant=plant,
@@ -80,7 +80,7 @@ def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Set
     plant = along.plant
     if FLOW in plant.balances:
         return pid.Settings(kp=TRACKING / float(no_load_velocity_gain(parameters.hydraulics)))
-    pushed = inputs._replace(**{plant.command: 1.0})
+    pushed = replaced(inputs, {plant.command: 1.0})
     rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
     push = float(next(rates)) - float(next(rates))
     return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)
