@@ -137,7 +137,8 @@ def _drawn(study: Study, cases: list[Case], numbers: range | None = None) -> Pla
     """The plan of these cases on each plant sample, where the study draws any."""
     parsed = [parse_case(study, case) for case in cases]
     declared = [each.resolve() for each in parsed]
-    drawn = on_plant_samples(study, cases, numbers)
+    axis = declared[0].setup.plant.axis if declared else LINEAR
+    drawn = on_plant_samples(study, cases, numbers, axis)
     times = range(len(drawn) // len(cases) if cases else 1)
     return Plan(study, drawn, [each for each in parsed for _ in times], [each for each in declared for _ in times])
 

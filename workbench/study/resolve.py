@@ -67,13 +67,17 @@ class Resolved:
 
 @dataclass(frozen=True, eq=False)
 class ParsedCase:
-    """A case whose tables are read: what is left to do is to build it, with these overrides or with others."""
+    """A case whose tables are read: what is left to do is to build it, with these overrides or with others.
+
+    `axis` is the unit of its plant's positions, "m" or "rad".
+    """
 
     study: Study
     case: Case
     tables: CaseTables
     values: ParameterValues
     controller: ControllerCase
+    axis: str
 
     def resolve(self, overrides: Overrides | None = None) -> Resolved:
         """What the case runs with `overrides`, by default its own.
@@ -97,7 +101,7 @@ def parse_case(study: Study, case: Case) -> ParsedCase:
         tables = files.conform(CaseTables, case.tables)
         plant = _plant(tables)
         values = read_values(tables, case, plant.axis)
-        return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder))
+        return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder), plant.axis)
     except SchemaError as mistake:
         raise _located(study, case, mistake) from None
 
@@ -117,7 +121,7 @@ def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
 
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     case, wanted = parsed.case, parsed.controller
-    tables = overridden(parsed.tables, overrides, parsed.values.deviations)
+    tables = overridden(parsed.tables, overrides, parsed.values.deviations, parsed.axis)
     plant, believed = _plants(tables, parsed.values.true)
     parameters = build_truth(plant, tables, parsed.values)
     belief = build_belief(believed, tables, case.declared, parsed.values)

@@ -104,7 +104,7 @@ def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, o
             raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
             check_scales(study, chosen)
-            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0)))
+            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0, axis=task.axis)))
         if table.rotation is not None and tuned:
             cases[0].resolve(overrides_at(task.start))
         if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in chosen}) > 1:

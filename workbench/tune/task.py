@@ -87,7 +87,7 @@ def _at(task: Task, point: tuple[tuple[str, float], ...]) -> list[Resolved]:
 @functools.lru_cache(maxsize=SAMPLES)
 def _samples(task: Task, rotation: tuple[tuple[str, float], ...], number: int, stream: int) -> list[Resolved]:
     """The cases of a task on a plant sample, with the gains of the study."""
-    sample = plant_sample(task.uncertainty, number, stream)
+    sample = plant_sample(task.uncertainty, number, stream, task.axis)
     overrides = replace(overrides_at(dict(rotation)), sample=sample)
     return [case.resolve(overrides) for case in task.cases]
 

@@ -115,8 +115,8 @@ def step_picture(traced: Sequence[Traced]) -> Picture:
         legend(figure, list(panels.ravel()))
     caption = (
         f"A step of {SHOWN[data.axis].plain(data.level, 3)}, held. Left: position, until the slowest controller has "
-        "come near. Right: the error in the second half of the hold, each on a scale of its own: a level line is a steady-state "
-        "error, a wave that does not die out a limit cycle. "
+        "come near. Right: the error in the second half of the hold, each on a scale of its own: a level line is a "
+        "steady-state error, a wave that does not die out a limit cycle. "
         f"Scales are not finer than {100.0 * FINEST:g} % of the step."
     )
     return Picture(figure, caption)
