@@ -90,6 +90,7 @@ class LawGains(NamedTuple):
     flow_gain: Annotated[float, "m^2/(s Pa^0.5)"]
     position_gain: Annotated[float, "m/V"]
     time_constant: Annotated[float, "s"]
+    drive_gain: Annotated[float, "N/command"] = 1.0
 
 
 Law: TypeAlias = Callable[[Wanted, Scalar, LawState, LawGains, Scalar], tuple[Scalar, LawState]]
@@ -147,10 +148,13 @@ def valve_inversion(
 def force_source(
     wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
 ) -> tuple[Scalar, LawState]:
-    """F = M (ddr + 84 (dr - v^) + 3600 e) + F^: computed force for a drive that gives any force at once."""
+    """F = M (ddr + 84 (dr - v^) + 3600 e) + F^: computed force for a drive that gives any force at once.
+
+    The command is F over the force of a unit of it: 1 of a drive that is commanded in N.
+    """
     acceleration = (
         wanted.reference_acceleration
         + FORCE_DAMPING * (wanted.reference_velocity - wanted.velocity)
         + FORCE_STIFFNESS * wanted.error
     )
-    return g.mass * acceleration + friction, state
+    return (g.mass * acceleration + friction) / g.drive_gain, state

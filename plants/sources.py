@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -55,6 +55,19 @@ class CurrentInputs(NamedTuple):
     drive_current: Annotated[float, "A"]
     spring_end: Annotated[float, "m"]
     disturbance_force: Annotated[float, "N"]
+
+
+@runtime_checkable
+class Driven(Protocol):
+    """Parameters of a drive."""
+
+    @property
+    def source(self) -> NamedTuple: ...
+
+
+def force_of_command(own: NamedTuple) -> float:
+    """Force (N) of a unit of the command of a source with these parameters."""
+    return float(getattr(own, "force_gain", getattr(own, "force_constant", 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
