@@ -8,14 +8,27 @@ from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 from plants import authority
 from plants.anisotropic import Film, Guide
+from plants.coupling import Coupled
 from plants.friction import HasFriction, LuGre
 from plants.hydraulics import Bored, Hydraulic, Moving
 from plants.motor import HasMotor
 from plants.pneumatics import Pneumatic
+from plants.sources import Driven, force_of_command
 
 
 class Sliding(HasFriction, Moving, Protocol):
     """A mass that slides with friction."""
+
+
+def moved_mass(belief: Moving) -> float:
+    """The mass (kg) that a force moves: with a coupling between motor and load, which is believed stiff, both."""
+    motor = belief.coupling.motor_mass if isinstance(belief, Coupled) else 0.0
+    return belief.body.mass + motor
+
+
+def drive_gain(belief: object) -> float:
+    """The force (N) of a unit of a drive's command; 1 of one that is commanded in N, and of a valve."""
+    return force_of_command(belief.source) if isinstance(belief, Driven) else 1.0
 
 
 class HydraulicSliding(Hydraulic, Sliding, Protocol):

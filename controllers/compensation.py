@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from controllers import compensation_laws as laws
-from controllers.belief import HasFriction, Hydraulic, Pneumatic, Sliding, bored
+from controllers.belief import HasFriction, Hydraulic, Pneumatic, Sliding, bored, drive_gain, moved_mass
 from controllers.believed_friction import (
     FILTER_TIME,
     RotationTimeConstant,
@@ -99,7 +99,9 @@ class Settings(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """Numbers of estimator and law. `area_1`, `area_2` (0 where no pressure is measured) make the applied force."""
+    """Numbers of estimator and law. `area_1`, `area_2` (0 where no pressure is measured), or of a drive the force of a
+    unit of its command, `drive_gain`, make the applied force.
+    """
 
     estimator: Estimator
     belief: Belief
@@ -108,6 +110,7 @@ class Gains(NamedTuple):
     area_2: Annotated[float, "m^2"]
     sliding_rate: Annotated[float, "1/s"]
     rotation_gain: Annotated[float, "1"]
+    drive_gain: Annotated[float, "N/command"]
 
 
 class State(NamedTuple):
@@ -136,8 +139,8 @@ def pressure_force(measurement: Measurement, realised: Scalar, gains: Gains) -> 
 
 @equation
 def commanded_force(measurement: Measurement, realised: Scalar, gains: Gains) -> Scalar:
-    """Force (N) on the mass of a drive that gives any force at once: the command that was realised last."""
-    return realised
+    """Force (N) on the mass of a drive that gives any force at once: that of the command that was realised last."""
+    return gains.drive_gain * realised
 
 
 @equation
@@ -192,7 +195,7 @@ def design(settings: Settings, belief: Sliding, sample_time: float) -> Gains:
     estimator = design_estimator(settings, sample_time)
     tustin, _ = fit_map(belief.friction)
     believed = Belief(
-        belief.body.mass,
+        moved_mass(belief),
         belief.friction,
         believed_turning(belief, settings.rotation),
         tustin,
@@ -207,14 +210,24 @@ def design(settings: Settings, belief: Sliding, sample_time: float) -> Gains:
     cylinder = bored(belief)
     area_1, area_2 = (cylinder.piston_area_1, cylinder.piston_area_2) if cylinder is not None else (0.0, 0.0)
     turning = rotation_gain(settings.rotation_time_constant, sample_time)
-    return Gains(estimator, believed, law_gains(settings, belief), area_1, area_2, settings.sliding_rate, turning)
+    return Gains(
+        estimator,
+        believed,
+        law_gains(settings, belief),
+        area_1,
+        area_2,
+        settings.sliding_rate,
+        turning,
+        drive_gain(belief),
+    )
 
 
 def law_gains(settings: Any, belief: Sliding) -> LawGains:
     """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
     if not isinstance(belief, Hydraulic | Pneumatic):
         none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        return LawGains(settings.kp, settings.kd, settings.ka, *none, belief.body.mass, NONE)
+        mass, gain = moved_mass(belief), drive_gain(belief)
+        return LawGains(settings.kp, settings.kd, settings.ka, *none, mass, NONE, gain)
     valve = authority(belief)
     forward, backward = velocity_gains(valve)
     return LawGains(

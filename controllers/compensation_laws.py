@@ -86,6 +86,7 @@ class LawGains(NamedTuple):
     lead: Annotated[float, "1"]
     mass: Annotated[float, "kg"]
     valve: Authority
+    drive_gain: Annotated[float, "N/command"] = 1.0
 
 
 Law: TypeAlias = Callable[[Wanted, Scalar, LawState, LawGains, Scalar], tuple[Scalar, LawState]]
@@ -142,10 +143,13 @@ def valve_inversion(
 def force_source(
     wanted: Wanted, friction: Scalar, state: LawState, g: LawGains, sample_time: Scalar
 ) -> tuple[Scalar, LawState]:
-    """F = M (ddr + 84 (dr - v^) + 3600 e) + F^: computed force for a drive that gives any force at once."""
+    """F = M (ddr + 84 (dr - v^) + 3600 e) + F^: computed force for a drive that gives any force at once.
+
+    The command is F over the force of a unit of it: 1 of a drive that is commanded in N.
+    """
     acceleration = (
         wanted.reference_acceleration
         + FORCE_DAMPING * (wanted.reference_velocity - wanted.velocity)
         + FORCE_STIFFNESS * wanted.error
     )
-    return g.mass * acceleration + friction, state
+    return (g.mass * acceleration + friction) / g.drive_gain, state

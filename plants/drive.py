@@ -1,21 +1,24 @@
-"""A mass that a force moves: electric drives, and the reference cases of the friction laws.
+"""A mass that a force moves: electric drives, linear and rotary, and the reference cases of the friction laws.
 
 Friction by any law of `plants.laws`, an optional spring to a point that moves (an input), end stops. Driven by a force
-(N), or by a voltage through a force gain.
+(N), by a voltage through a force gain, or by a current through a force constant. The equations are written for an axis
+that goes straight; those that turn are the same plants with units named anew (`plants.axis`).
 """
 
 import functools
-from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple, Protocol, TypeVar
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from plants.equation import Scalar, equation
+from plants.axis import LINEAR, ROTARY, along, name_along, unit_along
+from plants.equation import Scalar, equation, fields, retyped
 from plants.friction import Friction
-from plants.hydraulics import FORCE, Mass, Moving, end_stop_force
-from plants.interface import Measurement, Plant
+from plants.hydraulics import FORCE as NEWTON
+from plants.hydraulics import Mass, Moving, end_stop_force
+from plants.interface import Balance, Measurement, Plant
 from plants.laws.interface import FrictionLaw, at_rest, fitted, friction_of
 from plants.laws.lugre import LUGRE, named
+from plants.sources import CURRENT, FORCE, PRESSED, VOLTAGE, ForceLimits, Source
 
 
 class Bristle(NamedTuple):
@@ -30,43 +33,12 @@ class State(NamedTuple):
     contact: Bristle
 
 
-class Inputs(NamedTuple):
-    drive_force: Annotated[float, "N"]
-    spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
-
-
-class PressedInputs(NamedTuple):
-    """Of a mass on which oil or air presses too: the drive's force contains that, and seals feel it."""
-
-    drive_force: Annotated[float, "N"]
-    spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
-    pressure_1: Annotated[float, "Pa"] = 0.0
-    pressure_2: Annotated[float, "Pa"] = 0.0
-
-
-class VoltageInputs(NamedTuple):
-    drive_voltage: Annotated[float, "V"]
-    spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
-
-
 class Parameters(NamedTuple):
     body: Mass
     friction: Friction
+    source: ForceLimits
     stroke: Annotated[float, "m"] = np.inf
     spring_stiffness: Annotated[float, "N/m"] = 0.0
-    force_limit: Annotated[float, "N"] = np.inf
-
-
-class VoltageParameters(NamedTuple):
-    body: Mass
-    friction: Friction
-    force_gain: Annotated[float, "N/V"]
-    stroke: Annotated[float, "m"] = np.inf
-    spring_stiffness: Annotated[float, "N/m"] = 0.0
-    voltage_limit: Annotated[float, "V"] = np.inf
 
 
 class Signals(NamedTuple):
@@ -86,28 +58,17 @@ class Stroked(Moving, Protocol):
     def stroke(self) -> float: ...
 
 
-InputsT = TypeVar("InputsT", bound=Inputs | PressedInputs | VoltageInputs)
-ParametersT = TypeVar("ParametersT", bound=Parameters | VoltageParameters)
-
-
 @equation
-def force_command(inputs: Inputs | PressedInputs, p: Parameters) -> Scalar:
-    """Force (N) of the drive."""
-    return inputs.drive_force
-
-
-@equation
-def voltage_command(inputs: VoltageInputs, p: VoltageParameters) -> Scalar:
-    """Force (N) of the drive: K u."""
-    return p.force_gain * inputs.drive_voltage
+def spring_force(state: Any, inputs: Any, p: Any) -> Scalar:
+    """Force (N) of the spring on the mass: k (x_end - x)."""
+    return p.spring_stiffness * (inputs.spring_end - state.position)
 
 
 @equation
 def sum_of_forces(state: Any, force: Scalar, friction: Scalar, inputs: Any, p: Any) -> Scalar:
     """Force (N) on the mass: F + k (x_end - x) + end stops - F_friction - F_load - disturbance."""
-    spring = p.spring_stiffness * (inputs.spring_end - state.position)
     stop = end_stop_force(state.position, state.velocity, p.stroke, p.body)
-    return force + spring + stop - friction - p.body.load_force - inputs.disturbance_force
+    return force + spring_force(state, inputs, p) + stop - friction - p.body.load_force - inputs.disturbance_force
 
 
 @equation
@@ -116,48 +77,34 @@ def measure(state: State, p: Any) -> Measurement:
     return Measurement(state.position, np.nan, np.nan, np.nan, np.nan)
 
 
-def force_limit(p: Parameters) -> float:
-    """Limit of the drive's force (N)."""
-    return p.force_limit
-
-
-def voltage_limit(p: VoltageParameters) -> float:
-    """Limit of the amplifier (V)."""
-    return p.voltage_limit
-
-
-def unit_gain(p: Parameters) -> float:
-    """Force (N) of 1 N."""
-    return 1.0
-
-
-def force_gain(p: VoltageParameters) -> float:
-    """Force (N) of 1 V."""
-    return p.force_gain
-
-
 def travel(p: Stroked) -> float:
     """Distance (m) between the end stops, if they are modelled."""
     return p.stroke if p.body.end_stop_stiffness else np.inf
 
 
-def _drive(
-    law: FrictionLaw,
-    command: str,
-    force: Callable[[InputsT, ParametersT], Scalar],
-    inputs_class: type[InputsT],
-    parameters: type[ParametersT],
-    limit: Callable[[ParametersT], float],
-    gain: Callable[[ParametersT], float],
-    refit: Callable[[FrictionLaw], Plant],
-) -> Plant:
-    """The drive with a friction law: `force` (N) of its inputs, `gain` (N a unit) of its command."""
-    state_class, parameters_class, signals_class = fitted(law, State, parameters, Signals)
+def balances(axis: str) -> dict[str, Balance]:
+    """The balance of the mass, in the unit of forces along the axis."""
+    return {"force": NEWTON._replace(unit=unit_along(NEWTON.unit, axis))}
+
+
+FAMILIES = {LINEAR: "drive", ROTARY: "rotary"}
+"""What the names of drives begin with, by their axis."""
+
+BODIES = {LINEAR: "mass", ROTARY: "turning inertia"}
+"""What moves, in words."""
+
+
+@functools.cache
+def drive(law: FrictionLaw, source: Source, axis: str = LINEAR) -> Plant:
+    """The drive with a friction law and a source of force, along a straight axis or one that turns."""
+    fitted_classes = fitted(law, State, retyped(Parameters, source.name, source=source.Parameters), Signals)
+    state_class, parameters_class, signals_class = (along(cls, axis) for cls in fitted_classes)
+    inputs_class, gain, limit = along(source.Inputs, axis), source.gain, source.limit
 
     @equation
     def free_acceleration(state: Any, inputs: Any, p: Any) -> Scalar:
         """dv/dt (m/s^2) without friction."""
-        return sum_of_forces(state, force(inputs, p), 0.0, inputs, p) / p.body.mass
+        return sum_of_forces(state, gain(p.source) * inputs[0], 0.0, inputs, p) / p.body.mass
 
     friction, unbent = friction_of(law, free_acceleration), at_rest(law)
 
@@ -165,7 +112,7 @@ def _drive(
     def derivatives(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the states."""
         opposed, rates = friction(state, inputs, p)
-        total = sum_of_forces(state, force(inputs, p), opposed, inputs, p)
+        total = sum_of_forces(state, gain(p.source) * inputs[0], opposed, inputs, p)
         return state_class(state.velocity, total / p.body.mass, rates)
 
     @equation
@@ -178,19 +125,17 @@ def _drive(
             derivatives(time, state, inputs, p).velocity,
             state.contact,
             opposed,
-            force(inputs, p),
-            p.spring_stiffness * (inputs.spring_end - state.position),
+            gain(p.source) * inputs[0],
+            spring_force(state, inputs, p),
         )
 
-    def equilibrium(p: ParametersT, surface_speed: float) -> tuple[NamedTuple, InputsT]:
+    def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
         """At rest at the origin, a constant load held by the drive."""
-        return state_class(0.0, 0.0, unbent), inputs_class(p.body.load_force / gain(p), 0.0, 0.0)
+        return state_class(0.0, 0.0, unbent), inputs_class(p.body.load_force / gain(p.source), 0.0, 0.0)
 
-    driven = command.removeprefix("drive_")
     return Plant(
-        name=named(command, law),
-        summary=f"mass with friction and an optional spring, driven by a {driven}"
-        + (" through a force gain" if driven == "voltage" else ""),
+        name=named(f"{FAMILIES[axis]}_{name_along(source.name, axis)}", law),
+        summary=f"{BODIES[axis]} with friction and an optional spring, {name_along(source.words, axis)}",
         State=state_class,
         Inputs=inputs_class,
         Parameters=parameters_class,
@@ -199,36 +144,20 @@ def _drive(
         signals=signals,
         measure=measure,
         equilibrium=equilibrium,
-        command_limit=limit,
+        command_limit=lambda p: limit(p.source),
         travel=travel,
-        command=command,
-        balances={"force": FORCE},
+        command=fields(inputs_class)[0].name,
+        balances=balances(axis),
         friction=law.name,
         contact="contact",
-        refit=refit,
+        refit=lambda other: drive(other, source, axis),
     )
 
 
-@functools.cache
-def driven_by_force(law: FrictionLaw) -> Plant:
-    """The mass that a force (N) drives, with a friction law."""
-    return _drive(law, "drive_force", force_command, Inputs, Parameters, force_limit, unit_gain, driven_by_force)
+DRIVE_FORCE, DRIVE_VOLTAGE, DRIVE_CURRENT = (drive(LUGRE, source) for source in (FORCE, VOLTAGE, CURRENT))
+ROTARY_TORQUE, ROTARY_VOLTAGE, ROTARY_CURRENT = (drive(LUGRE, source, ROTARY) for source in (FORCE, VOLTAGE, CURRENT))
 
 
-@functools.cache
-def driven_by_pressed_force(law: FrictionLaw) -> Plant:
-    """The mass that a measured force (N) drives, with a friction law whose effects may depend on pressures."""
-    refit = driven_by_pressed_force
-    return _drive(law, "drive_force", force_command, PressedInputs, Parameters, force_limit, unit_gain, refit)
-
-
-@functools.cache
-def driven_by_voltage(law: FrictionLaw) -> Plant:
-    """The mass that a voltage (V) drives through a force gain, with a friction law."""
-    command, inputs, parameters = voltage_command, VoltageInputs, VoltageParameters
-    return _drive(law, "drive_voltage", command, inputs, parameters, voltage_limit, force_gain, driven_by_voltage)
-
-
-DRIVE_FORCE, DRIVE_VOLTAGE = driven_by_force(LUGRE), driven_by_voltage(LUGRE)
-PRESSED_MASS = driven_by_pressed_force(LUGRE)
-"""What any machine is of which the force is measured that drives it."""
+def pressed(axis: str = LINEAR) -> Plant:
+    """What any machine is of which the force, or the torque, is measured that drives it."""
+    return drive(LUGRE, PRESSED, axis)

@@ -23,6 +23,7 @@ import sys
 import typing
 from collections import namedtuple
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, TypeVar, TypeVarTuple
@@ -140,6 +141,13 @@ class Field(NamedTuple):
     default: float | None
 
 
+@dataclass(frozen=True)
+class Called:
+    """In an annotation: what users call a number whose name in equations is another."""
+
+    name: str
+
+
 NEGATIVE = "negative"
 """A nested tuple in a field of this name holds the values for motion in the negative direction; its numbers
 are known to users by their plain name with `_negative` behind it."""
@@ -164,9 +172,10 @@ def _walk(cls: type[NamedTuple], suffix: str) -> Iterator[Field]:
     for name in cls._fields:
         hint = hints[name]
         if typing.get_origin(hint) is typing.Annotated:
-            unit, *scale = hint.__metadata__
-            default = cls._field_defaults.get(name)
-            yield Field(name + suffix, unit, scale[0] if scale else 1.0, default)
+            unit, *others = hint.__metadata__
+            scale = next((item for item in others if isinstance(item, float)), 1.0)
+            called = next((item.name for item in others if isinstance(item, Called)), name)
+            yield Field(called + suffix, unit, scale, cls._field_defaults.get(name))
         else:
             yield from _walk(hint, suffix + (f"_{name}" if name in (NEGATIVE, ROTARY) else ""))
 

@@ -48,6 +48,12 @@ class HasFriction(Protocol):
     def friction(self) -> Friction: ...
 
 
+def friction_in(parameters: object) -> Friction | None:
+    """The numbers of the contact among a plant's parameters, in whatever units; None where it has no such contact."""
+    found = getattr(parameters, "friction", None)
+    return found if getattr(found, "_fields", ()) == Friction._fields else None
+
+
 @equation
 def directed(velocity: Scalar, bristle: Scalar, friction: Friction) -> LuGre:
     """The set that applies to a contact moving at `velocity` (m/s) with `bristle` deflection (m).

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+from plants.axis import name_along, unit_along
 from plants.equation import fields, from_array, unmarked
 
 if TYPE_CHECKING:
@@ -154,10 +155,19 @@ class Plant:
         """Unit of the command, "V" or "N"."""
         return next(field.unit for field in fields(self.Inputs) if field.name == self.command)
 
-    @property
+    @functools.cached_property
     def axis(self) -> str:
         """Unit of the position: "m" of an axis that goes straight, "rad" of one that turns (`plants.axis`)."""
         return next(field.unit for field in fields(self.State) if field.name == "position")
+
+    def unit_for(self, unit: str) -> str:
+        """What a unit of a controller is here, on this axis and with this command: "V/m" for "command/m"."""
+        return unit_along(unit, self.axis).replace("command", self.command_unit)
+
+    @property
+    def disturbance(self) -> str:
+        """The input by which a force (N), on a turning axis a torque (N m), acts against the motion."""
+        return name_along("disturbance_force", self.axis)
 
     def input_index(self, name: str) -> int:
         """Place of an input among `Inputs`."""

@@ -4,12 +4,27 @@ from plants.actuators.cylinder import CYLINDER, TWO_CHAMBER
 from plants.actuators.load_pressure import LOAD_PRESSURE
 from plants.actuators.pneumatic import PNEUMATIC
 from plants.actuators.pump import PUMP
-from plants.drive import DRIVE_FORCE, DRIVE_VOLTAGE
+from plants.drive import (
+    DRIVE_CURRENT,
+    DRIVE_FORCE,
+    DRIVE_VOLTAGE,
+    ROTARY_CURRENT,
+    ROTARY_TORQUE,
+    ROTARY_VOLTAGE,
+)
 from plants.equation import fields
 from plants.interface import Plant
 from plants.laws.lugre import LUGRE
 from plants.machine import straight
 from plants.plugins import Registry
+from plants.two_mass import (
+    TWO_INERTIA_CURRENT,
+    TWO_INERTIA_TORQUE,
+    TWO_INERTIA_VOLTAGE,
+    TWO_MASS_CURRENT,
+    TWO_MASS_FORCE,
+    TWO_MASS_VOLTAGE,
+)
 from plants.valve_axis import VALVE_AXIS
 
 THESIS = straight(LOAD_PRESSURE, LUGRE)
@@ -27,6 +42,16 @@ _OURS = (
     straight(PNEUMATIC, LUGRE),
     DRIVE_FORCE,
     DRIVE_VOLTAGE,
+    DRIVE_CURRENT,
+    ROTARY_TORQUE,
+    ROTARY_VOLTAGE,
+    ROTARY_CURRENT,
+    TWO_MASS_FORCE,
+    TWO_MASS_VOLTAGE,
+    TWO_MASS_CURRENT,
+    TWO_INERTIA_TORQUE,
+    TWO_INERTIA_VOLTAGE,
+    TWO_INERTIA_CURRENT,
     VALVE_AXIS,
 )
 

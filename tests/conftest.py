@@ -9,7 +9,7 @@ from typing import Any
 from unittest import mock
 
 import pytest
-from thesis_actuator import FORCE_GAIN
+from thesis_actuator import OF_OTHERS, along
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; threads make small matrices slower
 
@@ -54,7 +54,7 @@ def plant(request: pytest.FixtureRequest) -> Plant:
 @pytest.fixture
 def parameters(plant: Plant) -> Any:
     """The thesis's simulation set for `plant`, derived flow."""
-    return build(plant.Parameters, read_parameters(named_sets()["owen2001_simulation"]) | FORCE_GAIN)
+    return build(plant.Parameters, along(plant, read_parameters(named_sets()["owen2001_simulation"]) | OF_OTHERS))
 
 
 @pytest.fixture(scope="session")

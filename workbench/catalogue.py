@@ -6,11 +6,14 @@ from pathlib import Path
 from controllers.interface import Controller
 from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
+from plants.axis import ROTARY, name_along
+from plants.effects.attach import lacks
 from plants.effects.interface import FREE, Effect, Number, plain
 from plants.equation import fields
 from plants.laws.interface import FrictionLaw
 from plants.plugins import Registry
 from plants.registry import PLANTS
+from workbench.metrics.interface import Column
 
 
 def _plants() -> list[str]:
@@ -83,11 +86,20 @@ def _effect(effect: Effect) -> list[str]:
     from workbench.parameters.sets import known_units
 
     units = known_units() | {item.name: item.unit for item in fields(effect.Own)}
+    turning = known_units(ROTARY) if _of_turning(effect) else {}
     lines = [f"{effect.name:28} {effect.balance:7} {effect.words}", *[f"  {effect.meaning}"] * bool(effect.meaning)]
     for name, number in effect.numbers.items():
         default = f"default {effect.neutral[name]:g}" if name in effect.neutral else "the plant's own"
-        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}")
+        turned = name_along(name, ROTARY)
+        other = f"{turned} in {turning[turned]}" if turned != name else turning.get(name, "")
+        told = f"; on a turning axis {other}" if other != units.get(name, "") and turned in turning else ""
+        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}{told}")
     return lines
+
+
+def _of_turning(effect: Effect) -> bool:
+    """Whether some plant whose axis turns can have it."""
+    return any(not lacks(plant, effect.along(ROTARY)) for plant in PLANTS.working().values() if plant.axis == ROTARY)
 
 
 SCALED = " times the machine's own scale"
@@ -117,8 +129,16 @@ def _formats() -> list[str]:
 def _columns() -> list[str]:
     from workbench.metrics.registry import METRICS, columns
 
-    found = columns().values()
-    return [*(f"{item.name:28} {item.unit:8} {item.meaning}" for item in found), *_broken(METRICS)]
+    found = zip(columns().values(), columns(ROTARY).values(), strict=True)
+    return [
+        *(f"{item.name:28} {item.unit:8} {item.meaning}{_turned(item, other)}" for item, other in found),
+        *_broken(METRICS),
+    ]
+
+
+def _turned(item: Column, other: Column) -> str:
+    """What a column is called on an axis that turns, where that is another name."""
+    return "" if other.name == item.name else f"; on a turning axis {other.name}, in {other.unit}"
 
 
 CATALOGUE: Mapping[str, Callable[[], list[str]]] = {

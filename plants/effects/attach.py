@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from plants.axis import LINEAR
 from plants.effects.interface import COMMAND, DISTURBANCE, Change, Effect, Moment
 from plants.effects.moment import moment_of, slip_of
 from plants.effects.registry import effects as registered
@@ -60,7 +61,7 @@ def lacks(plant: Plant, effect: Effect) -> str:
 
 def possible(plant: Plant) -> tuple[Effect, ...]:
     """The effects that a plant can have."""
-    return _possible(plant.bare or plant, tuple(registered().values()))
+    return _possible(plant.bare or plant, tuple(registered(plant.axis).values()))
 
 
 @functools.cache
@@ -77,12 +78,13 @@ def meant(plant: Plant, names: Collection[str]) -> tuple[Effect, ...]:
 def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
     """See `Plant.with_effects`."""
     bare = plant.bare or plant
+    effects = [effect.along(bare.axis) for effect in effects]
     for effect in effects:
         if mistake := unmarked(effect.equations):
             raise ValueError(f'effect "{effect.name}": {mistake}')
         if missing := lacks(bare, effect):
             raise ValueError(f'plant "{bare.name}" cannot have the effect "{effect.name}": it has no {missing}')
-    known = {**registered(), **{effect.name: effect for effect in effects}}
+    known = {**registered(bare.axis), **{effect.name: effect for effect in effects}}
     wanted = {*plant.effects, *(effect.name for effect in effects if not acts_by_itself(bare, effect))}
     return _attached(bare, tuple(effect for effect in known.values() if effect.name in wanted))
 
@@ -91,7 +93,8 @@ def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
 def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     if not effects:
         return plant
-    suffix = f"{OWN}_{zlib.crc32(' '.join(effect.name for effect in effects).encode()):08x}"
+    names = " ".join(effect.name for effect in effects)
+    suffix = f"{OWN}_{zlib.crc32(names.encode()):08x}" + (f"_{plant.axis}" if plant.axis != LINEAR else "")
     remembering = tuple(effect for effect in effects if effect.remember is not None)
     own_class = _together(f"Own_{suffix}", {effect.name: effect.Own for effect in effects})
     memory_class = _together(f"Memory_{suffix}", {effect.name: effect.Memory for effect in remembering})
@@ -204,7 +207,7 @@ def _chained(plant: Plant, effects: Sequence[Effect], cls: type[NamedTuple], cha
     steps: dict[str, Chain] = {}
     for index, effect in enumerate(effects):
         for name, change in getattr(effect, changes).items():
-            member = plant.command if name == COMMAND else name
+            member = members(plant.Inputs)[plant.input_index(plant.command)] if name == COMMAND else name
             if member in cls._fields:
                 step = _step(change, index, _memory_index(effects, effect))
                 steps[member] = _after(steps[member], step) if member in steps else step

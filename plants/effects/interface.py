@@ -4,10 +4,12 @@ An effect changes parameters, inputs, rates or readings of a plant, each by an e
 measured motion it is a candidate for what a model lacks; in `Plant.with_effects` it is simulated.
 """
 
+import functools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, NamedTuple
 
+from plants import axis as axes
 from plants.equation import Equation, fields
 from plants.laws.interface import Nothing
 
@@ -102,7 +104,8 @@ class Effect:
     before this one, in the order of the registry, have made it. A plant can have the effect if it
     has all of the parameters' fields and inputs, and one of the rates, that are named here, and what it `requires`:
     fields of the parameters, states, or channels that the plant's sensors show.
-    Its memory of a machine at rest is `at_rest(command)`, or the defaults.
+    Its memory of a machine at rest is `at_rest(command)`, or the defaults. `axis` is that of the plants that can have
+    it, "m" or "rad"; effects are written for "m", and `along` makes the others of them.
     """
 
     name: str
@@ -124,6 +127,7 @@ class Effect:
     readings: Mapping[str, Change] = field(default_factory=dict)
     remember: Equation | None = None
     at_rest: Callable[[float], NamedTuple] | None = None
+    axis: str = axes.LINEAR
 
     @property
     def equations(self) -> tuple[Equation, ...]:
@@ -158,3 +162,18 @@ class Effect:
     def neutral(self) -> dict[str, float]:
         """The values of the parameters that it brings at which it does nothing."""
         return {item.name: float(item.default or 0.0) for item in fields(self.Own)}
+
+    @functools.cache  # noqa: B019 (effects are few, and live as long as the program)
+    def along(self, axis: str) -> "Effect":
+        """The same effect on an axis whose positions are in `axis`: its parameters have the names and units of that."""
+        if axis == self.axis:
+            return self
+        return replace(
+            self,
+            words=axes.name_along(self.words, axis),
+            numbers={axes.name_along(name, axis): number for name, number in self.numbers.items()},
+            apart=tuple(tuple(axes.name_along(name, axis) for name in names) for names in self.apart),
+            Own=axes.along(self.Own, axis),
+            Memory=axes.along(self.Memory, axis),
+            axis=axis,
+        )

@@ -1,5 +1,6 @@
 """The effects by name, in the order in which they act: ours, and those that other packages bring by entry point."""
 
+from plants.axis import LINEAR
 from plants.effects.hydraulic import (
     COMMAND_DELAY,
     ENTRAINED_AIR,
@@ -63,6 +64,6 @@ def _check(effect: Effect) -> None:
 EFFECTS = Registry("friction_workbench.effects", Effect, {effect.name: effect for effect in _OURS}, _check)
 
 
-def effects() -> dict[str, Effect]:
-    """All effects by name; ours first."""
-    return EFFECTS.working()
+def effects(axis: str = LINEAR) -> dict[str, Effect]:
+    """All effects by name, of plants along that axis; ours first."""
+    return {name: effect.along(axis) for name, effect in EFFECTS.working().items()}

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from thesis_actuator import OF_OTHERS
+from thesis_actuator import along as numbers_along
 
 from plants.effects.hydraulic import stiffness
 from plants.effects.interface import Scales
@@ -28,7 +30,7 @@ from workbench.simulation.simulate import simulate
 VALUES = {
     **read_parameters(named_sets()["owen2001_simulation"]),
     "pump_displacement": 2.5e-7,
-    "force_gain": 100.0,
+    **OF_OTHERS,
     "stribeck": 0.0,
 }
 """Without the fall of friction at low speed: nothing then breaks away faster than a smoothed record shows."""
@@ -39,12 +41,18 @@ SPEED = 10.0
 SLIDES = 5e-3
 """m/s. Slower, a reversal is near: the smoothing of a record blurs what friction does there."""
 
-AMPLITUDES = {"valve_voltage": 0.3, "pump_speed": 40.0, "drive_force": 900.0, "drive_voltage": 9.0}
+AMPLITUDES = {
+    "valve_voltage": 0.3,
+    "pump_speed": 40.0,
+    "drive_force": 900.0,
+    "drive_voltage": 9.0,
+    "drive_current": 18.0,
+}
 
 
 def values_of(plant: Plant) -> dict[str, float]:
     """The parameters; a drive has a spring, so that a force moves it to and fro."""
-    return {**VALUES, "spring_stiffness": 2e4} if plant.command.startswith("drive") else VALUES
+    return numbers_along(plant, {**VALUES, "spring_stiffness": 2e4} if plant.command.startswith("drive") else VALUES)
 
 
 def motion_along(
@@ -57,7 +65,7 @@ def motion_along(
     """10 s of a plant under a command, `lines` times 0.2 Hz, as its sensors show them without noise."""
     parameters = build(plant.Parameters, values or values_of(plant), flow)
     state, inputs = plant.equilibrium(parameters, SPEED * VALUES["piston_radius"])
-    feed = Feed(plant.command, Multisine(AMPLITUDES[plant.command], 0.2, lines))
+    feed = Feed(plant.command, Multisine(numbers_along(plant, AMPLITUDES)[plant.command], 0.2, lines))
     run = simulate(Setup(plant, parameters, state, inputs, 10.0, sample_time=sample_time, feeds=(feed,)))
     assert run.outcome == "completed"
     channels = {name: run.measurements[:, place] for place, name in enumerate(plant.channels)}

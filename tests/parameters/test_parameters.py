@@ -193,4 +193,4 @@ def test_units_of_one_name_agree_between_plants() -> None:
     """A name means one thing: the same unit in every plant that has it."""
     for plant in plants().values():
         for item in fields(plant.Parameters):
-            assert known_units()[item.name] == item.unit, (plant.name, item.name)
+            assert known_units(plant.axis)[item.name] == item.unit, (plant.name, item.name)

@@ -4,16 +4,15 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
-from drawn_machines import MOTOR, hydraulic, pneumatic
+from drawn_machines import hydraulic, pneumatic
 from scipy.integrate import solve_ivp
 
 from plants.authority import authority, velocity_gains
 from plants.effects.attach import meant
-from plants.equation import from_array, to_array
+from plants.equation import to_array
 from plants.interface import Plant
 from plants.registry import plants
-from workbench.errors import UserError
-from workbench.parameters.sets import build, read_parameters
+from workbench.parameters.sets import build
 from workbench.simulation.references import Sine
 from workbench.simulation.setup import Feed, Integrator, Setup
 from workbench.simulation.simulate import simulate, solver_error

@@ -4,11 +4,12 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
+from thesis_actuator import OF_OTHERS, along
 
 from plants.effects.attach import acts_by_itself, lacks, meant, possible
 from plants.effects.interface import Effect, Moment, Number
 from plants.effects.registry import effects
-from plants.equation import Scalar, equation, fields, from_array, leaves, to_array
+from plants.equation import Scalar, equation, fields, from_array, leaves, replaced, to_array
 from plants.interface import Plant
 from plants.laws.interface import Nothing
 from plants.laws.registry import LAWS
@@ -21,6 +22,7 @@ from workbench.simulation.simulate import simulate
 TRUTH = {
     **read_parameters(named_sets()["owen2001_experiment"]),
     "pump_displacement": 2.5e-7,
+    **OF_OTHERS,
     "force_gain": 30.0,
     "spring_stiffness": 0.0,
 }
@@ -53,7 +55,7 @@ def whole(plant: Plant) -> Plant:
 
 def states_of(plant: Plant, values: dict[str, float], seed: int = 0) -> tuple[Any, Any, Any]:
     """A state off rest, inputs and parameters."""
-    parameters = build(plant.Parameters, {**TRUTH, **values})
+    parameters = build(plant.Parameters, along(plant, {**TRUTH, **values}))
     state, inputs = plant.equilibrium(parameters, 0.0)
     draw = np.random.default_rng(seed)
     scales = {item.name: item.scale for item in fields(plant.State)}
@@ -61,7 +63,7 @@ def states_of(plant: Plant, values: dict[str, float], seed: int = 0) -> tuple[An
         number + 0.1 * scales[item.name] * draw.standard_normal()
         for item, number in zip(fields(plant.State), leaves(state), strict=True)
     ]
-    driven = inputs._replace(**{plant.command: 0.1})
+    driven = replaced(inputs, {plant.command: 0.1})
     return from_array(plant.State, moved), driven, parameters
 
 
@@ -70,7 +72,7 @@ def test_all_effects_are_neutral_at_their_defaults(plant: Plant) -> None:
     full = whole(plant)
     state, inputs, parameters = states_of(full, {})
     bare = from_array(plant.State, list(leaves(state))[: len(fields(plant.State))])
-    known = build(plant.Parameters, TRUTH)
+    known = build(plant.Parameters, along(plant, TRUTH))
     rates = to_array(full.derivatives(0.3, state, inputs, parameters))[: len(fields(plant.State))]
     assert rates == pytest.approx(to_array(plant.derivatives(0.3, bare, inputs, known)), rel=1e-12, abs=1e-12)
     shown = np.array([float(value) for value in full.measure(state, parameters)])
@@ -89,7 +91,10 @@ def test_every_effect_changes_what_it_is_on(plant: Plant) -> None:
         one = plant.with_effects(effect)
         assert one.effects == (effect.name,)
         state, inputs, neutral = states_of(one, {})
-        acting = build(one.Parameters, {**TRUTH, **{name: SIZES[name] for name in effect.own_names if name in SIZES}})
+        sizes = along(plant, SIZES)
+        acting = build(
+            one.Parameters, along(plant, TRUTH) | {name: sizes[name] for name in effect.own_names if name in sizes}
+        )
         before = [*leaves(one.derivatives(0.3, state, inputs, neutral)), *leaves(one.measure(state, neutral))]
         after = [*leaves(one.derivatives(0.3, state, inputs, acting)), *leaves(one.measure(state, acting))]
         change = np.array(after, dtype=float) - np.array(before, dtype=float)
@@ -126,7 +131,7 @@ def test_effects_stay_when_the_friction_law_changes(name: str) -> None:
 
 def run(plant: Plant, values: dict[str, float]) -> np.ndarray:
     """Position (m) over 1 s under a sine."""
-    parameters = build(plant.Parameters, {**TRUTH, **values})
+    parameters = build(plant.Parameters, along(plant, {**TRUTH, **values}))
     state, inputs = plant.equilibrium(parameters, 0.0)
     result = simulate(Setup(plant, parameters, state, inputs, 1.0, feeds=(Feed(plant.command, Sine(0.8, 1.0)),)))
     assert result.outcome == "completed"

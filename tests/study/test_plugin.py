@@ -234,8 +234,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from plants.drive import DRIVE_FORCE
 from plants.hydraulics import Mass
+from plants.sources import ForceLimits
 class Parameters(NamedTuple):
     body: Mass
+    source: ForceLimits
     stroke: Annotated[float, "m"] = np.inf
 IT = replace(DRIVE_FORCE, name="slider", Parameters=Parameters)
 """
@@ -255,7 +257,8 @@ def test_a_compensator_says_what_the_plant_of_a_plugin_lacks(
     write(tmp_path, FRICTIONLESS, f"{module}.py")
     study = changed('"drive"', '"slider"', changed('type = "pid"\nkp = "3 N/m"', f'type = "{name}"', DRIVE))
     said = (
-        f'controllers.p: type "{name}" needs "friction" among the parameters of its plant, and slider has body, stroke'
+        f'controllers.p: type "{name}" needs "friction" among the parameters of its plant, and slider has body, '
+        "source, stroke"
     )
     fails(workbench("check", write(tmp_path, study)), said)
     fails(workbench("run", write(tmp_path, study), "--out", tmp_path / "out"), said)

@@ -273,7 +273,7 @@ def test_a_setting_that_one_case_uses_is_no_mistake(tmp_path: Path) -> None:
         planned(tmp_path, text + 'force_limit = "1 kN"\nforce_limi = 1.0\n')
     hydraulic, drive = resolved(tmp_path, text + 'force_limit = "1 kN"\n')
     assert hydraulic.setup.parameters.hydraulics.valve_time_constant == 6e-3
-    assert drive.setup.parameters.force_limit == 1000.0
+    assert drive.setup.parameters.source.force_limit == 1000.0
 
 
 def test_a_setting_of_a_controller_that_one_case_uses_is_no_mistake(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from position_loops import NO_LOAD_GAIN, H, play
 from support import OSCILLATOR, registered, start
-from thesis_actuator import FORCE_GAIN
+from thesis_actuator import OF_OTHERS
 
 from controllers import relay
 from controllers.pid import PID
@@ -140,13 +140,13 @@ def test_slow_model_of_a_drive_has_frictions_slope() -> None:
         bump = f.stribeck * np.exp(-((speed / f.stribeck_velocity) ** 2))
         slope = f.viscous - 2.0 * bump * speed / f.stribeck_velocity**2
         result = slow_model(setup, speed)
-        assert result.a1 / result.b == pytest.approx(slope / FORCE_GAIN["force_gain"], rel=1e-6)
-    assert result.b == pytest.approx(FORCE_GAIN["force_gain"] / 34.0, rel=1e-3)
+        assert result.a1 / result.b == pytest.approx(slope / OF_OTHERS["force_gain"], rel=1e-6)
+    assert result.b == pytest.approx(OF_OTHERS["force_gain"] / 34.0, rel=1e-3)
 
 
 def registered_drive() -> Setup:
     plant = plants()["drive_voltage"]
-    numbers = read_parameters(named_sets()["owen2001_simulation"]) | FORCE_GAIN
+    numbers = read_parameters(named_sets()["owen2001_simulation"]) | OF_OTHERS
     parameters = build(plant.Parameters, numbers)
     state, inputs = plant.equilibrium(parameters, 0.0)
     return Setup(plant, parameters, state, inputs, 1.0)

@@ -35,7 +35,7 @@ def linearise(
 
     Args:
         setup: whose plant, with its true parameters.
-        speed: m/s, of the slide; not 0.
+        speed: of the slide, m/s, or rad/s of an axis that turns; not 0.
         state: another operating point, of the plant's `State` (SI);
         inputs: of the plant's `Inputs` (SI); default those of the rod at rest.
         outputs: names of signals of the plant.
@@ -65,7 +65,7 @@ def linearise(
     if speed is not None and (state is not None or inputs is not None):
         raise UserError("linearise: got a speed and a point; expected one of them")
     if speed is not None:
-        point = slide(case, _metres_per_second(speed))
+        point = slide(case, _speed(speed, case))
         if point.trouble:
             raise UserError(
                 f"linearise: the rod does not slide steadily at {speed} with {case.loop.controller.name}: "
@@ -87,7 +87,7 @@ def loop_gain(setup: LoopSetup, *, speed: Quantity) -> "control.StateSpace":
 
     Args:
         setup: the loop.
-        speed: m/s, not 0.
+        speed: m/s, or rad/s of an axis that turns; not 0.
 
     Returns:
         one input, one output, at the loop's sample time; for `control.bode_plot` and all else of python-control.
@@ -103,7 +103,7 @@ def loop_gain(setup: LoopSetup, *, speed: Quantity) -> "control.StateSpace":
     from workbench.linear.open_loop import open_loop
 
     expect(setup, LoopSetup, "loop_gain", A_LOOP)
-    return open_loop(setup.simulation, _metres_per_second(speed))
+    return open_loop(setup.simulation, _speed(speed, setup.simulation))
 
 
 def margins(setup: LoopSetup, *, speed: Quantity) -> "Margins":
@@ -111,7 +111,7 @@ def margins(setup: LoopSetup, *, speed: Quantity) -> "Margins":
 
     Args:
         setup: the loop.
-        speed: m/s, not 0.
+        speed: m/s, or rad/s of an axis that turns; not 0.
 
     Returns:
         `gain_dB`, `phase_deg`, `gain_frequency` and `phase_frequency` (rad/s), `stable`, and a `note` where it is not:
@@ -129,12 +129,12 @@ def margins(setup: LoopSetup, *, speed: Quantity) -> "Margins":
     from workbench.linear.open_loop import margins as margins_at
 
     expect(setup, LoopSetup, "margins", A_LOOP)
-    return margins_at(setup.simulation, _metres_per_second(speed))
+    return margins_at(setup.simulation, _speed(speed, setup.simulation))
 
 
-def _metres_per_second(speed: Quantity) -> float:
+def _speed(speed: Quantity, case: Setup) -> float:
     try:
-        return si(speed, "m/s")
+        return si(speed, f"{case.plant.axis}/s")
     except QuantityError as error:
         raise UserError(f"speed: {error}") from None
 

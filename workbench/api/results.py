@@ -12,6 +12,7 @@ from workbench.api.faces import shown_as
 from workbench.api.plain import expect
 from workbench.api.signals import UNITS, plot_signals
 from workbench.errors import UserError, nearest
+from workbench.metrics.registry import axis_of, names_along
 from workbench.study import study as studies
 from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
 from workbench.study.reading import read_study
@@ -59,7 +60,7 @@ class CaseResult:
                 f"the signals of {in_words(self.axes) or 'the only case'} were not kept; run with "
                 "keep_trajectories=True for all"
             )
-        frame, units = pd.read_parquet(self.path), signal_units()
+        frame, units = pd.read_parquet(self.path), signal_units(axis_of([str(name) for name in self.row.index]))
         frame.attrs[UNITS] = {str(name): units.get(str(name), "1") for name in frame.columns}
         return frame
 
@@ -197,7 +198,8 @@ class StudyResults:
 
         names = [str(name) for name in self.frame.columns]
         axes = names[: names.index("outcome")]
-        shown = [name for name in SHOWN if self.frame[name].notna().any()]
+        called = names_along(axis_of(names))
+        shown = [called[name] for name in SHOWN if self.frame[called[name]].notna().any()]
         return face(
             self.study.file.title,
             lines=[f"{len(self.frame)} cases in {self.folder}"],

@@ -10,6 +10,7 @@ from workbench.api.loops import A_LOOP, LoopSetup
 from workbench.api.plain import expect
 from workbench.api.signals import frame_of, plot_signals, units_of
 from workbench.metrics.evaluate import evaluate as metrics_of
+from workbench.metrics.registry import names_along
 from workbench.simulation import simulate as engine
 from workbench.simulation.simulate import Run
 from workbench.study.runner import figures_of
@@ -90,7 +91,8 @@ class LoopRun:
 
         resolved = self.setup.resolved
         values = metrics_of(self.run, resolved.signal, resolved.transient, resolved.band)
-        shown = [(name, values[name]) for name in SHOWN if values[name] is not None]
+        called = names_along(self.run.plant.axis)
+        shown = [(called[name], values[name]) for name in SHOWN if values[name] is not None]
         drawn = [name for name in DRAWN if name in self.units and name in self.run.signals]
         return face(
             f"{self._title}: {self.outcome}",

@@ -11,7 +11,6 @@ from workbench.publish.tables import with_unit
 from workbench.simulation.run import Run
 from workbench.simulation.setup import memory_names
 from workbench.study.names import SIGNAL_UNITS
-from workbench.toml.units import COMMAND
 
 if TYPE_CHECKING:
     from workbench.publish.notebook import NotebookFigure
@@ -33,8 +32,8 @@ def units_of(run: Run) -> dict[str, str]:
     plant, controller = run.plant, run.loop.controller
     units = {item.name: item.unit for item in (*fields(plant.Inputs), *fields(plant.Signals))}
     for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
-        units[name] = item.unit.replace(COMMAND, plant.command_unit)
-    return {**SIGNAL_UNITS, **units}
+        units[name] = plant.unit_for(item.unit)
+    return {**{name: plant.unit_for(unit) for name, unit in SIGNAL_UNITS.items()}, **units}
 
 
 def plot_signals(frame: pd.DataFrame, names: Sequence[str], against: str, title: str) -> "NotebookFigure":

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from plants.axis import LINEAR
 from workbench.compare.schema import ComparisonTable
 from workbench.simulation.references import Steps
 from workbench.study.sections import Checked
@@ -15,6 +16,10 @@ AXES = ("reference", "controller", "rpm")
 def check_comparison(table: ComparisonTable, checked: Checked) -> None:
     """Raise UserError for the first thing in [comparison] that the study's cases do not have."""
     study, cases = checked.study, checked.cases
+    for item in checked.resolved[:1]:
+        if item.setup.plant.axis != LINEAR:
+            message = f"asks whether to rotate a rod, and {item.setup.plant.name} has none; ask by [[tables]]"
+            raise study.error(("comparison",), message)
     for axis in AXES:
         if axis not in checked.axes:
             raise study.error(("comparison",), f'needs an axis "{axis}"; give it one under [axes], however short')

@@ -61,7 +61,9 @@ def _errors(
         over = replace(result.balance, motions=behind_backlash(whole, motions, values))
         balances[over.name] = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
     run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated.values)
-    return Errors(balances, _of_pump(results, motions, values), run.position, run.load_pressure)
+    return Errors(
+        balances, _of_pump(results, motions, values), run.position, run.load_pressure, results[0].balance.axis
+    )
 
 
 def _of_pump(results: Sequence[BalanceResult], motions: Sequence[Motion], values: Values) -> float | None:
@@ -89,4 +91,4 @@ def _own_fit(experiment: Experiment, simulation: SimulationStage, held_out: Sequ
     after = simulation.after
     fitted = fit(whole.balance(held_out, after.names), after.values, after.names, experiment.bounds, SEARCH)
     run = free_run(whole, held_out, fitted.values)
-    return Errors({}, position=run.position, load_pressure=run.load_pressure)
+    return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)

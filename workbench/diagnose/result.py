@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from plants.axis import LINEAR, ROTARY
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import BalanceResult
@@ -34,8 +35,14 @@ BALANCE_ERRORS = {
 """What the errors of our plants' balances are called in report.json."""
 
 
-def error_of(balance: str) -> str:
+TORQUE = "torque_rms_N_m"
+"""What the first of them is called on an axis that turns."""
+
+
+def error_of(balance: str, axis: str) -> str:
     """What the error of a balance is called in report.json; of one that another package brings, in its own unit."""
+    if (balance, axis) == ("force", ROTARY):
+        return TORQUE
     return BALANCE_ERRORS.get(balance, f"{balance}_rms")
 
 
@@ -88,9 +95,9 @@ class FoundEffect:
     evidence: Evidence
     remarks: Sequence[str] = ()
 
-    def to_json(self) -> dict[str, object]:
-        """As report.json holds it."""
-        units = known_units()
+    def to_json(self, axis: str) -> dict[str, object]:
+        """As report.json holds it, of a plant along that axis."""
+        units = known_units(axis)
         return {
             "name": self.name,
             "balance": self.balance,
@@ -133,14 +140,15 @@ class Errors:
     pump_speed: float | None = None
     position: float | None = None
     load_pressure: float | None = None
+    axis: str = LINEAR
 
     @property
     def by_key(self) -> dict[str, float]:
         """Those that there are, by their names in report.json."""
         whole = {
-            **{error_of(name): rms for name, rms in self.balances.items()},
+            **{error_of(name, self.axis): rms for name, rms in self.balances.items()},
             "pump_speed_rms_rad_per_s": self.pump_speed,
-            "position_rms_m": self.position,
+            f"position_rms_{self.axis}": self.position,
             "load_pressure_rms_Pa": self.load_pressure,
         }
         return {name: rms for name, rms in whole.items() if rms is not None}
@@ -216,6 +224,11 @@ class Diagnosis:
         return "unexplained" if self.unexplained is not None else "none_missing"
 
     @property
+    def axis(self) -> str:
+        """Unit of the positions of the plant, "m" or "rad"."""
+        return self.experiment.plant.axis
+
+    @property
     def is_rejected(self) -> bool:
         """Whether what was found makes held-out records worse: then the plant stays as declared."""
         return bool(self.effects) and self.errors.is_worse
@@ -227,7 +240,7 @@ class Diagnosis:
 
     def to_json(self) -> dict[str, object]:
         """The content of report.json: numbers, text, lists and dictionaries, null for what is not finite."""
-        units = known_units()
+        units = known_units(self.axis)
         floors = {
             result.balance.name: {
                 "value": result.balance.floor,
@@ -244,7 +257,7 @@ class Diagnosis:
         data = {
             "title": self.experiment.title,
             "verdict": self.verdict,
-            "effects": [effect.to_json() for effect in self.effects],
+            "effects": [effect.to_json(self.axis) for effect in self.effects],
             "unexplained": None if self.unexplained is None else self.unexplained.to_json(),
             "error": self.errors.to_json(),
             "floor": floors,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from plants.equation import fields
+from plants.equation import fields, replaced
 from plants.interface import SENSORS, Measurement
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment
@@ -200,10 +200,10 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
         if record.piece:  # it begins wherever the record before it was lost, and not at rest
             first = slice(window_points(record.sample_time))
             state = state._replace(velocity=_slope(record.time[first], position[first]))
-    fed = {name: 0.0 for name in inputs._fields if name in record.channels}
+    fed = {item.name: 0.0 for item in fields(experiment.plant.Inputs) if item.name in record.channels}
     fed |= {experiment.plant.command: 0.0}
     fed |= dict.fromkeys(experiment.plant.delayed, _first_command(experiment, record))
-    return state, inputs._replace(**fed)
+    return state, replaced(inputs, fed)
 
 
 def _first_command(experiment: Experiment, record: Record) -> float:

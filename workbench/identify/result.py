@@ -82,7 +82,7 @@ class Identification:
         plain, truth = name.removesuffix("_negative"), experiment.truth or {}
         bound = None if simulation is None else simulation.bounded.get(name)
         return IdentifiedParameter(
-            unit=known_units()[name],
+            unit=known_units(experiment.plant.axis)[name],
             declared=experiment.values.get(name, experiment.values.get(plain)),
             truth=truth.get(name, truth.get(plain)),
             thesis=None if thesis is None else thesis.estimates.get(name),

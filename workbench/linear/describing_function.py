@@ -171,7 +171,7 @@ def friction_loop(plant: Plant, parameters: NamedTuple, gains: Gains) -> control
     linear = linearise(plant, _without_levels(parameters), outputs=("position", "velocity"))
     kept = _influential(linear.A, linear.C)
     a, b, c = linear.A[np.ix_(kept, kept)], linear.B[kept], linear.C[:, kept]
-    command, force = (b[:, [plant.input_index(name)]] for name in (plant.command, "disturbance_force"))
+    command, force = (b[:, [plant.input_index(name)]] for name in (plant.command, plant.disturbance))
     position, velocity = c[[0]], c[[1]]
     closed = a - command @ (gains.proportional * position + gains.derivative * velocity)
     if not gains.integral:

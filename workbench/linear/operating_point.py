@@ -126,7 +126,8 @@ def _trouble(run: Run, speed: float, window: int) -> str:
         lasting = crossings >= CROSSINGS and np.ptp(last) > SUSTAINED * np.ptp(before)
         return OSCILLATES if lasting else f"the rod does not slide steadily within {run.time[-1]:.3g} s"
     if np.max(np.abs(last - speed)) > TOLERANCE * abs(speed):
-        return f"the rod moves at {np.mean(last):.3g} m/s in place of {speed:.3g} m/s"
+        unit = f"{run.plant.axis}/s"
+        return f"the rod moves at {np.mean(last):.3g} {unit} in place of {speed:.3g} {unit}"
     return ""
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plants.friction import Friction
+from plants.friction import friction_in
 from plants.motor import Motor
 from workbench.metrics import friction, power, rotation, tracking
 from workbench.metrics.interface import Column, Figures, Metric, Observed
@@ -51,7 +51,7 @@ def cost_figures(observed: Observed) -> Figures:
         figures.update(rotation.real_speed(signals["rotation_speed"][samples]))
     if isinstance(motor := getattr(run.parameters, "motor", None), Motor):
         figures.update(rotation.motor_figures(signals, samples, motor))
-    if isinstance(law := getattr(run.parameters, "friction", None), Friction):
+    if (law := friction_in(run.parameters)) is not None:
         figures["below_stribeck_fraction"] = rotation.below_stribeck_fraction(signals, samples, law)
     if "acceleration" in signals:
         figures["jerk_rms_m_per_s3"] = power.jerk_rms(run.time[samples], signals["acceleration"][samples])

@@ -1,9 +1,10 @@
 """What a metric is: columns of results.csv, each with its unit and meaning, and how they are found."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from plants.axis import LINEAR, unit_along
 from workbench.metrics.window import Window
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.run import Run
@@ -22,6 +23,13 @@ class Column:
     name: str
     unit: str
     meaning: str
+
+    def along(self, axis: str) -> "Column":
+        """The same column of a plant whose positions are in `axis`: on a turning one `rms_error_rad`, in rad."""
+        unit = unit_along(self.unit, axis)
+        if unit == self.unit:
+            return self if axis == LINEAR else replace(self, meaning=self.meaning.replace("mm/s", "mrad/s"))
+        return replace(self, name=f"{self.name.removesuffix(ending(self.unit))}{ending(unit)}", unit=unit)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,8 @@
 """The metrics by name, in the order of their columns: ours, and those that other packages bring by entry point."""
 
+from collections.abc import Collection
+
+from plants.axis import LINEAR, ROTARY
 from plants.plugins import Registry
 from workbench.metrics.groups import COST, ERRORS, FRICTION, LAG, LIMIT_CYCLE, SETTLING, STEADY_STATE
 from workbench.metrics.interface import Column, Metric, ending
@@ -35,7 +38,20 @@ def _check(metric: Metric) -> None:
 METRICS = Registry("friction_workbench.metrics", Metric, {metric.name: metric for metric in _OURS}, _check)
 
 
-def columns() -> dict[str, Column]:
-    """The columns of results.csv behind the axes, by name, in their order."""
+def columns(axis: str = LINEAR) -> dict[str, Column]:
+    """The columns of results.csv behind the study's axes, by name, in their order, of plants along that axis.
+
+    Metrics find them under the names that they have on a straight one.
+    """
     found = [column for metric in METRICS.working().values() for column in metric.columns]
-    return {column.name: column for column in (OUTCOME, *found, *SOLVER)}
+    return {column.name: column for column in (item.along(axis) for item in (OUTCOME, *found, *SOLVER))}
+
+
+def names_along(axis: str) -> dict[str, str]:
+    """What columns are called along an axis, by their names on a straight one."""
+    return dict(zip(columns(), columns(axis), strict=True))
+
+
+def axis_of(found: Collection[str]) -> str:
+    """The axis of results that have these columns."""
+    return ROTARY if SOLVER[0].along(ROTARY).name in found else LINEAR

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from workbench.parameters.sets import known_units
+from workbench.parameters.sets import WORDS, known_units
 
 
 class Entry(NamedTuple):
@@ -17,12 +17,14 @@ class Entry(NamedTuple):
     source: str
 
 
-def parameter_file(title: str, source: str, entries: Iterable[Entry]) -> str:
-    """The text of a parameter file with these entries, in their order."""
+def parameter_file(title: str, source: str, entries: Iterable[Entry], axis: str) -> str:
+    """The text of a parameter file with these entries, in their order, for plants of that axis."""
     lines = [f"title = {_text(title)}", f"source = {_text(source)}"]
     for entry in entries:
-        unit = known_units()[entry.name]
-        lines += ["", f"[parameters.{entry.name}]", f"value = {_quantity(entry.value, unit)}"]
+        unit = known_units(axis)[entry.name]
+        words = {number: word for word, number in WORDS.get(entry.name, {}).items()}
+        value = _text(words[entry.value]) if words else _quantity(entry.value, unit)
+        lines += ["", f"[parameters.{entry.name}]", f"value = {value}"]
         if entry.std is not None:
             lines.append(f"std = {_quantity(entry.std, unit)}")
         lines.append(f"source = {_text(entry.source)}")

@@ -1,6 +1,7 @@
 """Named parameter sets and parameter files: physical values with units and sources, checked, for any plant."""
 
 import functools
+import json
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -10,6 +11,9 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 import workbench.toml.reading as toml
+from plants.axis import AXES, KINDS, LINEAR, along, name_along
+from plants.axis import ROTARY as TURNING
+from plants.coupling import PLACES
 from plants.effects.registry import EFFECTS, effects
 from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
 from plants.hydraulics import FLOW_LAWS, RatedFlow, flow_gain
@@ -22,15 +26,29 @@ from workbench.toml.units import QuantityError, si
 FLOW_SHARE = "flow_pressure_share"
 """Not in parameter sets: the flow law of a study gives it."""
 
+_EFFECTS = [effect for axis in AXES for effect in effects(axis).values()]
+
 SIGNED = ("drift_velocity", *(f"edge_overlap_{edge}" for edge in ("pa", "at", "pb", "bt")))
 
-EITHER_SIGN = frozenset((*SIGNED, *(name for effect in effects().values() for name in effect.signed)))
-"""Parameters that may be negative: a drift, edges that are open at rest, and those of effects that may act either way."""
+EITHER_SIGN = frozenset((*SIGNED, *(name for effect in _EFFECTS for name in effect.signed)))
+"""Parameters that may be negative: a drift, edges that are open at rest, those of effects that act either way."""
 
-NEUTRAL = MappingProxyType({name: value for effect in effects().values() for name, value in effect.neutral.items()})
+NEUTRAL = MappingProxyType({name: value for effect in _EFFECTS for name, value in effect.neutral.items()})
 """Values of the parameters that effects bring at which they do nothing."""
 
-UNBOUNDED = {"stroke", "force_limit", "voltage_limit", "pump_speed_limit", "motor_nominal_torque", *LIMITS}
+WORDS: Mapping[str, Mapping[str, float]] = MappingProxyType({"measured_at": PLACES})
+"""Parameters that are said in words, and the number that stands for each."""
+
+UNBOUNDED = {
+    "stroke",
+    "force_limit",
+    "torque_limit",
+    "voltage_limit",
+    "current_limit",
+    "pump_speed_limit",
+    "motor_nominal_torque",
+    *LIMITS,
+}
 MAY_BE_ZERO = {
     "hose_volume",
     "tank_pressure",
@@ -54,6 +72,9 @@ MAY_BE_ZERO = {
     "guide_stribeck",
     "elastic_share",
     "dead_band",
+    "motor_viscous",
+    "coupling_damping",
+    *WORDS,
     *(name for name, value in NEUTRAL.items() if value == 0.0),
 }
 UNEQUAL = frozenset({"dead_volume_1", "pump_displacement"})
@@ -86,18 +107,36 @@ class ParameterFile(toml.Strict):
 
 
 @functools.cache
-def known_units() -> dict[str, str]:
-    """The unit of every parameter that some plant, friction law or effect has, by its canonical name."""
+def known_units(axis: str = LINEAR) -> dict[str, str]:
+    """The unit of every parameter that some plant of that axis, friction law or effect has, by its canonical name."""
     known: dict[str, str] = {}
     for plant in plants().values():
-        for item in fields(plant.Parameters):
+        for item in fields(plant.Parameters) if plant.axis == axis else ():
             known.setdefault(item.name, item.unit)
     known |= {item.name: item.unit for cls in (TurningCylinder, RatedFlow) for item in fields(cls)}
     for law in LAWS.working().values():
-        known |= {item.name: item.unit for item in fields(law.Extra)}
-    for effect in effects().values():
+        known |= {item.name: item.unit for item in fields(along(law.Extra, axis))}
+    for effect in effects(axis).values():
         known |= {item.name: item.unit for item in fields(effect.Own)}
     return known
+
+
+def axis_of(names: Iterable[str]) -> str:
+    """The axis whose plants have parameters of these names: one that goes straight, unless only a turning one has them.
+
+    A set for a turning axis has an `inertia`.
+    """
+    straight, turning = known_units(LINEAR), known_units(TURNING)
+    return TURNING if any(name in turning and name not in straight for name in names) else LINEAR
+
+
+def _unknown(name: str, axis: str) -> UserError:
+    """What is said of a name that is no parameter's: what it is called on such an axis, or the nearest one."""
+    units = {known: unit for known, unit in known_units(axis).items() if known != FLOW_SHARE}
+    for own, unit in units.items():
+        if own != name and name_along(own, TURNING) == name_along(name, TURNING):
+            return UserError(f'unknown parameter "{name}"; {KINDS[axis]} has {own} ({unit})')
+    return UserError(f'unknown parameter "{name}"; {nearby(name, units)}')
 
 
 def nearby(name: str, valid: Iterable[str]) -> str:
@@ -127,36 +166,37 @@ def parameter_path(name: str, folder: Path) -> Path:
     raise UserError(f'unknown parameter set "{name}"; {nearest(name, sets)} (a file needs the ending .toml)')
 
 
-def read_parameters(path: Path) -> Mapping[str, float]:
-    """Values (SI) of a parameter file by canonical name.
+def read_parameters(path: Path, axis: str | None = None) -> Mapping[str, float]:
+    """Values (SI) of a parameter file by canonical name, for plants of that axis (None: of that which it is for).
 
     Raises:
         UserError: unknown name, wrong unit, impossible value.
     """
-    return _parsed(path, toml.read_text(path))[0]
+    return _parsed(path, toml.read_text(path), axis)[0]
 
 
-def read_deviations(path: Path) -> Mapping[str, float]:
+def read_deviations(path: Path, axis: str | None = None) -> Mapping[str, float]:
     """Standard deviations (SI) by canonical name, of those parameters of a file that have one.
 
     Raises:
         UserError: as `read_parameters`.
     """
-    return _parsed(path, toml.read_text(path))[1]
+    return _parsed(path, toml.read_text(path), axis)[1]
 
 
 @functools.cache
-def _parsed(path: Path, text: str) -> tuple[Mapping[str, float], Mapping[str, float]]:
+def _parsed(path: Path, text: str, axis: str | None) -> tuple[Mapping[str, float], Mapping[str, float]]:
     """Values and standard deviations."""
     data = toml.parse_toml(path, text)
     content = toml.validate(ParameterFile, data, path, text)
+    axis = axis or axis_of(content.parameters)
     values, deviations = {}, {}
     for name, entry in content.parameters.items():
         key = ("parameters", name, "value")
         try:
-            values[name] = parameter_value(name, entry.value)
+            values[name] = parameter_value(name, entry.value, axis)
             if entry.std is not None:
-                deviations[name] = _deviation(entry.std, known_units()[name])
+                deviations[name] = _deviation(entry.std, known_units(axis)[name])
         except (QuantityError, UserError) as error:
             raise toml.at(path, text, key, str(error)) from None
     if {*RatedFlow._fields} & values.keys():
@@ -197,18 +237,22 @@ def drawn(name: str, value: float, deviation: float, seed: int) -> float:
     return float(number)
 
 
-def parameter_value(name: str, value: object) -> float:
-    """One parameter's value (SI) from text or number.
+def parameter_value(name: str, value: object, axis: str = LINEAR) -> float:
+    """One parameter's value (SI) from text or number, in the unit that it has on that axis.
 
     Raises:
         UserError: unknown name or impossible value.
         QuantityError: wrong unit.
     """
-    units = known_units()
+    units = known_units(axis)
     if name not in units or name == FLOW_SHARE:
-        raise UserError(f'unknown parameter "{name}"; {nearby(name, [n for n in units if n != FLOW_SHARE])}')
+        raise _unknown(name, axis)
+    if name in WORDS:
+        if value not in WORDS[name]:
+            raise UserError(f"got {value!r}, expected {' or '.join(json.dumps(word) for word in WORDS[name])}")
+        return WORDS[name][str(value)]
     number = si(value, units[name], infinite=name in UNBOUNDED)
-    check_range(name, number)
+    check_range(name, number, axis)
     return number
 
 
@@ -218,17 +262,17 @@ def plain_name(name: str) -> str:
     return name.removesuffix(f"_{NEGATIVE}").removesuffix(f"_{ROTARY}")
 
 
-def check_range(name: str, number: float) -> None:
+def check_range(name: str, number: float, axis: str = LINEAR) -> None:
     """Raise UserError where `number` (SI) is impossible for the parameter."""
     plain = plain_name(name)
     if plain in EITHER_SIGN:
         return
     if number < 0.0:
-        raise UserError(f"got {number:g} {known_units()[name]}, expected a value that is not negative")
+        raise UserError(f"got {number:g} {known_units(axis)[name]}, expected a value that is not negative")
     if plain in BELOW_ONE and number >= 1.0:
         raise UserError(f"got {number:g}, expected a share below 1")
     if number == 0.0 and plain not in MAY_BE_ZERO:
-        raise UserError(f"got 0 {known_units()[name]}, expected a value above 0")
+        raise UserError(f"got 0 {known_units(axis)[name]}, expected a value above 0")
 
 
 def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived") -> NumbersT:
@@ -255,9 +299,11 @@ def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived
 
 
 def serves(values: Mapping[str, float]) -> list[str]:
-    """Of every plant, in words, whether it can be built from these values, or what is missing."""
-    lines = []
+    """Of every plant along their axis, in words, whether it can be built from these values, or what is missing."""
+    lines, axis = [], axis_of(values)
     for plant in plants().values():
+        if plant.axis != axis:
+            continue
         try:
             build(plant.Parameters, values)
             lines.append(f"serves {plant.name}")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plants.axis import LINEAR, ROTARY
 from workbench.errors import UserError
+from workbench.publish.along import SHOWN
 from workbench.records.channels import ChannelSpec
 from workbench.records.experiment import Experiment
 from workbench.records.sampling.clock import spans
@@ -49,9 +49,6 @@ RESTS: Mapping[str, Mapping[str, str]] = {
     "pressure_2": {"smallest": _OPEN},
 }
 """Channels that may rest at an extreme, and why."""
-
-SHOWN = {LINEAR: ("mm", 1e3), ROTARY: ("deg", 180.0 / math.pi)}
-"""How positions along an axis are shown: their unit, and what SI numbers are multiplied with."""
 
 
 def alive_notes(path: Path, name: str, values: np.ndarray, step: float) -> Iterator[str]:
@@ -106,7 +103,7 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
                 f"{path}: the position spans {span:g} {axis}, and the stroke is {values['stroke']:g} {axis}; "
                 f"is the unit of channel position right?{_length_hint(span, values['stroke'])}"
             )
-        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"], SHOWN[axis])
+        _check_origin(path, channels["position"], values["stroke"], experiment.channels["position"], axis)
     supply = values.get("supply_pressure")
     for name in ("pressure_1", "pressure_2"):
         if supply is None or name not in channels:
@@ -127,13 +124,8 @@ def check_ranges(path: Path, channels: Mapping[str, np.ndarray], experiment: Exp
     _check_command(path, channels, experiment)
 
 
-def _check_origin(
-    path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec, shown: tuple[str, float]
-) -> None:
-    """Whether the position is counted from the middle of the stroke, as the plants count it; `shown` is a unit, and
-    what SI numbers are multiplied with.
-    """
-    unit, scale = shown
+def _check_origin(path: Path, position: np.ndarray, stroke: float, channel: ChannelSpec, axis: str) -> None:
+    """Whether the position is counted from the middle of the stroke, as the plants count it."""
     low, high, half = float(np.nanmin(position)), float(np.nanmax(position)), 0.5 * stroke
     if max(-low, high) <= BEYOND * half:
         return
@@ -144,6 +136,7 @@ def _check_origin(
         middle = -half
     else:
         middle = 0.5 * (low + high)
+    scale, unit = SHOWN[axis].factor, SHOWN[axis].unit
     raise UserError(
         f"{path}: the position goes from {scale * low:.4g} to {scale * high:.4g} {unit}, and a stroke of "
         f"{scale * stroke:.4g} {unit} from {-scale * half:.4g} to {scale * half:.4g} {unit}: 0 is its middle; give "

@@ -6,6 +6,7 @@ from glob import glob
 from pathlib import Path
 from typing import NamedTuple
 
+from plants.axis import unit_along
 from plants.effects.attach import meant
 from plants.equation import NEGATIVE, fields, to_array
 from plants.interface import Plant
@@ -129,9 +130,9 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def _resolved(content: ExperimentFile, path: Path) -> Experiment:
-    values = _declared(content.plant, path.parent)
-    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
     bare = _plant(content.plant.model)
+    values = _declared(content.plant, path.parent, bare.axis)
+    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
     plant = bare.with_effects(*meant(bare, [*acting, *(content.fit.free or ()), *content.fit.bounds]))
     try:
         build(plant.Parameters, values, content.plant.flow)
@@ -139,7 +140,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         raise files.SchemaError(("plant", "parameters"), f"does not serve {plant.name}: {error}") from None
     truth = None
     if content.truth is not None:
-        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"))
+        truth = _set_values(content.truth.parameters, path.parent, ("truth", "parameters"), plant.axis)
     names, channels = parameter_names(plant), channels_of(content.channels, plant)
     return Experiment(
         path,
@@ -150,15 +151,15 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         content.plant.parameters or "[plant.set]",
         values,
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
-        _bounds(content.fit.bounds, names, values),
+        _bounds(content.fit.bounds, names, values, known_units(plant.axis)),
         content.fit.method,
         channels,
-        _accuracies(content.sensors),
+        _accuracies(content.sensors, plant.axis),
         _records(content.records, path.parent, channels),
         truth,
         tuple(content.published),
         tuple(content.figures),
-        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors")),
+        {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors"), plant.axis),
     )
 
 
@@ -174,19 +175,19 @@ def _plant(model: str) -> Plant:
     return known[model]
 
 
-def _set_values(name: str, folder: Path, key: files.Key) -> dict[str, float]:
+def _set_values(name: str, folder: Path, key: files.Key, axis: str) -> dict[str, float]:
     try:
-        return dict(read_parameters(parameter_path(name, folder)))
+        return dict(read_parameters(parameter_path(name, folder), axis))
     except UserError as error:
         raise files.SchemaError(key, str(error)) from None
 
 
-def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
+def _declared(table: PlantTable, folder: Path, axis: str) -> dict[str, float]:
     """The declared values; a plain name in [plant.set] sets both directions, unless the other is set too."""
-    values = _set_values(table.parameters, folder, ("plant", "parameters")) if table.parameters else {}
+    values = _set_values(table.parameters, folder, ("plant", "parameters"), axis) if table.parameters else {}
     for name, value in table.set.items():
         try:
-            number = parameter_value(name, value)
+            number = parameter_value(name, value, axis)
         except (UserError, QuantityError) as error:
             raise files.SchemaError(("plant", "set", name), str(error)) from None
         values[name] = number
@@ -212,7 +213,7 @@ def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tup
 
 
 def _bounds(
-    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float]
+    table: Mapping[str, Bound], names: list[str], values: Mapping[str, float], units: Mapping[str, str]
 ) -> dict[str, tuple[float, float]]:
     bounds = {}
     for name, bound in table.items():
@@ -221,34 +222,34 @@ def _bounds(
         limits = []
         for key, value, default in (("min", bound.min, -float("inf")), ("max", bound.max, float("inf"))):
             try:
-                limits.append(default if value is None else si(value, known_units()[name]))
+                limits.append(default if value is None else si(value, units[name]))
             except QuantityError as error:
                 raise files.SchemaError(("fit", name, key), str(error)) from None
         if limits[0] >= limits[1]:
             raise files.SchemaError(("fit", name), "expected a min below max")
         declared = values.get(name, values.get(plain_name(name)))
         if declared is not None and not limits[0] <= declared <= limits[1]:
-            got = f"the declared value {declared:.6g} {known_units()[name]} is outside these bounds"
+            got = f"the declared value {declared:.6g} {units[name]} is outside these bounds"
             raise files.SchemaError(("fit", name), f"{got}; widen them, or start from another value with [plant.set]")
         bounds[name] = (limits[0], limits[1])
     return bounds
 
 
-def _accuracies(table: Mapping[str, Raw]) -> dict[str, float]:
-    found = _sensors(table, ("sensors",))
+def _accuracies(table: Mapping[str, Raw], axis: str) -> dict[str, float]:
+    found = _sensors(table, ("sensors",), axis)
     for name, number in found.items():
         if number < 0.0:
             raise files.SchemaError(("sensors", name), f"got {table[name]!r}, expected a value that is not negative")
     return found
 
 
-def _sensors(table: Mapping[str, Raw], place: files.Key) -> dict[str, float]:
+def _sensors(table: Mapping[str, Raw], place: files.Key, axis: str) -> dict[str, float]:
     """Errors of sensors (SI) by name."""
     found = {}
     for name, value in table.items():
         if name not in NUISANCES:
             raise files.SchemaError((*place, name), f"unknown key; {nearest(name, NUISANCES)}")
-        found[name] = quantity(value, NUISANCES[name], (*place, name))
+        found[name] = quantity(value, unit_along(NUISANCES[name], axis), (*place, name))
     return found
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, StrictFloat, StrictInt, model_validator
 
+from plants.axis import AXES
 from plants.equation import NEGATIVE, ROTARY
 from workbench.errors import nearest
 from workbench.parameters.sets import known_units
@@ -97,7 +98,8 @@ class FitTable(files.Strict):
     def _bounds_by_name(cls, data: object) -> object:
         if not isinstance(data, dict):
             return data
-        named = {key: value for key, value in data.items() if isinstance(value, dict) and key in known_units()}
+        names = {name for axis in AXES for name in known_units(axis)}
+        named = {key: value for key, value in data.items() if isinstance(value, dict) and key in names}
         rest = {key: value for key, value in data.items() if key not in named}
         return {**rest, "bounds": {**rest.get("bounds", {}), **named}} if named else rest
 

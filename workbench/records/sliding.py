@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plants.axis import name_along
 from workbench.errors import UserError
+from workbench.publish.along import SHOWN
 from workbench.records.experiment import Experiment
 from workbench.records.friction import AXIAL, SLIDING, directions, friction_of, from_position, slower
 from workbench.records.reading import Record
@@ -26,10 +28,13 @@ def check_slides(records: Sequence[Record], experiment: Experiment) -> None:
         return
     record = records[0]
     others = f" (nor in the other {len(records) - 1})" if len(records) > 1 else ""
-    raise UserError(f"nothing slides in {record.path}{others}: {_slowness(record)}{_unit_mistake(record, experiment)}")
+    raise UserError(
+        f"nothing slides in {record.path}{others}: {_slowness(record, experiment)}{_unit_mistake(record, experiment)}"
+    )
 
 
-def _slowness(record: Record) -> str:
+def _slowness(record: Record, experiment: Experiment) -> str:
+    shown = SHOWN[experiment.plant.axis]
     zero = np.zeros(record.time.size)
     if "position" not in record.channels:
         fastest = float(np.nanmax(np.abs(record.channels["rotation_speed"])))
@@ -38,7 +43,7 @@ def _slowness(record: Record) -> str:
     if not np.any(np.isfinite(velocity)):
         return f"{record.time[-1]:.3g} s are too short to see a velocity; take a longer record"
     fastest = float(np.nanmax(velocity))
-    return f"its largest velocity is {1e3 * fastest:.3g} mm/s, expected more than {1e3 * SLIDING:g} mm/s"
+    return f"its largest velocity is {shown.speed(fastest, 3)}, expected more than {shown.speed(SLIDING)}"
 
 
 def _unit_mistake(record: Record, experiment: Experiment) -> str:
@@ -48,7 +53,8 @@ def _unit_mistake(record: Record, experiment: Experiment) -> str:
     if "position" in record.channels and np.isfinite(stroke):
         way = float(np.nanmax(record.channels["position"]) - np.nanmin(record.channels["position"]))
         if way < SHORT_WAY * stroke:
-            travel = f"{1e3 * way:.3g} mm of a stroke of {1e3 * stroke:.3g} mm"
+            shown = SHOWN[experiment.plant.axis]
+            travel = f"{shown.plain(way, 3)} of a stroke of {shown.plain(stroke, 3)}"
             return f"; it travels {travel}: is the unit of channel position right?"
     return ""
 
@@ -69,7 +75,8 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     if not pressures and not ("position" in channels and "force" in channels):
         return
     free = experiment.free or ()
-    if any(values.get(name) or name in free for name in ("load_force", "spring_stiffness")):
+    load = name_along("load_force", experiment.plant.axis)
+    if any(values.get(name) or name in free for name in (load, "spring_stiffness")):
         return
     data = [friction_of(piece, experiment) for piece in pieces]
     velocity, force = (
@@ -83,8 +90,9 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
     offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]
     if opposing < -float(np.linalg.norm(np.multiply(areas, offsets))):
+        unit = SHOWN[experiment.plant.axis].force_unit
         cause = "are the columns of pressure_1 and pressure_2 swapped, or is" if pressures else "is"
         raise UserError(
-            f"{record.path}: friction does not oppose the motion ({opposing:.3g} N on the average): {cause} "
+            f"{record.path}: friction does not oppose the motion ({opposing:.3g} {unit} on the average): {cause} "
             f"the sign of {'position' if pressures else 'position or force'} wrong?"
         )

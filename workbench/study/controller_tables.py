@@ -47,8 +47,8 @@ def parse_controller(tables: CaseTables, plant: Plant, folder: Path) -> Controll
     name = _chosen("controller", tables.controller, tables.controllers)
     if name is None:
         raise SchemaError(("controllers",), "is missing: expected a table such as [controllers.p]")
-    controller, settings = _controller(name, tables, plant.command_unit)
-    unit, fed = "m", ""
+    controller, settings = _controller(name, tables, plant)
+    unit, fed = plant.axis, ""
     if controller is OPEN_LOOP:
         fed = settings.input or plant.command
         units = {item.name: item.unit for item in fields(plant.Inputs)}
@@ -70,7 +70,7 @@ def _chosen(kind: str, name: str | None, available: Mapping[str, object]) -> str
     return name or next(iter(available), None)
 
 
-def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Controller, Any]:
+def _controller(name: str, tables: CaseTables, plant: Plant) -> tuple[Controller, Any]:
     key = ("controllers", name)
     table = dict(tables.controllers[name])
     if "type" not in table:
@@ -93,21 +93,21 @@ def _controller(name: str, tables: CaseTables, command_unit: str) -> tuple[Contr
     values: dict[str, Any] = {}
     for item, value in table.items():
         try:
-            values[item] = _setting_value(declared[item], value, command_unit)
+            values[item] = _setting_value(declared[item], value, plant)
         except QuantityError as error:
             raise SchemaError((*key, item), str(error)) from None
     settings: Any = controller.Settings
     return controller, settings(**values)
 
 
-def _setting_value(item: Setting, value: object, command_unit: str) -> float | str:
+def _setting_value(item: Setting, value: object, plant: Plant) -> float | str:
     """A setting's value in SI, or its choice.
 
     Raises:
         QuantityError: the wrong unit, out of its range, or no such choice.
     """
     if item.unit:
-        number = si(value, item.unit, command_unit)
+        number = si(value, plant.unit_for(item.unit))
         if not item.about.admits(number):
             raise QuantityError(f"got {json.dumps(value)}, expected {item.about.expected}")
         return number

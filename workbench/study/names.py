@@ -7,6 +7,7 @@ from typing import SupportsFloat
 
 from controllers.interface import Controller
 from controllers.registry import controllers
+from plants.axis import AXES, LINEAR, unit_along
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
@@ -41,6 +42,10 @@ BASE_UNITS = {
     "N_s_per_m": "N s/m",
     "m_per_s": "m/s",
     "m_per_s3": "m/s^3",
+    "rad": "rad",
+    "rad_per_s": "rad/s",
+    "rad_per_s3": "rad/s^3",
+    "N_m_s_per_rad": "N m s/rad",
     "rpm": "rpm",
 }
 """Units of figures that no metric declares, such as probes, by the ending of a column's name."""
@@ -55,23 +60,26 @@ def signals_of(plant: Plant, controller: Controller, tracks: bool) -> list[str]:
     return list(dict.fromkeys([*names, "time", *measured, *memory, *judged, *(TRACKING if tracks else ())]))
 
 
-def signal_units() -> dict[str, str]:
-    """The SI unit of every signal that some plant or controller has, by name; none of those in the command's unit."""
-    units = dict(SIGNAL_UNITS)
+def signal_units(axis: str = LINEAR) -> dict[str, str]:
+    """The SI unit of every signal that some plant of that axis, or a controller of one, has, by name; none of those in
+    the command's unit.
+    """
+    units = {name: unit_along(unit, axis) for name, unit in SIGNAL_UNITS.items()}
     for plant in plants().values():
-        for item in (*fields(plant.Signals), *fields(plant.Inputs)):
+        for item in (*fields(plant.Signals), *fields(plant.Inputs)) if plant.axis == axis else ():
             units.setdefault(item.name, item.unit)
     for controller in controllers().values():
         for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
             if COMMAND not in item.unit:
-                units.setdefault(name, item.unit)
+                units.setdefault(name, unit_along(item.unit, axis))
     return units
 
 
 def unit_of_column(column: str) -> str:
     """The unit that a metric declares for a result column, or else the one that its name ends in, "1" if none."""
-    if (declared := columns().get(column)) is not None:
-        return declared.unit
+    for axis in AXES:
+        if (declared := columns(axis).get(column)) is not None:
+            return declared.unit
     for name in sorted(BASE_UNITS, key=len, reverse=True):
         if column == name or column.endswith(f"_{name}"):
             return BASE_UNITS[name]

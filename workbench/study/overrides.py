@@ -6,6 +6,7 @@ Typed, and in SI but for rpm: a search tries thousands of points of one case, wh
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from plants.axis import unit_along
 from plants.equation import NEGATIVE
 from workbench.records.schema import FRICTION
 from workbench.study.schema import CaseTables, ChannelTable, PlantTable, SensorsTable
@@ -60,8 +61,9 @@ DECLARED = Overrides()
 """Nothing otherwise than the tables say."""
 
 
-def overridden(tables: CaseTables, overrides: Overrides, deviations: Mapping[str, float]) -> CaseTables:
-    """The tables of a case with rotation and sample laid over them; `deviations` are those of its parameter set.
+def overridden(tables: CaseTables, overrides: Overrides, deviations: Mapping[str, float], axis: str) -> CaseTables:
+    """The tables of a case with rotation and sample laid over them; `deviations` are those of its parameter set, and
+    `axis` is that of its plant.
 
     Raises:
         SchemaError: a parameter set without standard deviations of friction, a helical speed of another rotation.
@@ -75,7 +77,7 @@ def overridden(tables: CaseTables, overrides: Overrides, deviations: Mapping[str
     changed: dict[str, object] = {"rpm": rotation, "plant": plant}
     if (sample := overrides.sample) is not None:
         changed["plant"] = _sampled_plant(plant, sample, deviations)
-        changed["sensors"] = _sampled_sensors(tables.sensors, sample)
+        changed["sensors"] = _sampled_sensors(tables.sensors, sample, axis)
         changed["simulation"] = tables.simulation.model_copy(update={"seed": sample.seed})
     return tables.model_copy(update=changed)
 
@@ -102,7 +104,7 @@ def spread_names(parameters: str, deviations: Mapping[str, float]) -> list[str]:
     return names
 
 
-def _sampled_sensors(sensors: SensorsTable, sample: PlantSample) -> SensorsTable:
+def _sampled_sensors(sensors: SensorsTable, sample: PlantSample, axis: str) -> SensorsTable:
     """Sensors with the sample's noise, and its shares of the systematic errors that they bound."""
     changed: dict[str, ChannelTable] = {}
     for channel, unit in CHANNEL_UNITS.items():
@@ -112,7 +114,7 @@ def _sampled_sensors(sensors: SensorsTable, sample: PlantSample) -> SensorsTable
             values["noise"] = sample.noise[channel]
         errors = sample.sensors.get(channel)
         if errors is not None and (table.offset or table.gain_error or table.calibration_error):
-            values["offset"] = errors.offset * si(table.offset, unit)
+            values["offset"] = errors.offset * si(table.offset, unit_along(unit, axis))
             values["gain_error"] = errors.gain_error * table.gain_error
             values["calibration_seed"] = errors.calibration_seed
         if values:

@@ -44,8 +44,8 @@ class ParameterValues:
     source: str
 
 
-def read_values(tables: CaseTables, case: Case) -> ParameterValues:
-    """The values of [plant], and of [belief], else of what [plant] declares; never of a scenario.
+def read_values(tables: CaseTables, case: Case, axis: str) -> ParameterValues:
+    """The values of [plant], whose axis is given, and of [belief], else of what [plant] declares; never of a scenario.
 
     Controllers believe 0 where the friction law that they believe in has no place for a value.
 
@@ -53,24 +53,24 @@ def read_values(tables: CaseTables, case: Case) -> ParameterValues:
         SchemaError: an unknown set, parameter or friction law, an impossible value.
     """
     table, belief, declared = tables.plant, tables.belief, case.declared
-    true = _values(table.parameters, table.set, case.folder, "plant")
+    true = _values(table.parameters, table.set, case.folder, "plant", axis)
     source = belief.parameters or declared.get("parameters", table.parameters)
     overrides = {**({} if belief.parameters else declared.get("set", {})), **belief.set}
-    believed = _values(source, overrides, case.folder, "belief")
+    believed = _values(source, overrides, case.folder, "belief", axis)
     law = registered(LAWS, belief.friction, ("belief", "friction"))
     believed |= {name: 0.0 for name in believed if plain_name(name) in LACKING and plain_name(name) not in law.uses}
-    return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder)), believed, source)
+    return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder), axis), believed, source)
 
 
-def _values(parameters: str, overrides: Mapping[str, object], folder: Path, table: str) -> dict[str, float]:
+def _values(parameters: str, overrides: Mapping[str, object], folder: Path, table: str, axis: str) -> dict[str, float]:
     """Values of a set or file with `set` overrides, by canonical name; a plain name sets both directions."""
     try:
-        values = dict(read_parameters(parameter_path(parameters, folder)))
+        values = dict(read_parameters(parameter_path(parameters, folder), axis))
     except UserError as error:
         raise SchemaError((table, "parameters"), str(error)) from None
     for name, value in overrides.items():
         try:
-            number = parameter_value(name, value)
+            number = parameter_value(name, value, axis)
         except (UserError, QuantityError) as error:
             raise SchemaError((table, "set", name), str(error)) from None
         own = f"{name}_{NEGATIVE}"

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from controllers.registry import CONTROLLERS
+from plants.axis import LINEAR
 from plants.equation import EQUATION_FOLDERS, source_hash, to_array
 from plants.laws.registry import LAWS
 from plants.registry import PLANTS
@@ -17,7 +18,7 @@ from workbench.study.checks.checks import Checks
 from workbench.study.names import matches
 from workbench.study.reference_tables import REFERENCES
 from workbench.study.resolve import ParsedCase, Resolved, parse_case
-from workbench.study.study import Case, Study
+from workbench.study.study import Case, Study, located
 from workbench.study.uncertainty import DRAW, on_plant_samples
 from workbench.study.unfold import unfold
 
@@ -53,7 +54,12 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of results.csv: the axes, the standard figures, the probes."""
-        return [*self.axes, *columns(), *self.study.file.probes]
+        return [*self.axes, *columns(self.axis), *self.study.file.probes]
+
+    @property
+    def axis(self) -> str:
+        """Unit of the positions of all its plants, "m" or "rad"."""
+        return self.declared[0].setup.plant.axis if self.declared else LINEAR
 
     @property
     def identity(self) -> dict[str, str]:
@@ -104,9 +110,19 @@ def plan(study: Study) -> Plan:
         UserError: the first mistake in any case, table or figure.
     """
     planned = _drawn(study, unfold(study))
-    checks = Checks(study, planned.cases, planned.declared, planned.axes, list(columns()))
+    check_one_axis(study, planned)
+    checks = Checks(study, planned.cases, planned.declared, planned.axes, list(columns(planned.axis)))
     checks.all()
     return replace(planned, warnings=checks.warnings())
+
+
+def check_one_axis(study: Study, planned: Plan) -> None:
+    """Raise UserError where some plants go straight and others turn: results have one column for both."""
+    for case, item in zip(planned.cases, planned.declared, strict=True):
+        if item.setup.plant.axis != planned.axis:
+            first, other = planned.declared[0].setup.plant.name, item.setup.plant.name
+            message = f"{first} has positions in {planned.axis}, {other} in {item.setup.plant.axis}; make two studies"
+            raise located(study, case, ("plant", "model"), message)
 
 
 def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> Plan:
@@ -121,7 +137,8 @@ def _drawn(study: Study, cases: list[Case], numbers: range | None = None) -> Pla
     """The plan of these cases on each plant sample, where the study draws any."""
     parsed = [parse_case(study, case) for case in cases]
     declared = [each.resolve() for each in parsed]
-    drawn = on_plant_samples(study, cases, numbers)
+    axis = declared[0].setup.plant.axis if declared else LINEAR
+    drawn = on_plant_samples(study, cases, numbers, axis)
     times = range(len(drawn) // len(cases) if cases else 1)
     return Plan(study, drawn, [each for each in parsed for _ in times], [each for each in declared for _ in times])
 

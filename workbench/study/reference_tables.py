@@ -18,7 +18,7 @@ from workbench.toml.units import QuantityError, factor, si
 
 
 class ReferenceTable(files.Strict, ABC):
-    """A reference; `unit` is that of its value: m, or that of the input that it is fed to."""
+    """A reference; `unit` is that of its value: m or rad, or that of the input that it is fed to."""
 
     kind: str
 

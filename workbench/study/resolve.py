@@ -27,6 +27,7 @@ from workbench.study.schema import CaseTables
 from workbench.study.sensor_tables import build_sensors
 from workbench.study.study import Case, Study, located
 from workbench.toml import reading as files
+from workbench.toml.quantities import along_axis
 from workbench.toml.reading import SchemaError
 
 MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
@@ -69,13 +70,17 @@ class Resolved:
 
 @dataclass(frozen=True, eq=False)
 class ParsedCase:
-    """A case whose tables are read: what is left to do is to build it, with these overrides or with others."""
+    """A case whose tables are read: what is left to do is to build it, with these overrides or with others.
+
+    `axis` is the unit of its plant's positions, "m" or "rad".
+    """
 
     study: Study
     case: Case
     tables: CaseTables
     values: ParameterValues
     controller: ControllerCase
+    axis: str
 
     def resolve(self, overrides: Overrides | None = None) -> Resolved:
         """What the case runs with `overrides`, by default its own.
@@ -97,8 +102,9 @@ def parse_case(study: Study, case: Case) -> ParsedCase:
     """
     try:
         tables = files.conform(CaseTables, case.tables)
-        plant, values = _plant(tables), read_values(tables, case)
-        return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder))
+        plant = _plant(tables)
+        values = read_values(tables, case, plant.axis)
+        return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder), plant.axis)
     except SchemaError as mistake:
         raise _located(study, case, mistake) from None
 
@@ -118,20 +124,23 @@ def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
 
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     case, wanted = parsed.case, parsed.controller
-    tables = overridden(parsed.tables, overrides, parsed.values.deviations)
+    tables = overridden(parsed.tables, overrides, parsed.values.deviations, parsed.axis)
     plant, believed = _plants(tables, parsed.values.true)
     parameters = build_truth(plant, tables, parsed.values)
     belief = build_belief(believed, tables, case.declared, parsed.values)
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
     state, _ = plant.equilibrium(parameters, turning)
-    state = state._replace(position=tables.plant.start_position)  # all else that the machine is given is believed
+    start = ("plant", "start_position")
+    state = state._replace(
+        position=along_axis(tables.plant.start_position, plant.axis, start)
+    )  # all else that the machine is given is believed
     state = _within_limits(state, parameters)
     rotation_speed, surface_speed = _rotation(believed, belief, tables)
     rotary, inputs = _rotary(believed, belief, rotation_speed, surface_speed, tables)
     settings = wanted.settings._replace(**overrides.settings)
     loop = _position_loop(wanted, settings, believed, belief, tables.simulation.sample_time)
     plant = _gauged(plant, loop.controller, tables)
-    sensors = build_sensors(tables.sensors)
+    sensors = build_sensors(tables.sensors, plant.axis)
     position = sensors.channels["position"]
     simulation = tables.simulation
     registered(INTEGRATORS, simulation.method, ("simulation", "method"))

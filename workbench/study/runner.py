@@ -8,7 +8,7 @@ from pathlib import Path
 
 from workbench.errors import MetricError
 from workbench.metrics.evaluate import evaluate
-from workbench.metrics.registry import SOLVER
+from workbench.metrics.registry import SOLVER, names_along
 from workbench.parallel import workers
 from workbench.publish.run_record import ran_on
 from workbench.simulation.run import Run
@@ -67,7 +67,9 @@ def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> di
     figures = evaluated(resolved, run)
     rms = figures["rms_error_m"]
     errors = _solver_errors(resolved, run, rms if isinstance(rms, float) else None) if solver_error else {}
-    return {**figures, **dict.fromkeys(column.name for column in SOLVER), **errors}
+    whole = {**figures, **dict.fromkeys(column.name for column in SOLVER), **errors}
+    called = names_along(run.plant.axis)
+    return {called[name]: value for name, value in whole.items()}
 
 
 def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:

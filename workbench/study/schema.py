@@ -8,7 +8,7 @@ from plants.laws.lugre import LUGRE
 from workbench.simulation.setup import DEFAULT_TOLERANCE, Integrator
 from workbench.study.report.schema import FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
-from workbench.toml.quantities import Hertz, Metre, MetrePerSecond, Raw, Rotation, Second
+from workbench.toml.quantities import AxisNumber, Hertz, Length, MetrePerSecond, Raw, Rotation, Second
 from workbench.toml.reading import Strict
 
 MOST_SAMPLES = 2e7
@@ -31,8 +31,8 @@ class PlantTable(Strict):
     start: Literal["turning", "standstill"] = "turning"
     friction: str = LUGRE.name
     flow: Literal["derived", "chapter3"] = "derived"
-    command: Literal["force", "voltage"] = "force"
-    start_position: Metre = 0.0
+    command: Literal["force", "voltage", "current"] = "force"
+    start_position: Length = AxisNumber(0.0)
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
     spread: dict[str, float] = {}

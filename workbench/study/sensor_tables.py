@@ -1,5 +1,6 @@
 """[sensors]: what may stand there, and the sensors that it becomes."""
 
+from plants.axis import LINEAR, unit_along
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement
 from workbench.simulation.sensors import Channel, Sensors
@@ -8,17 +9,18 @@ from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError, si
 
 CHANNEL_UNITS = {item.name: item.unit for item in fields(Measurement) if item.name in SENSORS}
-"""The unit (SI) of each sensor, by its name in [sensors]."""
+"""The unit (SI) of each sensor beside an axis that goes straight, by its name in [sensors]."""
 
 
-def build_sensors(table: SensorsTable) -> Sensors:
+def build_sensors(table: SensorsTable, axis: str = LINEAR) -> Sensors:
     """The sensors that a table describes, in SI; what it does not say is ideal.
 
     Raises:
         SchemaError: a setting of the wrong unit, or an impossible one.
     """
     channels = {}
-    for name, unit in CHANNEL_UNITS.items():
+    for name, straight in CHANNEL_UNITS.items():
+        unit = unit_along(straight, axis)
         channel: ChannelTable = getattr(table, name)
         resolution = _value(channel, "resolution", name, unit)
         if channel.bits is not None:

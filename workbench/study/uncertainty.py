@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from plants.axis import LINEAR, unit_along
 from workbench.parameters.sets import nearby, parameter_path, read_deviations, read_parameters
 from workbench.study.overrides import PlantSample, SensorSample, spread_names
 from workbench.study.sensor_tables import CHANNEL_UNITS
@@ -23,7 +24,9 @@ RUN_STREAM = 3
 """The stream of samples of `workbench run`: none of those on which gains are tuned or decisions made."""
 
 
-def on_plant_samples(study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None) -> list[Case]:
+def on_plant_samples(
+    study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None, axis: str = LINEAR
+) -> list[Case]:
     """Each case on each plant sample of these `numbers` (default: 1 to the study's number of draws), in that order.
 
     The cases as they are where a study draws none. Results get a column `draw`; the first number tells solver errors.
@@ -39,7 +42,7 @@ def on_plant_samples(study: Study, cases: Sequence[Case], numbers: Iterable[int]
     try:
         for parameters in {str(case.tables["plant"]["parameters"]) for case in cases} if table.friction else ():
             spread_names(parameters, read_deviations(parameter_path(parameters, study.path.parent)))
-        samples = {number: plant_sample(table, number, RUN_STREAM) for number in numbered}
+        samples = {number: plant_sample(table, number, RUN_STREAM, axis) for number in numbered}
     except SchemaError as mistake:
         raise study.error(mistake.key, mistake.message) from None
     return [
@@ -72,7 +75,7 @@ def check_scales(study: Study, cases: Iterable[Case]) -> None:
             raise study.error(("uncertainty", "scale", name), f"unknown parameter; {nearby(name, sorted(known))}")
 
 
-def plant_sample(table: UncertaintyTable, number: int, stream: int = 0) -> PlantSample:
+def plant_sample(table: UncertaintyTable, number: int, stream: int = 0, axis: str = LINEAR) -> PlantSample:
     """The plant of draw `number`: each draw of a `stream` is the same plant for every case and controller.
 
     Factors are drawn uniformly, or so in their logarithm. Every channel takes as many random numbers, whichever of
@@ -86,7 +89,7 @@ def plant_sample(table: UncertaintyTable, number: int, stream: int = 0) -> Plant
     factors = {name: _factor(limits, generator.random()) for name, limits in table.scale.items()}
     noise = dict[str, float]()
     for channel, limits in table.noise.items():
-        low, high = (_noise(channel, key, value) for key, value in (("min", limits.min), ("max", limits.max)))
+        low, high = (_noise(channel, key, value, axis) for key, value in (("min", limits.min), ("max", limits.max)))
         noise[channel] = low + (high - low) * generator.random()
     sensors = dict[str, SensorSample]()
     for channel in CHANNEL_UNITS if table.calibration else ():
@@ -102,10 +105,10 @@ def _factor(factors: FactorTable, share: float) -> float:
     return factors.min + (factors.max - factors.min) * share
 
 
-def _noise(channel: str, key: str, value: object) -> float:
+def _noise(channel: str, key: str, value: object, axis: str) -> float:
     if channel not in CHANNEL_UNITS:
         raise SchemaError(("uncertainty", "noise", channel), f"no such sensor; expected {', '.join(CHANNEL_UNITS)}")
     try:
-        return si(value, CHANNEL_UNITS[channel])
+        return si(value, unit_along(CHANNEL_UNITS[channel], axis))
     except QuantityError as error:
         raise SchemaError(("uncertainty", "noise", channel, key), str(error)) from None

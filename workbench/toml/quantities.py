@@ -3,12 +3,66 @@
 from functools import partial
 from typing import Annotated
 
-from pydantic import BeforeValidator, StrictFloat
+from pydantic import BaseModel, BeforeValidator, PlainValidator, StrictFloat
 
-from workbench.toml.units import QuantityError, si
+from plants.axis import KINDS, LINEAR, ROTARY
+from workbench.toml.reading import Key, SchemaError
+from workbench.toml.units import QuantityError, example, si
 
 Raw = StrictFloat | str
 """A quantity whose unit depends on its place; converted when the case is resolved."""
+
+
+class AxisNumber(float):
+    """A length or a speed (SI) along an axis: `unit` is that of the axis for which it was written, "" for any."""
+
+    unit: str = ""
+
+    @classmethod
+    def read(cls, value: object, per: str = "") -> "AxisNumber":
+        """A quantity in m or rad, or with `per` "/s" in m/s or rad/s."""
+        try:
+            return cls._of(value, LINEAR, per)
+        except QuantityError as error:
+            try:
+                return cls._of(value, ROTARY, per)
+            except QuantityError:
+                raise error from None
+
+    @classmethod
+    def _of(cls, value: object, axis: str, per: str) -> "AxisNumber":
+        number = cls(si(value, axis + per))
+        number.unit = axis + per if isinstance(value, str) else ""
+        return number
+
+
+def along_axis(number: float, axis: str, key: Key) -> float:
+    """A number of a study, if it was written for an axis whose positions are in `axis`.
+
+    Raises:
+        SchemaError: it was written for another.
+    """
+    unit = getattr(number, "unit", "")
+    expected = f"{axis}/s" if unit.endswith("/s") else axis
+    if unit not in ("", expected):
+        raise SchemaError(key, f"got a quantity in {unit}, expected {example(expected)}: {KINDS[axis]}")
+    return float(number)
+
+
+def check_along(table: BaseModel, axis: str, key: Key) -> None:
+    """All numbers of a table that lie along the axis, likewise."""
+    for name, value in table:
+        for i, item in enumerate(value if isinstance(value, list) else [value]):
+            place = (*key, name, i) if isinstance(value, list) else (*key, name)
+            if isinstance(item, BaseModel):
+                check_along(item, axis, place)
+            elif isinstance(item, AxisNumber):
+                along_axis(item, axis, place)
+
+
+Length = Annotated[AxisNumber, PlainValidator(AxisNumber.read)]
+Speed = Annotated[AxisNumber, PlainValidator(partial(AxisNumber.read, per="/s"))]
+"""Along the axis of the study's plants: in m, or in rad."""
 
 Metre = Annotated[float, BeforeValidator(partial(si, unit="m"))]
 MetrePerSecond = Annotated[float, BeforeValidator(partial(si, unit="m/s"))]

@@ -4,7 +4,7 @@ import functools
 import math
 import re
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workbench.toml.kept import kept_with
 
@@ -75,9 +75,16 @@ def _si_factor(named: str, unit: str) -> float | None:
         Exception: pint's, for what is no unit.
     """
     registry, one = _registry(), _base(1.0, named)
-    if one.units != registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units:
+    expected = registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units
+    if one.units not in (expected, _without_radian(expected) if named else expected):
         raise _OtherDimensionError
     return float(one.magnitude) if _base(0.0, named).magnitude == 0.0 else None
+
+
+def _without_radian(unit: Any) -> Any:
+    """A unit that is a radian's, as people write it: a viscous friction in N m s is one in N m s/rad."""
+    per_radian = dict(unit._units).get("radian", 0)
+    return unit / _registry().Unit("radian") ** per_radian if per_radian < 0 else unit
 
 
 def unit_written(value: object) -> str | None:
@@ -110,7 +117,11 @@ _SPELLED = (*(prefix + name for name in _WORDS for prefix in ("", "milli", "micr
 
 def example(unit: str) -> str:
     """How a quantity of this unit is written, for error messages."""
-    return "a plain number" if unit == "1" else f'a quantity in {unit}, such as "1 {unit}"'
+    return "a plain number" if unit == "1" else f'{_KINDS.get(unit, "a quantity")} in {unit}, such as "1 {unit}"'
+
+
+_KINDS = {"N m": "a torque"}
+"""What is said of a unit that a slip of the pen makes another one of: N m and N."""
 
 
 def si(value: object, unit: str, command: str = "V", *, infinite: bool = False) -> float:

@@ -11,6 +11,7 @@ from workbench.study.study import Case, Study, named
 from workbench.study.uncertainty import check_scales, plant_sample
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.study.unfold import unfold
+from workbench.toml.quantities import check_along
 from workbench.toml.reading import SchemaError
 from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Dimension, rotation_of, space_of
@@ -92,17 +93,18 @@ def _task(study: Study, all_cases: Sequence[Case], name: str, at: Mapping[str, o
     first = cases[0].resolve()
     settings, controller = first.settings, first.setup.loop.controller
     try:
+        check_along(table, first.setup.plant.axis, ("tune",))
         dimensions = list[Dimension]()
         if tuned:
-            dimensions += space_of(name, controller, settings, table, first.setup.plant.command_unit)
+            dimensions += space_of(name, controller, settings, table, first.setup.plant)
             dimensions += rotation_of(table, chosen[0].rpm, cases[0].tables.plant.minimum_helical_speed)
         uncertainty = study.file.uncertainty or UncertaintyTable()
-        task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at)
+        task = Task(study, name, controller, settings, cases, dimensions, uncertainty, at, first.setup.plant.axis)
         if table.draws and study.file.uncertainty is None:
             raise SchemaError(("tune", "draws"), "needs [uncertainty], which says what machines may be met")
         if table.draws:
             check_scales(study, chosen)
-            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0)))
+            cases[0].resolve(Overrides(sample=plant_sample(uncertainty, 0, axis=task.axis)))
         if table.rotation is not None and tuned:
             cases[0].resolve(overrides_at(task.start))
         if table.rotation is not None and table.rotation.rpm is not None and len({case.rpm for case in chosen}) > 1:

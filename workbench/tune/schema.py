@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from workbench.errors import UserError, nearest
 from workbench.study.study import Study
-from workbench.toml.quantities import Metre, MetrePerSecond, Raw, Rotation, Second
+from workbench.toml.quantities import Length, MetrePerSecond, Raw, Rotation, Second, Speed
 from workbench.toml.reading import Strict
 
 METRICS = {
@@ -56,8 +56,8 @@ class ConstraintsTable(Strict):
     saturated: float = Field(0.05, ge=0.0, le=1.0)
     gain_margin_dB: float = Field(6.0, ge=0.0)  # noqa: N815 - the unit's own spelling
     phase_margin_deg: float = Field(45.0, ge=0.0, lt=180.0)
-    margin_speed: MetrePerSecond | None = Field(None, gt=0.0)
-    hold_level: Metre | None = Field(None, gt=0.0)
+    margin_speed: Speed | None = Field(None, gt=0.0)
+    hold_level: Length | None = Field(None, gt=0.0)
     hold_duration: Second = Field(10.0, gt=0.0)
 
 

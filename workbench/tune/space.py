@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from controllers.interface import Controller
 from controllers.settings import Setting, Tuned, idle, settings_of
+from plants.interface import Plant
 from workbench.errors import nearest
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError, si
@@ -51,7 +52,7 @@ class Dimension:
 
 
 def space_of(
-    name: str, controller: Controller, settings: NamedTuple, table: TuneTable, command_unit: str
+    name: str, controller: Controller, settings: NamedTuple, table: TuneTable, plant: Plant
 ) -> list[Dimension]:
     """The dimensions of a controller's gains.
 
@@ -80,7 +81,7 @@ def space_of(
             if gain in unused:
                 raise SchemaError((*key, gain), unused[gain])
     dimensions = [
-        _dimension(declared[gain], getattr(settings, gain), bound, command_unit, (*key, gain))
+        _dimension(declared[gain], getattr(settings, gain), bound, plant.unit_for(declared[gain].unit), (*key, gain))
         for gain, bound in chosen.items()
     ]
     if not dimensions:
@@ -88,7 +89,7 @@ def space_of(
     return dimensions
 
 
-def _dimension(setting: Setting, value: float, bound: BoundTable, command_unit: str, key: tuple[str, ...]) -> Dimension:
+def _dimension(setting: Setting, value: float, bound: BoundTable, unit: str, key: tuple[str, ...]) -> Dimension:
     """Limits as the study gives them, else as documented."""
     documented = setting.tuned
     low, high = _documented(documented, value)
@@ -97,7 +98,7 @@ def _dimension(setting: Setting, value: float, bound: BoundTable, command_unit: 
         if given is None:
             continue
         try:
-            number = si(given, setting.unit, command_unit)
+            number = si(given, unit)
         except QuantityError as error:
             raise SchemaError((*key, side), str(error)) from None
         if not setting.about.admits(number):
@@ -112,7 +113,7 @@ def _dimension(setting: Setting, value: float, bound: BoundTable, command_unit: 
         if bound.scale:
             raise SchemaError(key, f'min {low:g} has no logarithm; give it a min above 0, or scale = "linear"')
         logarithmic = False
-    return Dimension(setting.name, setting.unit.replace("command", command_unit), low, high, logarithmic, value)
+    return Dimension(setting.name, unit, low, high, logarithmic, value)
 
 
 def _documented(tuned: Tuned | None, value: float) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from controllers.interface import Controller
 from controllers.settings import settings_of
+from plants.axis import LINEAR
 from workbench.study.overrides import Overrides
 from workbench.study.resolve import ParsedCase, Resolved
 from workbench.study.study import Study
@@ -24,7 +25,7 @@ class Task:
     """One controller of a study, to be tuned: its cases on the declared machine, and what is tuned.
 
     `settings` are those that the study gives it. `at` are the values of the axes that [tune] per names: each
-    combination of them has a task of its own.
+    combination of them has a task of its own. `axis` is the unit of the plant's positions, "m" or "rad".
     """
 
     study: Study
@@ -35,6 +36,7 @@ class Task:
     dimensions: Sequence[Dimension]
     uncertainty: UncertaintyTable
     at: Mapping[str, object] = field(default_factory=dict)
+    axis: str = LINEAR
 
     @property
     def label(self) -> str:
@@ -85,7 +87,7 @@ def _at(task: Task, point: tuple[tuple[str, float], ...]) -> list[Resolved]:
 @functools.lru_cache(maxsize=SAMPLES)
 def _samples(task: Task, rotation: tuple[tuple[str, float], ...], number: int, stream: int) -> list[Resolved]:
     """The cases of a task on a plant sample, with the gains of the study."""
-    sample = plant_sample(task.uncertainty, number, stream)
+    sample = plant_sample(task.uncertainty, number, stream, task.axis)
     overrides = replace(overrides_at(dict(rotation)), sample=sample)
     return [case.resolve(overrides) for case in task.cases]
 

@@ -119,7 +119,7 @@ def plant_file(diagnosis: Diagnosis) -> str:
             entries.append(_entry(name, fitted[name], f"workbench diagnose, {experiment.path.name}"))
         else:
             entries.append(Entry(name, experiment.values[name], None, f"as declared: {experiment.declared}"))
-    return parameter_file(f"{experiment.declared}, {title}", source, entries)
+    return parameter_file(f"{experiment.declared}, {title}", source, entries, experiment.plant.axis)
 
 
 def _entry(name: str, fitted: FittedParameter, source: str) -> Entry:

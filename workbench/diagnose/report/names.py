@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 
 from workbench.parameters.sets import known_units
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
@@ -15,6 +16,8 @@ ERRORS = {
     "motor_rms_V": ("residual of the motor's balance of voltages", "V", "V"),
     "pump_speed_rms_rad_per_s": ("pump speed on plateaus", "rad/s", "rpm"),
     "position_rms_m": ("position, simulated against measured", "m", "mm"),
+    "torque_rms_N_m": ("residual of the torque balance", "N m", "N m"),
+    "position_rms_rad": ("position, simulated against measured", "rad", "deg"),
     "load_pressure_rms_Pa": ("load pressure, simulated against measured", "Pa", "kPa"),
 }
 """Figures of the error: in words, the unit that they have, the unit that is shown."""
@@ -22,17 +25,18 @@ ERRORS = {
 MOST_DECIMALS, READABLE = 6, 1e7
 """Decimals, and a size, up to which a number is written out."""
 
-_COARSE = {"m": 1e-4, "Pa": 1e6, "s": 0.1}
+_COARSE = {"Pa": 1e6, "s": 0.1}
 
 
 def shown_unit(unit: str, value: float) -> str:
     """The unit in which a parameter of this size is read most easily."""
     large = abs(value) >= _COARSE.get(unit, 0.0)
+    if unit in SHOWN:
+        return SHOWN[unit].scaled(abs(value))[1]
     units = {
-        "m": "mm" if large else "µm",
         "Pa": "MPa" if large else "kPa",
         "s": "s" if large else "ms",
-        "m/s": "mm/s",
+        **{si: name for shown in SHOWN.values() for si, name in shown.units.items()},
         "m^3/s": "cm^3/s",
         "m^2": "cm^2",
         "m^3": "cm^3",
@@ -45,9 +49,9 @@ def shown_unit(unit: str, value: float) -> str:
     return units.get(unit, unit)
 
 
-def quantity(name: str, value: float, std: float | None = None) -> str:
-    """A parameter's value with its unit, and its standard deviation in the same unit."""
-    unit = known_units().get(name, "1")
+def quantity(name: str, value: float, std: float | None, axis: str) -> str:
+    """Of a plant along that axis, a parameter's value with its unit, and its standard deviation in the same unit."""
+    unit = known_units(axis).get(name, "1")
     shown = shown_unit(unit, value)
     scale = factor(unit, shown)
     text = shown_number(scale * value, 4)

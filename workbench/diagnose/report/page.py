@@ -7,6 +7,7 @@ from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.publish.along import SHOWN
 from workbench.publish.html import html_environment
 from workbench.publish.pictures import Picture
 from workbench.publish.tables import Table
@@ -68,7 +69,7 @@ def page(diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[
     balances = [
         {
             "title": title_of(result.balance),
-            "words": BALANCES.get(result.balance.name, ""),
+            "words": SHOWN[diagnosis.axis].said(BALANCES.get(result.balance.name, "")),
             "names": [name for name, picture in pictures.items() if picture.section == result.balance.name],
         }
         for result in diagnosis.rounds

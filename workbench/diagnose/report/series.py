@@ -1,5 +1,6 @@
 """Residuals of a diagnosis as figures show them: before and after, over time or a signal, and how white they are."""
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -13,6 +14,7 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.selection.unexplained import bins_of
 from workbench.diagnose.simulation.shooting import SIMULATION
+from workbench.publish.along import SHOWN
 from workbench.toml.units import factor
 
 FEWEST = 8
@@ -40,6 +42,7 @@ class Part:
     before: np.ndarray
     after: np.ndarray
     moving: np.ndarray
+    axis: str
 
     def of(self, side: Literal["before", "after"]) -> np.ndarray:
         """The residual of one side."""
@@ -48,7 +51,7 @@ class Part:
     def signal(self, name: str) -> np.ndarray | None:
         """A signal at the residual's times, as it is shown; None where it was not measured."""
         values = signals_of(self.motion.thinned).get(name)
-        return None if values is None else SIGNALS[name].scale * values
+        return None if values is None else signals_along(self.axis)[name].scale * values
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,7 @@ class Signal:
     scale: float
 
 
-SIGNALS: Mapping[str, Signal] = {
-    "position": Signal("position (mm)", 1e3),
-    "velocity": Signal("velocity (mm/s)", 1e3),
-    "acceleration": Signal("acceleration (m/s^2)", 1.0),
+_ELSE: Mapping[str, Signal] = {
     "load_pressure": Signal("load pressure (kPa)", 1e-3),
     "pressure_1": Signal("pressure 1 (kPa)", 1e-3),
     "pressure_2": Signal("pressure 2 (kPa)", 1e-3),
@@ -70,6 +70,19 @@ SIGNALS: Mapping[str, Signal] = {
     "rotation_angle": Signal("angle (rad)", 1.0),
     "time": Signal("time (s)", 1.0),
 }
+
+
+@functools.cache
+def signals_along(axis: str) -> Mapping[str, Signal]:
+    """By name, of plants along that axis."""
+    shown = SHOWN[axis]
+    return {
+        "position": Signal(f"position ({shown.unit})", shown.factor),
+        "velocity": Signal(f"velocity ({shown.speed_unit})", shown.factor),
+        "acceleration": Signal(f"acceleration ({axis}/s^2)", 1.0),
+        **_ELSE,
+    }
+
 
 ALWAYS = ("position", "velocity", "load_pressure", "valve_voltage", "rotation_angle", "time")
 """Signals that are always shown where they were measured."""
@@ -86,7 +99,7 @@ def shown_signals(diagnosis: Diagnosis, balance: Balance, part: "Part") -> list[
         wanted |= set(effects()[effect.name].acts_on)
     if diagnosis.unexplained is not None and diagnosis.unexplained.balance == balance.name:
         wanted |= set(diagnosis.unexplained.dependence.signals)
-    return [name for name in SIGNALS if name in wanted and part.signal(name) is not None]
+    return [name for name in signals_along(balance.axis) if name in wanted and part.signal(name) is not None]
 
 
 NOISE = "standard deviations of the sensors' noise"
@@ -94,7 +107,12 @@ NOISE = "standard deviations of the sensors' noise"
 
 def title_of(balance: Balance) -> str:
     """What a balance is called at the top of a figure."""
-    return "Simulated plant" if balance.name == SIMULATION else f"{balance.name.capitalize()} balance"
+    return "Simulated plant" if balance.name == SIMULATION else f"{words_of(balance).capitalize()} balance"
+
+
+def words_of(balance: Balance) -> str:
+    """What a balance is called: on an axis that turns that of forces is one of torques."""
+    return SHOWN[balance.axis].said(balance.name)
 
 
 def unit_of(balance: Balance) -> str:
@@ -116,7 +134,7 @@ def parts_of(diagnosis: Diagnosis, balance: Balance) -> list[Part]:
             moving = ~thin.resting if balance.contact else np.ones(thin.time.size, dtype=bool)
             sides = [_residuals(balance, motion, values) for values in (diagnosis.baseline, diagnosis.corrected)]
             for number, (before, after) in enumerate(zip(*sides, strict=True)):
-                parts.append(Part(label, use, number, motion, thin.time, before, after, moving))
+                parts.append(Part(label, use, number, motion, thin.time, before, after, moving, balance.axis))
     return parts
 
 

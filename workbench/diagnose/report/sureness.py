@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
+from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residual_stage import PLACED, PLACES
 from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
@@ -23,6 +24,7 @@ from workbench.diagnose.selection.selection import (
 )
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, dependence
 from workbench.diagnose.simulation.promising import EXPLAINS
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
@@ -44,7 +46,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
     lines += _of_simulation(diagnosis)
     lines += _of_worse(diagnosis)
     if unexplained is not None and diagnosis.verdict != "unexplained":
-        depends = dependence_words(unexplained.dependence)
+        depends = dependence_words(unexplained.dependence, diagnosis.axis)
         lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
         lines.append(of_term(unexplained.term))
@@ -69,7 +71,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
 def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     """What an effect is, and what speaks for it."""
     evidence = effect.evidence
-    text = f"{plain_name(effect.name).capitalize()}: {effects()[effect.name].words} "
+    text = f"{plain_name(effect.name).capitalize()}: {effects(diagnosis.axis)[effect.name].words} "
     text += f"({effects()[effect.name].source})."
     if evidence.left_out_gain is not None:
         count = len(effect.parameters)
@@ -104,7 +106,7 @@ def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
         reason = "the sensors' noise explains all of it on the records that were fitted, but not on the held-out ones"
     else:
         reason = "the sensors' noise explains all of it"
-    return f"What is left of the {result.balance.name} balance is {times}: {reason}."
+    return f"What is left of the {words_of(result.balance)} balance is {times}: {reason}."
 
 
 def why_none(result: BalanceResult) -> str:
@@ -113,8 +115,8 @@ def why_none(result: BalanceResult) -> str:
     best = step.candidates[0]
     share, _ = gain(step.before, best.fit)
     return (
-        f"No effect was added to the {result.balance.name} balance: the best, {plain_name(best.effect)}, would lower "
-        f"it by {percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
+        f"No effect was added to the {words_of(result.balance)} balance: the best, {plain_name(best.effect)}, would "
+        f"lower it by {percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
     )
 
 
@@ -162,9 +164,10 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"The simulated plant does without {listed_names(simulation.dropped)}: dropped.")
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.position is not None and after.position is not None:
+        off, left = (SHOWN[diagnosis.axis].length(errors.position or 0.0, 2) for errors in (after, own))
         lines.append(
-            f"A free run of the held-out records is off by {shown_number(1e3 * after.position, 2)} mm in position. "
-            f"With the same parameters fitted to these records themselves {shown_number(1e3 * own.position, 2)} mm "
+            f"A free run of the held-out records is off by {off} in position. "
+            f"With the same parameters fitted to these records themselves {left} "
             "would be left: so much of it is the model's, and the rest is drift, as small forces that differ between "
             "records add up."
         )
@@ -209,7 +212,7 @@ def _far(diagnosis: Diagnosis) -> list[str]:
     """The balances that are far from their floors, whatever the verdict."""
     if diagnosis.simulation is not None and diagnosis.simulation.is_trusted:
         return []
-    return [result.balance.name for result in diagnosis.results if result.after.rms > FAR]
+    return [words_of(result.balance) for result in diagnosis.results if result.after.rms > FAR]
 
 
 def _of_parameters(diagnosis: Diagnosis) -> list[str]:

@@ -6,11 +6,12 @@ import pandas as pd
 
 from workbench.diagnose.report.names import ERRORS, interval, percent, quantity, shown_unit
 from workbench.diagnose.report.parameters import Row, parameter_rows
-from workbench.diagnose.report.series import scale_of, unit_of
+from workbench.diagnose.report.series import scale_of, unit_of, words_of
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.result import ENDED, Diagnosis, error_of
 from workbench.diagnose.selection.selection import Step, gain
 from workbench.parameters.sets import known_units
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
 from workbench.toml.units import factor
@@ -26,9 +27,9 @@ def effects_table(diagnosis: Diagnosis) -> pd.DataFrame:
     lines = [
         {
             "effect": plain_name(effect.name),
-            "balance": effect.balance,
+            "balance": SHOWN[diagnosis.axis].said(effect.balance),
             "parameter": name,
-            "value ± std": quantity(name, *number),
+            "value ± std": quantity(name, *number, diagnosis.axis),
             "gain on left-out data": "" if (share := effect.evidence.left_out_gain) is None else percent(share),
             "cannot be told from": ", ".join(map(plain_name, effect.alternatives)),
         }
@@ -45,7 +46,7 @@ def error_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """
     uses = (("fit", diagnosis.errors.fit), ("held-out", diagnosis.errors.held_out))
     models = [errors for _, use in uses for errors in (use.before, use.after)]
-    floors = {error_of(result.balance.name): result.balance.floor for result in diagnosis.results}
+    floors = {error_of(result.balance.name, result.balance.axis): result.balance.floor for result in diagnosis.results}
     lines = []
     for key in dict.fromkeys(key for errors in models for key in errors.by_key):
         words, unit, shown = ERRORS.get(key, (plain_name(key), "1", "1"))
@@ -72,7 +73,7 @@ def parameter_table(diagnosis: Diagnosis) -> pd.DataFrame:
     lines = []
     last = "rejected" if diagnosis.is_rejected else "with effects"
     for name, row in parameter_rows(diagnosis).items():
-        unit = known_units().get(name, "1")
+        unit = known_units(diagnosis.axis).get(name, "1")
         shown = shown_unit(unit, row.final.value)
         scale = factor(unit, shown)
         line = {
@@ -104,7 +105,7 @@ def evidence_table(diagnosis: Diagnosis) -> pd.DataFrame:
     for result in diagnosis.rounds:
         unit, scale = unit_of(result.balance), scale_of(result.balance)
         for number, step in enumerate(result.steps, 1):
-            start = {"balance": result.balance.name, "round": str(number), "unit": unit}
+            start = {"balance": words_of(result.balance), "round": str(number), "unit": unit}
             before = shown_number(scale * step.before.validated_rms, 3)
             lines.append({**start, "candidate": "nothing added", "left-out rms": before})
             for candidate in step.candidates:
@@ -127,7 +128,7 @@ def quantity_of(fit: Fit, name: str) -> str:
     """A fitted parameter by name, with its unit; one without a deviation was stopped by its bound."""
     if not fit.deviations[name]:
         return f"{name} at its bound"
-    return f"{name} = {quantity(name, fit.values[name], fit.deviations[name])}"
+    return f"{name} = {quantity(name, fit.values[name], fit.deviations[name], fit.balance.axis)}"
 
 
 def outcome(step: Step, effect: str) -> str:

@@ -6,6 +6,7 @@ from workbench.diagnose.report.names import listed_names, percent, quantity
 from workbench.diagnose.result import Diagnosis, Estimate
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 
@@ -18,7 +19,9 @@ FAR = 3.0
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """What was found, in one sentence."""
-    effects = [f"{plain_name(effect.name)} ({_numbers(effect.parameters)})" for effect in diagnosis.effects]
+    effects = [
+        f"{plain_name(effect.name)} ({_numbers(effect.parameters, diagnosis.axis)})" for effect in diagnosis.effects
+    ]
     match diagnosis.verdict:
         case "rejected_on_held_out":
             return (
@@ -37,7 +40,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return f"Found: {listed(effects)}."
         case "unexplained":
             assert diagnosis.unexplained is not None
-            depends = dependence_words(diagnosis.unexplained.dependence)
+            depends = dependence_words(diagnosis.unexplained.dependence, diagnosis.axis)
             return f"Unexplained: {depends}; no known effect explains it."
         case "none_missing":
             return _none_missing(diagnosis)
@@ -67,14 +70,14 @@ def _none_missing(diagnosis: Diagnosis) -> str:
     )
 
 
-def _numbers(parameters: Mapping[str, Estimate]) -> str:
-    return ", ".join(f"{name} = {quantity(name, *number)}" for name, number in parameters.items())
+def _numbers(parameters: Mapping[str, Estimate], axis: str) -> str:
+    return ", ".join(f"{name} = {quantity(name, *number, axis)}" for name, number in parameters.items())
 
 
-def dependence_words(dependence: Dependence) -> str:
+def dependence_words(dependence: Dependence, axis: str) -> str:
     """On which signals a balance's residual depends."""
     shares = [f"{plain_name(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
-    return f"the {dependence.balance} balance's residual depends on {listed(shares)}"
+    return f"the {SHOWN[axis].said(dependence.balance)} balance's residual depends on {listed(shares)}"
 
 
 def held_out_floors(diagnosis: Diagnosis, result: BalanceResult) -> float:

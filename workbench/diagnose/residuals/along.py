@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import fields, from_array, to_array
+from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.holding import hold_all
 from workbench.diagnose.residuals.motion import Motion, smoothed, window_points, with_backlash, with_pressure_offset
@@ -209,7 +209,7 @@ class Along:
         if self.plant.rotary_command is not None and "rotation_speed" in motion.channels:
             surface = float(motion.channels["rotation_speed"][0]) * values["piston_radius"]
         state, inputs = self.plant.equilibrium(parameters, surface)
-        return state, inputs._replace(**{self.plant.command: 0.0})
+        return state, replaced(inputs, {self.plant.command: 0.0})
 
     def inputs(self, motion: Motion, values: Values, hidden: Collection[str]) -> np.ndarray:
         """Inputs (instants, inputs), the command as it arrives, unless the plant delays it itself; 0 where no channel

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from plants.axis import LINEAR
 from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -28,6 +29,7 @@ class Balance:
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
     these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
     nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
+    `axis` is that of the plant, "m" or "rad".
     """
 
     name: str
@@ -41,6 +43,7 @@ class Balance:
     parts: int = 1
     contact: bool = False
     simulated: bool = False
+    axis: str = LINEAR
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something."""

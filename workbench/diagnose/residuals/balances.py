@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.drive import PRESSED_MASS
+from plants.axis import ROTARY as TURNING
+from plants.axis import name_along
+from plants.drive import pressed
 from plants.effects.attach import lacks, possible
 from plants.effects.interface import COMMAND, Effect, Scales
 from plants.effects.registry import effects
@@ -75,7 +77,7 @@ def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
     """The plant with all effects that it can have and that these channels can tell; a delay is no part of it, since a
     record's command is shifted as a whole.
     """
-    told = (effects()[name] for name in effects_told(plant, channels))
+    told = (effects(plant.axis)[name] for name in effects_told(plant, channels))
     return (plant.bare or plant).with_effects(*(effect for effect in told if ARRIVES not in effect.numbers))
 
 
@@ -98,7 +100,7 @@ def allowed(plant: Plant, flow: str, channels: Collection[str]) -> list[Diagnose
     both = shown(channels, LOAD_PRESSURE) and LOAD_PRESSURE in names and whole.plant.rotary_command is None
     if FORCE not in channels and not both:
         return balances
-    mass = Along(with_possible_effects(PRESSED_MASS, channels), flow)
+    mass = Along(with_possible_effects(pressed(plant.axis), channels), flow)
     others = [item for item in balances if item.name != FORCE]
     return [*others, *(Diagnosed(name, mass) for name in balances_shown(mass.plant, channels))]
 
@@ -140,7 +142,7 @@ def _counting(item: Diagnosed) -> set[str]:
     depends, states = dependences(plant), plant.balances[item.name].states
     reached = {*states, *depends.reached(states, [])}
     names = {name for state in reached for name in depends.parameters[state]} - {FLOW_SHARE}
-    return names | (set(AREAS) if (plant.bare or plant) is PRESSED_MASS else set())
+    return names | (set(AREAS) if (plant.bare or plant) is pressed(plant.axis) else set())
 
 
 def balances_of(
@@ -165,6 +167,7 @@ def balances_of(
                 _effects_on(item, motions[0].channels, values, own[item.name]),
                 parts=len(chosen.states),
                 contact=bool(item.along.hidden(motions[0], chosen.states) & item.along.contact),
+                axis=plant.axis,
             )
         )
     return made
@@ -184,7 +187,7 @@ def _effects_on(item: Diagnosed, channels: Collection[str], values: Values, own:
     plant, kinds = item.along.plant, KINDS.get(item.name, (item.name,))
     shown_here = [
         effect
-        for effect in effects().values()
+        for effect in effects(plant.axis).values()
         if (effect.balance in kinds or (item.name == FLOW and effect.name == SHOWS_ON_FLOW))
         and not lacks(plant.bare or plant, effect)
         and can_be_told(effect, plant, channels)
@@ -200,7 +203,10 @@ def _is_new(effect: Effect, values: Values, free: Collection[str]) -> bool:
     return (
         not any(name in free for name in names)
         and all(
-            values.get(name, 0.0) in (0.0, 1.0) or name.endswith(NEGATIVE) or name == "load_force" for name in names
+            values.get(name, 0.0) in (0.0, 1.0)
+            or name.endswith(NEGATIVE)
+            or name == name_along("load_force", effect.axis)
+            for name in names
         )
         and not any(name.endswith(NEGATIVE) and name in values for name in names)
     )
@@ -252,7 +258,11 @@ def scales_of(motions: Sequence[Motion], values: Values) -> Scales:
     ]
     static = [values.get(name, 0.0) + values.get(other, 0.0) for name, other in LEVELS]
     return Scales(
-        force=max(*static, values.get("mass", 1.0) * max(float(np.std(motion.acceleration)) for motion in motions)),
+        force=max(
+            *static,
+            values.get("mass", values.get(name_along("mass", TURNING), 1.0))
+            * max(float(np.std(motion.acceleration)) for motion in motions),
+        ),
         travel=stroke if np.isfinite(stroke) else way,
         speed=speed,
         pressure=values.get("supply_pressure", max(pressures, default=1.0)),

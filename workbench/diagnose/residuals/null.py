@@ -14,7 +14,7 @@ import numpy as np
 from controllers import pid
 from controllers.belief import velocities
 from controllers.pid import PID
-from plants.equation import fields
+from plants.equation import fields, replaced
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
@@ -46,7 +46,7 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
         for name in (item.name for item in fields(plant.Inputs))
         if given_by(record.channels, name)
     ]
-    inputs = inputs._replace(**dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
+    inputs = replaced(inputs, dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
     run = simulate(
         Setup(
             plant=plant,
@@ -80,7 +80,7 @@ def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Set
     plant = along.plant
     if (known := velocities(parameters)) is not None:
         return pid.Settings(kp=TRACKING / max(known.forward, known.backward))
-    pushed = inputs._replace(**{plant.command: 1.0})
+    pushed = replaced(inputs, {plant.command: 1.0})
     rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
     push = float(next(rates)) - float(next(rates))
     return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)

@@ -39,6 +39,8 @@ GIVEN_BY: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "pump_speed": (("command",),),
     "drive_voltage": (("command",),),
     "drive_force": (("force",), ("command",), BOTH_PRESSURES),
+    "drive_torque": (("force",), ("command",)),
+    "drive_current": (("command",), ("motor_current",)),
     "surface_speed": (("rotation_speed",),),
 }
 """The channels that give an input of that name where none is called so: the first of these that are all there."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plants.axis import AXES
 from plants.effects.interface import FREE, Number, Scales
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
@@ -64,4 +65,6 @@ def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]
 
 
 def _number_of(name: str) -> Number | None:
-    return next((effect.numbers[name] for effect in effects().values() if name in effect.numbers), None)
+    return next(
+        (effect.numbers[name] for axis in AXES for effect in effects(axis).values() if name in effect.numbers), None
+    )

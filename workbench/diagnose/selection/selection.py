@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plants.axis import AXES
 from plants.effects.registry import effects
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, Search, fit
@@ -108,7 +109,9 @@ def candidates_for(
     """
     promises: dict[str, dict[tuple[str, ...], float]] = {}
     for name in balance.effects:
-        more = [variant for variant in effects()[name].variants if name not in taken or extends(variant, names)]
+        more = [
+            variant for variant in effects(balance.axis)[name].variants if name not in taken or extends(variant, names)
+        ]
         if more:
             promises[name] = {variant: promise(before, variant, bounds) for variant in more}
     best = []
@@ -128,7 +131,8 @@ def _by_score(candidate: Candidate) -> float:
 
 def extends(variant: Sequence[str], names: Sequence[str]) -> bool:
     """Whether a variant has all of its effect's parameters that are free already, and more."""
-    own = next(set(effect.numbers) for effect in effects().values() if set(variant) <= set(effect.numbers))
+    every = [effect for axis in AXES for effect in effects(axis).values()]
+    own = next(set(effect.numbers) for effect in every if set(variant) <= set(effect.numbers))
     return own & set(names) < set(variant)
 
 

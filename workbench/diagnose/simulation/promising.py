@@ -63,7 +63,7 @@ def promising(
     columns: dict[str, np.ndarray] = {}
     promised = list[_Promise]()
     for name in balance.effects:
-        effect = effects()[name]
+        effect = effects(balance.axis)[name]
         tried = []
         for variant in effect.variants:
             more = [name for name in variant if name not in before.names]

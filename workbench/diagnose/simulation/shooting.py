@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plants.axis import name_along
 from plants.effects.interface import Scales
+from plants.equation import replaced
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import ARRIVES, Along
 from workbench.diagnose.residuals.balance import Balance
@@ -65,6 +67,7 @@ class Shooting:
             self.effects,
             parts=len(self.channels),
             simulated=True,
+            axis=self.along.plant.axis,
         )
 
     def errors(self, motion: Motion, values: Values) -> list[np.ndarray]:
@@ -124,14 +127,17 @@ class Shooting:
     def _runs(self, motion: Motion, values: Values) -> Iterator[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
         record, along = motion.record, self.along
-        setup, without = self.setups[record], {name: value for name, value in values.items() if name not in BY_ANGLE}
+        cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
+        setup = self.setups[record]
+        without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         parameters = along.parameters(without)
         feeds = [self._delayed(feed, values.get(ARRIVES, 0.0)) for feed in setup.feeds]
-        if any(values.get(name) for name in BY_ANGLE):
+        if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
-            swing = values.get("cosine_force", 0.0) * np.cos(angle) + values.get("sine_force", 0.0) * np.sin(angle)
-            feeds.append(Feed("disturbance_force", Sampled(record.time, swing)))
-        inputs = along.at_rest(motion, without)[1]._replace(**{feed.input: 0.0 for feed in feeds})
+            swing = values.get(cosine, 0.0) * np.cos(angle) + values.get(sine, 0.0) * np.sin(angle)
+            feeds.append(Feed(along.plant.disturbance, Sampled(record.time, swing)))
+        inputs = along.at_rest(motion, without)[1]
+        inputs = replaced(inputs, {feed.input: 0.0 for feed in feeds})
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
         for k, state in zip(starts, along.starting_states(motion, values, starts), strict=True):
             yield (

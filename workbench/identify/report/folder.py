@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from plants.axis import unit_along
 from workbench.identify.report.figures.every import figures_of
 from workbench.identify.report.published import (
     SHOWN,
@@ -54,7 +55,10 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     for spec in experiment.published:
         if thesis is None:
             break
-        beside, notes = published_table(spec, thesis, experiment.truth), published_notes(spec, thesis)
+        beside, notes = (
+            published_table(spec, thesis, experiment.truth, experiment.plant.axis),
+            published_notes(spec, thesis),
+        )
         paths.append(write_frame(spec.table, Table(spec.title, beside, notes), folder / "tables")[1])
     for name, figure in figures.items():
         save(figure, name, folder / "figures")
@@ -70,18 +74,26 @@ def table_of(identification: Identification) -> pd.DataFrame:
     Where records differ in their speed of rotation: rpm | parameter | thesis mean, std, without a truth to hold it to.
     """
     if identification.thesis is not None and len(identification.thesis.groups) > 1:
-        return _by_speed(identification.thesis)
+        return _by_speed(identification.thesis, identification.experiment.plant.axis)
     lines = [_line(identification, name, parameter) for name, parameter in identification.parameters.items()]
     frame = pd.DataFrame(lines).fillna("")
     return frame.drop(columns=[name for name in frame.columns if not frame[name].any()])
 
 
-def _by_speed(fit: ThesisFit) -> pd.DataFrame:
+def _by_speed(fit: ThesisFit, axis: str) -> pd.DataFrame:
     lines = []
     for rpm, group in fit.groups.items():
         for name, estimate in group.items():
-            value, std = (shown_number(scale_shown(name) * number, DIGITS) for number in (estimate.value, estimate.std))
-            line = {"rpm": f"{rpm:g}", "parameter": name, "unit": unit_shown(name), "thesis": value, "thesis std": std}
+            value, std = (
+                shown_number(scale_shown(name, axis) * number, DIGITS) for number in (estimate.value, estimate.std)
+            )
+            line = {
+                "rpm": f"{rpm:g}",
+                "parameter": name,
+                "unit": unit_shown(name, axis),
+                "thesis": value,
+                "thesis std": std,
+            }
             lines.append({**line, "remark": remark(estimate)})
     frame = pd.DataFrame(lines).replace("nan", "")
     return frame.drop(columns=[name for name in ("remark",) if not frame[name].any()])
@@ -147,12 +159,12 @@ def notes_of(identification: Identification) -> list[str]:
             for name, why in fit.unidentified.items()
         ]
         for name, before in fit.before.items():
-            unit = CHANNELS[name]
+            unit = unit_along(CHANNELS[name], identification.experiment.plant.axis)
             shown = SHOWN.get(unit, unit)
             values = [shown_number(factor(unit, shown) * value, 3) for value in (before, fit.rms[name])]
             notes.append(f"{name}, simulated against measured: {values[0]} {shown} rms as declared, {values[1]} after.")
         for name, sensor in fit.sensors.items():
-            unit = NUISANCES[name]
+            unit = unit_along(NUISANCES[name], identification.experiment.plant.axis)
             shown = SHOWN.get(unit, unit)
             texts = [shown_number(factor(unit, shown) * value, 3) for value in (sensor.value, sensor.std)]
             true = identification.experiment.true_sensors.get(name)
@@ -171,4 +183,4 @@ def plant_file(identification: Identification) -> str:
         entry = corrected.get(name, Corrected(value, None, declared))
         entries.append(Entry(name, value, entry.std, entry.source))
     title = f"{experiment.declared}, corrected by {experiment.path.name}"
-    return parameter_file(title, f"workbench identify: {experiment.title}", entries)
+    return parameter_file(title, f"workbench identify: {experiment.title}", entries, experiment.plant.axis)

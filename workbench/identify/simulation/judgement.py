@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from plants.axis import unit_along
 from workbench.errors import UserError
 from workbench.identify.simulation.problem import Problem, noise_of, projected
 from workbench.parameters.sets import known_units
+from workbench.publish.along import SHOWN
 from workbench.records.schema import NUISANCES
 
 UNKNOWN = 0.5
@@ -86,7 +88,7 @@ def at_bounds(problem: Problem, theta: np.ndarray) -> tuple[dict[str, tuple[floa
         end = low if x - low < AT_BOUND else high if high - x < AT_BOUND else None
         if end is None:
             continue
-        value, unit = problem.value(name, end), known_units()[name]
+        value, unit = problem.value(name, end), known_units(problem.axis)[name]
         own = problem.experiment.bounds.get(name, (-np.inf, np.inf))
         if np.isclose(value, own[0 if end == low else 1], rtol=1e-9, atol=0.0):
             given[name] = (value, f"at its bound of {value:.6g} {unit}")
@@ -117,7 +119,7 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
         known = [np.isfinite(each) for each in values]
         off = _rms([residuals[place][own] for place, own in zip(places, known, strict=True)])
         if not off < LOST * varied:
-            by = f"{name} is off by {_number(name, off)} rms and varies by {_number(name, varied)}"
+            by = f"{name} is off by {_number(problem, name, off)} rms and varies by {_number(problem, name, varied)}"
             lost.setdefault(name, []).append((off / varied, f"does not follow {path}: {by}"))
     moving: list[str] = [name for name in ("position", "rotation_speed") if name in seen]
     moving = moving or list(seen)
@@ -136,7 +138,7 @@ def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[s
         name = next(iter(before))
         raise UserError(
             f"{problem.experiment.path}: the fit does not follow the records, {name} worse than as declared "
-            f"({_number(name, after[name])} rms, before {_number(name, before[name])}); "
+            f"({_number(problem, name, after[name])} rms, before {_number(problem, name, before[name])}); "
             "is a sign, a unit or a bound wrong?"
         )
 
@@ -150,9 +152,10 @@ def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> 
             continue
         number = float(numbers[problem.sensors.index(name)])
         if abs(number) > FAR:
+            given = f"{std:.3g} {unit_along(NUISANCES[name], problem.axis)}"
             suspicions.append(
                 f"{name} is {abs(number):.0f} times the standard deviation that [sensors] gives it "
-                f"({std:.3g} {NUISANCES[name]}): the unit or the sign of a channel may be wrong"
+                f"({given}): the unit or the sign of a channel may be wrong"
             )
     for output, rms in after.items():
         places = [place for _, name, place in problem.series() if name == output]
@@ -170,8 +173,8 @@ def _rms(parts: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(np.nanmean(np.concatenate(parts) ** 2)))
 
 
-def _number(output: str, value: float) -> str:
+def _number(problem: Problem, output: str, value: float) -> str:
     """A deviation of an output as it is told."""
     if output == "position":
-        return f"{1e3 * value:.3g} mm"
+        return SHOWN[problem.axis].plain(value, 3)
     return f"{1e-3 * value:.3g} kPa" if output.startswith("pressure") else f"{value:.3g}"

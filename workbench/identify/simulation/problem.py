@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from plants.axis import LINEAR
 from plants.equation import NEGATIVE
 from workbench.errors import UserError
 from workbench.fitting.replay import Observed
@@ -43,7 +44,7 @@ TYPICAL = {
     "command_delay": 0.05,
     "drift_velocity": 1e-3,
 }
-"""Scales (SI) of parameters whose declared value is 0."""
+"""Scales (SI) of parameters whose declared value is 0, of an axis that goes straight."""
 
 
 def _plain(name: str) -> str:
@@ -76,13 +77,18 @@ class Problem:
     progress: Progress = silent
     """Told, in words, how far the fit is."""
 
+    @property
+    def axis(self) -> str:
+        """Unit of the positions of the plant, "m" or "rad"."""
+        return self.experiment.plant.axis
+
     def logarithmic(self, name: str) -> bool:
         """Whether the unknown is a logarithm."""
         return self.start[name] > 0.0 and _plain(name) not in EITHER_SIGN
 
     def scale(self, name: str) -> float:
         """Unit (SI) of an unknown that is no logarithm."""
-        return abs(self.start[name]) or TYPICAL.get(_plain(name), 1.0)
+        return abs(self.start[name]) or (TYPICAL.get(_plain(name), 1.0) if self.axis == LINEAR else 1.0)
 
     def value(self, name: str, theta: float) -> float:
         """A parameter (SI) from its unknown."""

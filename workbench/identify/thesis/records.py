@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plants.axis import name_along
 from workbench.errors import UserError
 from workbench.identify.thesis import method
 from workbench.identify.thesis.method import Estimate
@@ -63,7 +64,7 @@ def identify_by_thesis(experiment: Experiment, records: Sequence[Record], progre
     by_rpm: dict[float, list[dict[str, float]]] = {}
     curves: dict[Record, Slow] = {}
     failed: Counter[tuple[str, str, float]] = Counter()
-    mass = experiment.known_values()["mass"]
+    mass = experiment.known_values()[name_along("mass", experiment.plant.axis)]
     for place, record in enumerate(sorted(records, key=lambda record: record.rpm)):
         progress(f"the thesis's method: record {place + 1} of {len(records)}")
         if record.time.size < fewest_samples(record.sample_time):

@@ -6,8 +6,11 @@ from difflib import get_close_matches
 from functools import cached_property, partial
 
 import numpy as np
+from pydantic import BaseModel
 
+from plants.axis import LINEAR
 from workbench.errors import nearest
+from workbench.metrics.registry import names_along
 from workbench.metrics.window import whole_periods
 from workbench.simulation.references import Steps
 from workbench.simulation.setup import memory_names
@@ -21,7 +24,8 @@ from workbench.study.report.table_layout import LayoutError, lay_out
 from workbench.study.resolve import Resolved
 from workbench.study.sections import Checked, Overlay, overlays_of, placed, sections_of
 from workbench.study.study import INDEX, Case, Study, check_name, located, named
-from workbench.toml.reading import Key
+from workbench.toml.quantities import check_along
+from workbench.toml.reading import Key, SchemaError
 from workbench.toml.units import QuantityError
 
 MEMORY = "controller_"
@@ -61,6 +65,11 @@ class Checks:
             for item in self.resolved
         ]
 
+    @property
+    def axis(self) -> str:
+        """Unit of the positions of the study's plants."""
+        return self.resolved[0].setup.plant.axis if self.resolved else LINEAR
+
     def all(self) -> None:
         """Raise UserError for the first mistake."""
         self._probes()
@@ -77,8 +86,16 @@ class Checks:
         for i, figure in enumerate(self.study.file.figures):
             self._figure(("figures", i), figure)
         for section, content, key in placed(self.study):
+            self._along(content, key)
             section.check(content, replace(self._checked, key=key))
         self.without_use()
+
+    def _along(self, content: BaseModel, key: Key) -> None:
+        """Quantities of a question along the axis of the study's plants."""
+        try:
+            check_along(content, self.axis, key)
+        except SchemaError as mistake:
+            raise self.study.error(mistake.key, mistake.message) from None
 
     @property
     def _checked(self) -> Checked:
@@ -202,7 +219,7 @@ class Checks:
         for name in curve.where:
             check_name(self.study, (*key, "where", name), "axis", name, self.axes)
         case = self._chosen(key, curve.where, one=True)[0]
-        units = signal_units()
+        units = signal_units(self.axis)
         x_unit = units.get(panel.x, "1") if panel.x_unit is None else panel.x_unit
         y_unit = units.get(curve.y, "1") if panel.y_unit is None else panel.y_unit
         for coordinate, name, shown in (("x", curve.x or panel.x, x_unit), ("y", curve.y, y_unit)):
@@ -228,7 +245,7 @@ class Checks:
                 continue
             seen.add(repr(point))
             if item.setup.reference is not None and (reach := _reach(item)) > 0.5 * travel:
-                message = f"reaches {reach:g} m, the stroke ends at +-{0.5 * travel:g} m"
+                message = f"reaches {reach:g} {self.axis}, the stroke ends at +-{0.5 * travel:g} {self.axis}"
                 found[str(located(self.study, case, ("references", name), message))] = None
             period, left = item.signal.period, item.setup.duration - item.transient
             if item.setup.reference is not None and period is not None and whole_periods(left, period) == 0:
@@ -237,10 +254,15 @@ class Checks:
             if self._errors_are_asked_for and (jump := _last_jump(item)) is not None and jump < item.transient:
                 message = (
                     f'"{name}" jumps for the last time at {jump:g} s, and the transient of {item.transient:g} s leaves '
-                    f"nothing of that to {' and '.join(WINDOWED)}; shorten it, or ask for steady-state errors"
+                    f"nothing of that to {' and '.join(self._windowed)}; shorten it, or ask for steady-state errors"
                 )
                 found[str(located(self.study, case, ("simulation", "transient"), message))] = None
         return list(found)
+
+    @property
+    def _windowed(self) -> list[str]:
+        called = names_along(self.axis)
+        return [called[name] for name in WINDOWED]
 
     @cached_property
     def _errors_are_asked_for(self) -> bool:
@@ -248,7 +270,7 @@ class Checks:
         tables = self.study.file.tables
         asked = {one.result for table in tables for one in table.columns}
         asked |= {one.result for table in tables for one in table.rows}
-        return not tables or not asked.isdisjoint(WINDOWED)
+        return not tables or not asked.isdisjoint(self._windowed)
 
     def without_use(self) -> None:
         """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads.

@@ -3,7 +3,7 @@
 Each is written as PDF (for a thesis), SVG (for a page) and PNG.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from workbench.errors import UserError
+from workbench.metrics.registry import axis_of
 from workbench.publish.notebook import NotebookFigure
 from workbench.publish.pictures import save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
@@ -68,7 +69,7 @@ def _draw_panel(
             _draw_column(axes, panel, x_unit, y_unit, curve, frame, number, style)
         else:
             table = trajectory(folder, frame, curve.where, f"figure {name}")
-            _draw_signal(axes, panel, x_unit, y_unit, curve, table, style)
+            _draw_signal(axes, panel, x_unit, y_unit, curve, table, style, signal_units(_axis(frame)))
     if panel.title:
         axes.set_title(panel.title)
     axes.set_xlabel(with_unit(panel.x_label, x_unit))
@@ -90,14 +91,19 @@ def _x_unit(panel: Panel, frame: pd.DataFrame) -> str:
     """The unit in which a panel's x is shown."""
     if panel.x in frame.columns:
         return shown_unit(panel.x, frame[panel.x].dropna().tolist(), panel.x_unit)
-    return signal_units().get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+    return signal_units(_axis(frame)).get(panel.x, "1") if panel.x_unit is None else panel.x_unit
+
+
+def _axis(frame: pd.DataFrame) -> str:
+    """The axis of the plants that results are of."""
+    return axis_of([str(name) for name in frame.columns])
 
 
 def _y_unit(panel: Panel, frame: pd.DataFrame) -> str:
     """The unit in which a panel's y is shown: where none is given that of all its curves, "1" where they differ."""
     if panel.y_unit is not None:
         return panel.y_unit
-    of_signals = signal_units()
+    of_signals = signal_units(_axis(frame))
     units = {
         unit_of_column(curve.y) if panel.x in frame.columns else of_signals.get(curve.y, "1") for curve in panel.curves
     }
@@ -113,9 +119,16 @@ def _draw_measured(axes: Axes, panel: Panel, x_unit: str, y_unit: str, measured:
 
 
 def _draw_signal(
-    axes: Axes, panel: Panel, x_unit: str, y_unit: str, curve: Curve, table: pd.DataFrame, style: LineStyle
+    axes: Axes,
+    panel: Panel,
+    x_unit: str,
+    y_unit: str,
+    curve: Curve,
+    table: pd.DataFrame,
+    style: LineStyle,
+    units: Mapping[str, str],
 ) -> None:
-    x_name, units = curve.x or panel.x, signal_units()
+    x_name = curve.x or panel.x
     for name in (x_name, curve.y):
         if name not in table:
             raise UserError(f'the plant of that case has no signal "{name}"')

@@ -7,8 +7,10 @@ import pandas as pd
 
 from controllers.pid import PID
 from plants.equation import fields
-from plants.friction import Friction
+from plants.friction import friction_in
 from workbench.linear.describing_function import Prediction, predict
+from workbench.metrics.registry import names_along
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.simulation.setup import Setup
 from workbench.study.plan import Plan
@@ -23,7 +25,6 @@ NOTE = (
 )
 FOUND, NOT_FOUND, NOT_ASKED = "predicted", "none predicted", "does not apply"
 DIGITS = 4
-MM = 1e3
 
 
 def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
@@ -31,9 +32,8 @@ def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
 
     `frame` holds the results of `planned`, its index that of the cases.
     """
-    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(
-        subset="limit_cycle_amplitude_m"
-    )
+    shown, size = SHOWN[planned.axis], names_along(planned.axis)["limit_cycle_amplitude_m"]
+    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(subset=size)
     lines = []
     for index, row in cycling.iterrows():
         number = int(str(index))
@@ -46,7 +46,7 @@ def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
                 "verdict": row["limit_cycle"],
                 "describing function": FOUND if prediction else NOT_FOUND if asked else NOT_ASKED,
                 **_beside(
-                    "peak to peak", "mm", row["limit_cycle_amplitude_m"] * MM, prediction, "amplitude", MM, lasting
+                    "peak to peak", shown.unit, row[size] * shown.factor, prediction, "amplitude", shown.factor, lasting
                 ),
                 **_beside("period", "s", row["limit_cycle_period_s"], prediction, "period", 1.0, lasting),
             }
@@ -56,9 +56,8 @@ def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
 
 def _applies(setup: Setup) -> bool:
     """Whether a PID holds a mass with a contact that follows the LuGre law."""
-    friction = getattr(setup.parameters, "friction", None)
-    pushed = "disturbance_force" in [item.name for item in fields(setup.plant.Inputs)]
-    return setup.loop.controller is PID and isinstance(friction, Friction) and pushed
+    pushed = setup.plant.disturbance in [item.name for item in fields(setup.plant.Inputs)]
+    return setup.loop.controller is PID and friction_in(setup.parameters) is not None and pushed
 
 
 def _predicted(setup: Setup) -> Prediction | None:

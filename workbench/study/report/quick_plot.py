@@ -7,7 +7,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from plants.axis import LINEAR, ROTARY
 from workbench.errors import UserError, nearest
+from workbench.metrics.registry import axis_of
+from workbench.publish.along import SHOWN
 from workbench.publish.pictures import FORMATS, save
 from workbench.publish.tables import with_unit
 from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
@@ -58,7 +61,7 @@ def _units(frame: pd.DataFrame, stored: Mapping[int, Sequence[str]], over_axis: 
     """The units of what can be drawn, by name: any signal where no trajectory was kept, which is told later."""
     if over_axis:
         return {name: unit_of_column(name) for name in map(str, frame.columns)}
-    declared = signal_units()
+    declared = signal_units(axis_of([str(name) for name in frame.columns]))
     names = dict.fromkeys(name for signals in stored.values() for name in signals)
     return {name: declared.get(name, "1") for name in names} or declared
 
@@ -114,12 +117,14 @@ def _panel(x: str, names: Sequence[str], x_unit: str | None, units: Mapping[str,
 
 
 def _drawn(panel: Panel, where: Mapping[str, str], frame: pd.DataFrame, folder: Path) -> Figure:
-    """The figure, in mm where all is shorter than 1 m."""
+    """The figure, in mm where all is shorter than 1 m; of an axis that turns in deg."""
     title = ", ".join(_axis_value(axis, value) for axis, value in where.items()) or "all cases"
     figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
-    if panel.y_unit == "m" and _largest(figure) < 1.0:
-        in_mm = panel.model_copy(update={"y_unit": "mm"})
-        return draw(FigureSpec(name="plot", title=title, panels=[in_mm]), frame, folder)
+    turns = panel.y_unit in SHOWN[ROTARY].units
+    if turns or (panel.y_unit == "m" and _largest(figure) < 1.0):
+        shown = SHOWN[ROTARY if turns else LINEAR].units[str(panel.y_unit)]
+        in_shown = panel.model_copy(update={"y_unit": shown})
+        return draw(FigureSpec(name="plot", title=title, panels=[in_shown]), frame, folder)
     return figure
 
 

@@ -19,7 +19,7 @@ from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import Column, Row, TableSpec
 from workbench.study.report.select import one_row, rows
 from workbench.study.report.table_layout import Heading, LayoutError, lay_out
-from workbench.study.report.unusual import SOLVER_ERROR, unusual
+from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
@@ -52,10 +52,11 @@ def _shown(row: ResultRow, figure: Column | Row) -> tuple[str, float | None]:
 
 def _floor(row: ResultRow, figure: Column | Row) -> float:
     """The magnitude, in the unit shown, below which a figure of a case says nothing."""
-    solver_error = row.get(SOLVER_ERROR) if figure.result.endswith("_error_m") else None
-    if figure.result == SOLVER_ERROR or isinstance(solver_error, str | None) or math.isnan(solver_error):
+    own = next((name for name in SOLVER_ERRORS if figure.result.endswith(name.removeprefix("solver"))), None)
+    solver_error = None if own is None else row.get(own)
+    if figure.result == own or isinstance(solver_error, str | None) or math.isnan(solver_error):
         return figure.least
-    return max(figure.least, float(solver_error) * shown_factor("m", figure.unit))
+    return max(figure.least, float(solver_error) * shown_factor(unit_of_column(figure.result), figure.unit))
 
 
 def _compared(number: float | None, published: float | None, digits: int, heading: str) -> dict[str, str]:

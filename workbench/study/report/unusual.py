@@ -2,10 +2,13 @@
 
 import pandas as pd
 
+from plants.axis import AXES
+from workbench.metrics.registry import SOLVER
 from workbench.simulation.run import COMPLETED
 from workbench.study.names import in_words
 
-SOLVER_ERROR = "solver_error_m"
+SOLVER_ERRORS = tuple(SOLVER[0].along(axis).name for axis in AXES)
+"""The column of the solver's error, of axes that go straight and of those that turn."""
 
 NAMED = 3
 """Cases of one outcome that are named, at most."""
@@ -25,7 +28,8 @@ def unusual(frame: pd.DataFrame, whole: pd.DataFrame) -> list[str]:
         more = [f"{len(rows) - NAMED} more"] if len(rows) > NAMED else []
         which = f" ({'; '.join([*named, *more])})" if len(rows) < len(frame) else ""
         lines.append(f"{len(rows)} of {len(frame)} case{'s' * (len(frame) > 1)}: {outcome}{which}")
-    unchecked = (frame["outcome"] == COMPLETED) & frame[SOLVER_ERROR].isna() if SOLVER_ERROR in frame else None
+    solver = next((name for name in SOLVER_ERRORS if name in frame), None)
+    unchecked = (frame["outcome"] == COMPLETED) & frame[solver].isna() if solver is not None else None
     if unchecked is not None and "draw" in frame:
         unchecked &= frame["draw"] == frame["draw"].min()  # on the others nobody looks
     if unchecked is not None and (number := int(unchecked.sum())):

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from workbench.errors import UserError
 from workbench.linear.margins import Response
 from workbench.linear.open_loop import Margins, margins, open_loop
+from workbench.publish.along import SHOWN
 from workbench.publish.style import LineStyle, figure_style
 from workbench.simulation.simulate import Setup
 from workbench.study.resolve import Resolved
@@ -77,6 +78,7 @@ class BodeData:
     """The numbers of the figure of a controller: its loop before and after tuning, slid at a speed (m/s)."""
 
     label: str
+    axis: str
     speed: float
     curves: Mapping[str, Curve]
 
@@ -90,7 +92,7 @@ def bode_data(tuned: ControllerTuning) -> BodeData:
     smallest = {when: margins(setup, speed) for when, setup in setups.items()}
     lowest = lowest_frequency(smallest.values(), setups["before"].sample_time)
     curves = {when: curve_of(setup, smallest[when], lowest) for when, setup in setups.items()}
-    return BodeData(tuned.task.label, speed, curves)
+    return BodeData(tuned.task.label, tuned.task.axis, speed, curves)
 
 
 def bode_picture(tuned: ControllerTuning) -> Picture | str:
@@ -98,7 +100,7 @@ def bode_picture(tuned: ControllerTuning) -> Picture | str:
     data = bode_data(tuned)
     if not any(curve.frequency.size for curve in data.curves.values()):
         note = data.curves[list(data.curves)[-1]].margins.note
-        return f"No loop of {data.label}: at {1e3 * data.speed:.3g} mm/s {note}."
+        return f"No loop of {data.label}: at {SHOWN[data.axis].speed(data.speed, 3)} {note}."
     with figure_style():
         figure, panels = grid(2, 1, f"{data.label}: loop before and after", 2.3, sharex="all")
         amplitude, phase = panels[:, 0]
@@ -162,9 +164,10 @@ def _words(curve: Curve) -> str:
 
 
 def _caption(data: BodeData) -> str:
+    speed = SHOWN[data.axis].speed(data.speed, 3)
     words = "; ".join(f"{when}: {_words(curve)}" for when, curve in data.curves.items())
     return (
-        f"Loop L of {data.label}, linearised while the rod slides at {1e3 * data.speed:.3g} mm/s, in the case with the "
+        f"Loop L of {data.label}, linearised while the rod slides at {speed}, in the case with the "
         f"smallest phase margin. Thick bars are the margins: gain from the curve to 0 dB, phase from the curve to -180 "
         f"deg ({words}). The table has the smallest margins over all cases."
     )

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.metrics.window import first_sample
+from workbench.publish.along import SHOWN, Shown
 from workbench.publish.style import figure_style
 from workbench.tune.report.panels import SIDES, Picture, grid, legend
 from workbench.tune.report.rows import case_labels
@@ -57,7 +58,7 @@ def error_picture(traced: Sequence[Traced]) -> Picture:
     with figure_style():
         figure, panels = grid(len(data), len(data[0]), "Tracking error over the last period", LOW, sharex="col")
         for axes, panel in zip(panels.ravel(), (panel for row in data for panel in row), strict=True):
-            _draw(axes, panel)
+            _draw(axes, panel, SHOWN[traced[0].tuned.task.axis])
         for axes in panels[-1]:
             axes.set_xlabel("time (s)")
         legend(figure, list(panels.ravel()))
@@ -70,8 +71,8 @@ def error_picture(traced: Sequence[Traced]) -> Picture:
     return Picture(figure, caption)
 
 
-def _draw(axes: Axes, panel: ErrorPanel) -> None:
-    scale, unit = length_unit(panel.errors.values())
+def _draw(axes: Axes, panel: ErrorPanel, along: Shown) -> None:
+    scale, unit = length_unit(panel.errors.values(), along)
     for when, error in panel.errors.items():
         axes.plot(error.time, scale * error.values, **SIDES[when])
     axes.set_title(panel.label, fontsize="small")

@@ -8,6 +8,7 @@ import control
 import numpy as np
 
 from workbench.linear.open_loop import open_loop
+from workbench.publish.along import SHOWN
 from workbench.toml.gain_file import KEY, Entry, GainFile, MarginsTable
 from workbench.tune.objective import Score, margin_speed
 from workbench.tune.result import ControllerTuning
@@ -106,7 +107,7 @@ def _margins(task: Task, best: Point) -> MarginsTable:
     return MarginsTable(
         gain_margin_dB=_short(gain) if math.isfinite(gain) else None,
         phase_margin_deg=_short(phase) if math.isfinite(phase) else None,
-        speed=f"{1e3 * speed:.6g} mm/s",
+        speed=SHOWN[task.axis].speed(speed),
     )
 
 

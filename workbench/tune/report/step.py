@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from workbench.metrics.window import first_sample
+from workbench.publish.along import SHOWN, Shown
 from workbench.publish.style import figure_style
 from workbench.simulation.simulate import Run
 from workbench.tune.report.panels import SIDES, Picture, grid, legend
@@ -47,6 +48,7 @@ class StepData:
 
     level: float
     panels: Sequence[StepPanel]
+    axis: str
 
     @property
     def rise(self) -> float:
@@ -57,7 +59,7 @@ class StepData:
 def step_data(traced: Sequence[Traced]) -> StepData:
     """The numbers of the figure of these runs."""
     level, _ = largest_jump(next(iter(traced[0].held.values()))[1])
-    return StepData(level, [_panel(each) for each in traced])
+    return StepData(level, [_panel(each) for each in traced], traced[0].tuned.task.axis)
 
 
 def _panel(traced: Traced) -> StepPanel:
@@ -106,28 +108,28 @@ def step_picture(traced: Sequence[Traced]) -> Picture:
     with figure_style():
         figure, panels = grid(len(data.panels), 2, "A step that is held, before and after", LOW, sharex="col")
         for (jump, left), panel in zip(panels, data.panels, strict=True):
-            _draw(jump, left, panel, data.level)
+            _draw(jump, left, panel, data.level, SHOWN[data.axis])
             jump.set_xlim(0.0, data.rise)
         panels[-1, 0].set_xlabel("time from the step (s)")
         panels[-1, 1].set_xlabel("time from the step (s)")
         legend(figure, list(panels.ravel()))
     caption = (
-        f"A step of {1e3 * data.level:.3g} mm, held. Left: position, until the slowest controller has come near. "
-        "Right: the error in the second half of the hold, each on a scale of its own: a level line is a steady-state "
-        "error, a wave that does not die out a limit cycle. "
+        f"A step of {SHOWN[data.axis].plain(data.level, 3)}, held. Left: position, until the slowest controller has "
+        "come near. Right: the error in the second half of the hold, each on a scale of its own: a level line is a "
+        "steady-state error, a wave that does not die out a limit cycle. "
         f"Scales are not finer than {100.0 * FINEST:g} % of the step."
     )
     return Picture(figure, caption)
 
 
-def _draw(jump: Axes, left: Axes, panel: StepPanel, level: float) -> None:
-    scale, unit = length_unit(panel.late.values())
+def _draw(jump: Axes, left: Axes, panel: StepPanel, level: float, along: Shown) -> None:
+    scale, unit = length_unit(panel.late.values(), along)
     for when, error in panel.errors.items():
         late = panel.late[when]
-        jump.plot(error.time, 1e3 * (level - error.values), **SIDES[when])
+        jump.plot(error.time, along.factor * (level - error.values), **SIDES[when])
         left.plot(late.time, scale * late.values, **SIDES[when])
     if panel.errors:
-        jump.axhline(1e3 * level, color="#666666", linewidth=0.8, label="reference")
+        jump.axhline(along.factor * level, color="#666666", linewidth=0.8, label="reference")
         left.axhline(0.0, color="#666666", linewidth=0.8)
         finest = scale * FINEST * abs(level)
         low, high = left.get_ylim()
@@ -137,5 +139,5 @@ def _draw(jump: Axes, left: Axes, panel: StepPanel, level: float) -> None:
         axes.set_title(f"{panel.label}: {what}", fontsize="small")
         if not panel.errors:
             say_failed(axes)
-    jump.set_ylabel("position (mm)")
+    jump.set_ylabel(f"position ({along.unit})")
     left.set_ylabel(f"error ({unit})")

@@ -9,6 +9,9 @@ import pandas as pd
 
 from controllers.pid import PID
 from controllers.settings import settings_of
+from plants.axis import unit_along
+from plants.interface import Plant
+from workbench.publish.along import SHOWN
 from workbench.publish.tables import REMARK, Table, shown_number, with_unit
 from workbench.study.names import shown_factor, unit_of_column
 from workbench.tune.objective import Score
@@ -127,9 +130,11 @@ def _score(tuned: ControllerTuning, when: When) -> Score | None:
 def _metrics(tuned: ControllerTuning) -> Line:
     """Metrics that are weighed, of each case, in units that are read."""
     line: Line = {}
+    axis = tuned.task.axis
     for column in tune_table(tuned.task.study).objective.used:
         words, unit = METRIC_WORDS[column]
-        scale = shown_factor(unit_of_column(column), unit)
+        unit = {"mm": SHOWN[axis].unit}.get(unit, unit_along(unit, axis))
+        scale = shown_factor(unit_along(unit_of_column(column), axis), unit)
         for i, label in enumerate(case_labels(tuned.task.cases)):
             for when in _WHENS:
                 score = _score(tuned, when)
@@ -259,8 +264,8 @@ def _tuned_pid(tuned: ControllerTuning, best: Point, score: Score) -> PidRow:
 def classic_table(tuning: Tuning) -> Table:
     """controller | method | gains | objective | margins | what it breaks | remark; the tuned PID controllers below."""
     first = tuning.tuned[0].task
-    command = first.declared(first.start)[0].setup.plant.command_unit
-    lines = [_pid_line(row, command) for row in pid_rows(tuning)]
+    plant = first.declared(first.start)[0].setup.plant
+    lines = [_pid_line(row, plant) for row in pid_rows(tuning)]
     notes = [
         "All on the declared machine, by the same objective and constraints. A classic tuning was searched for "
         "nothing: it is what its method gives."
@@ -273,10 +278,10 @@ def is_pid(tuned: ControllerTuning) -> bool:
     return tuned.task.cases[0].controller.type == PID.name
 
 
-def _pid_line(row: PidRow, command: str) -> Line:
+def _pid_line(row: PidRow, plant: Plant) -> Line:
     declared = settings_of(PID.Settings)
     gains = {
-        f"{gain} ({declared[gain].unit.replace('command', command)})": number(row.gains.get(gain, 0.0) or None, 4)
+        f"{gain} ({plant.unit_for(declared[gain].unit)})": number(row.gains.get(gain, 0.0) or None, 4)
         for gain in PID_GAINS
     }
     score = row.score

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.publish.along import Shown
 from workbench.simulation.simulate import Run, simulate
 from workbench.study.resolve import Resolved
 from workbench.tune.objective import hold, rests
@@ -52,16 +53,16 @@ def held_step(cases: Sequence[Resolved], constraints: ConstraintsTable) -> Resol
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A curve over time (s), in m."""
+    """A curve over time (s), in SI."""
 
     time: np.ndarray
     values: np.ndarray
 
 
-def length_unit(traces: Iterable[Trace]) -> tuple[float, str]:
-    """What to multiply lengths in m with to show them in the unit that suits them, and the unit."""
+def length_unit(traces: Iterable[Trace], along: Shown) -> tuple[float, str]:
+    """What to multiply lengths in SI with to show them in the unit that suits them, and the unit."""
     largest = max((float(np.max(np.abs(trace.values))) for trace in traces if trace.values.size), default=0.0)
-    return (1e3, "mm") if largest >= 1e-4 else (1e6, "µm")
+    return along.scaled(largest)
 
 
 def say_failed(axes: Axes) -> None:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 
+from workbench.publish.along import SHOWN
 from workbench.tune.report.places import place_lines, seeds_line
 from workbench.tune.report.rows import Basis, active, basis_of, broken, end_of, objective_of
 from workbench.tune.report.tables import number, plain, reference_words, shown_unit, with_interval
@@ -251,7 +252,7 @@ def held_equal(tuning: Tuning) -> list[str]:
         f"Objective: {weights}; each figure over that of {reference_controller(tuning.study)} with the gains of the "
         f"study in the same case, and the mean over the {len(tuning.tuned[0].task.cases)} "
         f"{'cases that count' if len(tuning.tuned[0].task.cases) > 1 else 'case that counts'}.",
-        f"Constraints: {', '.join(_constraints(table))}.",
+        f"Constraints: {', '.join(_constraints(table, tuning.tuned[0].task.axis))}.",
     ]
     if table.draws:
         lines.append(
@@ -263,9 +264,13 @@ def held_equal(tuning: Tuning) -> list[str]:
     return lines
 
 
-def _constraints(table: TuneTable) -> list[str]:
+def _constraints(table: TuneTable, axis: str) -> list[str]:
     asked = table.constraints
-    at = f"at {1e3 * asked.margin_speed:g} mm/s" if asked.margin_speed else "at the largest speed of each reference"
+    at = (
+        f"at {SHOWN[axis].speed(asked.margin_speed)}"
+        if asked.margin_speed
+        else "at the largest speed of each reference"
+    )
     lines = [
         "every run ends as it should",
         f"the command is at its limit for at most {100.0 * asked.saturated:g} % of the time",

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.diagnose.report.figures.frame import FLOOR, Side, legend, panels_of
 from workbench.diagnose.report.figures.residuals import Residuals
-from workbench.diagnose.report.series import SIGNALS, binned
+from workbench.diagnose.report.series import binned, signals_along
 from workbench.publish.pictures import Picture
 from workbench.publish.style import figure_style
 
@@ -52,7 +52,15 @@ def over_signals_data(residuals: Residuals) -> OverSignals:
             row, column = (place, number) if several else divmod(place, 2)
             label = f"chamber {number + 1}" if several else "residual"
             curves = _curves(residuals, number, name)
-            panels.append(SignalPanel(row, column, SIGNALS[name].label, f"{label} ({residuals.unit})", curves))
+            panels.append(
+                SignalPanel(
+                    row,
+                    column,
+                    signals_along(residuals.parts[0].axis)[name].label,
+                    f"{label} ({residuals.unit})",
+                    curves,
+                )
+            )
     return OverSignals(residuals, len(signals) if several else (len(signals) + 1) // 2, panels)
 
 

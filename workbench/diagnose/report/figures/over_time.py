@@ -72,7 +72,7 @@ def draw_over_time(data: OverTime) -> Picture:
             axes.set_xlabel("time (s)")
         legend(figure, *grid[: len(sides), 0])
     caption = (
-        f"Residual of the {residuals.balance} balance in {residuals.unit}. A complete model leaves noise that "
+        f"Residual of the {residuals.words} balance in {residuals.unit}. A complete model leaves noise that "
         "keeps to the grey band in two thirds of the time."
         + (" Before and after have scales of their own." if len(sides) > 1 else "")
         + " Gaps: there the balance cannot be told, as something "

@@ -9,6 +9,7 @@ from workbench.diagnose.report.figures.frame import Side
 from workbench.diagnose.report.series import Part, is_changed, parts_of, scale_of, shown_signals, unit_of
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.selection.selection import BalanceResult
+from workbench.publish.along import SHOWN
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,12 @@ class Residuals:
     @property
     def title(self) -> str:
         """The balance at the top of a figure."""
-        return f"{self.balance.capitalize()} balance"
+        return f"{self.words.capitalize()} balance"
+
+    @property
+    def words(self) -> str:
+        """What the balance is called."""
+        return SHOWN[self.parts[0].axis].said(self.balance)
 
     @property
     def numbers(self) -> list[int]:
@@ -47,7 +53,7 @@ class Residuals:
 
     def what(self, number: int) -> str:
         """What a residual is called."""
-        name = f"{self.balance} residual"
+        name = f"{self.words} residual"
         return name if len(self.numbers) == 1 else f"{name}, chamber {number + 1}"
 
     def highest(self, side: Side) -> float:

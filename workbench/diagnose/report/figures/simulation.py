@@ -14,6 +14,7 @@ from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
 from workbench.toml.units import factor
@@ -79,10 +80,10 @@ def _compared(diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion)
     assert whole is not None  # the diagnosis has simulated such records
     fits = {"before": simulation.before, "after": simulation.after}
     simulated = {side: whole.simulated(motion, fitted.values) for side, fitted in fits.items()}
-    scale = factor("m", "mm")
+    scale, unit = SHOWN[diagnosis.axis].factor, SHOWN[diagnosis.axis].unit
     shown = {side: scale * channels["position"] for side, channels in simulated.items()}
     quantities = [
-        Compared("position", "mm", scale * motion.measured["position"], shown, scale * motion.noise["position"])
+        Compared("position", unit, scale * motion.measured["position"], shown, scale * motion.noise["position"])
     ]
     if {"pressure_1", "pressure_2"} <= set(simulated["before"]):
         scale = factor("Pa", "kPa")

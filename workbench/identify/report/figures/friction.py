@@ -10,6 +10,7 @@ from workbench.identify.report.figures.frame import panels_of
 from workbench.identify.result import Identification
 from workbench.identify.thesis.method import STATIC as STEADY
 from workbench.identify.thesis.method import steady
+from workbench.publish.along import SHOWN
 from workbench.publish.style import figure_style, line_style
 from workbench.records.friction import Slow, friction_of, is_rotary, shows_friction, slower
 from workbench.records.reading import Record
@@ -44,12 +45,13 @@ class FrictionOverVelocity:
     curves: Sequence[SteadyCurve]
     rotary: bool
     simulated: bool
+    axis: str
 
 
 def friction_data(identification: Identification, rpm: float | None) -> FrictionOverVelocity:
     """The numbers of the figure, of the records at one speed of rotation or (None) of all."""
     records = [record for record in identification.records if rpm is None or record.rpm == rpm]
-    rotary = all(is_rotary(record) for record in records)
+    axis, rotary = identification.experiment.plant.axis, all(is_rotary(record) for record in records)
     measured = [_measured(identification, record) for record in records if shows_friction(record)]
     forward, backward = (
         max((float(np.nanmax(sign * data.velocity)) for data in measured), default=0.0) for sign in (1.0, -1.0)
@@ -59,12 +61,13 @@ def friction_data(identification: Identification, rpm: float | None) -> Friction
         _steady_curve(source, values, *way) for source, values in _sets(identification, rpm).items() for way in ways
     )
     curves = [curve for curve in drawn if curve is not None]
-    return FrictionOverVelocity(measured, curves, rotary, identification.experiment.truth is not None)
+    return FrictionOverVelocity(measured, curves, rotary, identification.experiment.truth is not None, axis)
 
 
 def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
     """The figure."""
-    scale = 1.0 if data.rotary else 1e3
+    along = SHOWN[data.axis]
+    scale = 1.0 if data.rotary else along.factor
     with figure_style():
         figure, (axes,) = panels_of(1, title)
         what = f"{'simulated record' if data.simulated else 'measured'}, 10 Hz"
@@ -74,8 +77,8 @@ def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
         for i, curve in enumerate(data.curves):
             label = None if i and data.curves[i - 1].source == curve.source else curve.source
             axes.plot(scale * curve.velocity, curve.force, label=label, linewidth=1.2, **STYLES[curve.source])
-        axes.set_xlabel("surface speed (m/s)" if data.rotary else "velocity (mm/s)")
-        axes.set_ylabel("friction (N)")
+        axes.set_xlabel("surface speed (m/s)" if data.rotary else f"velocity ({along.speed_unit})")
+        axes.set_ylabel(f"friction ({along.force_unit})")
         axes.legend(loc="best")
     return figure
 

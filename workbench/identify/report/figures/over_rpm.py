@@ -38,12 +38,13 @@ class OverRpm:
     """A parameter by its canonical name, forward and backward."""
 
     parameter: str
+    unit: str
     directions: Sequence[DirectionPoints]
 
 
 def over_rpm_data(identification: Identification, parameter: str) -> OverRpm:
     """The numbers of the figure, by the thesis's method; without it nothing was found at any speed."""
-    scale, fit = scale_shown(parameter), identification.thesis
+    scale, fit = scale_shown(parameter, identification.experiment.plant.axis), identification.thesis
     directions = []
     for direction in ("forward", "backward"):
         name = parameter + SUFFIXES[direction]
@@ -56,7 +57,7 @@ def over_rpm_data(identification: Identification, parameter: str) -> OverRpm:
                 printed = [scale * value for value in table.values[parameter]]
                 published.append(Points(table.rpm, printed, [0.0] * len(printed)))
         directions.append(DirectionPoints(direction, found, published))
-    return OverRpm(parameter, directions)
+    return OverRpm(parameter, unit_shown(parameter, identification.experiment.plant.axis), directions)
 
 
 def draw_over_rpm(data: OverRpm, title: str) -> Figure:
@@ -81,7 +82,7 @@ def draw_over_rpm(data: OverRpm, title: str) -> Figure:
                 shifted = [rpm + shift for rpm in table.rpm]
                 axes.plot(shifted, table.values, "x+"[number], color=colour, markersize=8.0, clip_on=False, label=label)
         axes.set_xlabel("rotation (rpm)")
-        axes.set_ylabel(f"{_in_words(data.parameter)} ({unit_shown(data.parameter)})")
+        axes.set_ylabel(f"{_in_words(data.parameter)} ({data.unit})")
         axes.set_ylim(bottom=0.0)
         axes.legend(loc="best")
     return figure

@@ -9,16 +9,16 @@ from matplotlib.figure import Figure
 from workbench.identify.report.figures.frame import panels_of
 from workbench.identify.result import Identification
 from workbench.identify.simulation.method import SimulationFit
+from workbench.publish.along import SHOWN as ALONG
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
 
 SHOWN = {
-    "position": ("position", "mm", 1e3),
     "pressure_1": ("pressure 1", "kPa", 1e-3),
     "pressure_2": ("pressure 2", "kPa", 1e-3),
     "rotation_speed": ("rotation", "rad/s", 1.0),
     "motor_current": ("motor current", "A", 1.0),
 }
-"""Label, unit and factor of each output."""
+"""Label, unit and factor of each output but the position."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ class SimulatedRecord:
 def simulated_data(identification: Identification, fit: SimulationFit) -> list[SimulatedRecord]:
     """The numbers of the figures, of the first record of each label."""
     chosen: dict[str, SimulatedRecord] = {}
+    axis = identification.experiment.plant.axis
     for record in identification.records:
         name = f"record_{''.join(c if c.isalnum() else '_' for c in record.label)}"
         if name in chosen:
@@ -52,15 +53,16 @@ def simulated_data(identification: Identification, fit: SimulationFit) -> list[S
         alike = [other for other in identification.records if other.label == record.label]
         which = f"{record.name}, record 1 of {len(alike)}" if len(alike) > 1 else record.name
         outputs = [
-            _output(output, measured, fit.simulated[record][output])
+            _output(output, measured, fit.simulated[record][output], axis)
             for output, measured in fit.measured[record].items()
         ]
         chosen[name] = SimulatedRecord(name, which, fit.times[record], outputs)
     return [*chosen.values()]
 
 
-def _output(name: str, measured: np.ndarray, simulated: np.ndarray) -> Output:
-    label, unit, scale = SHOWN[name]
+def _output(name: str, measured: np.ndarray, simulated: np.ndarray, axis: str) -> Output:
+    along = ALONG[axis]
+    label, unit, scale = ("position", along.unit, along.factor) if name == "position" else SHOWN[name]
     return Output(label, unit, scale * measured, scale * simulated, scale * (measured - simulated))
 
 
