@@ -8,14 +8,15 @@ voltage, or with an imposed speed of the surface, whatever torque that takes.
 
 import functools
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from plants import motor as mot
 from plants.actuators.interface import Actuator
-from plants.equation import Scalar, equation, gathered, members, named_tuple
+from plants.axis import LINEAR, along, unit_along
+from plants.equation import Scalar, equation, fields, gathered, members, named_tuple
 from plants.friction import Friction, helical_speed
 from plants.hydraulics import FORCE, Mass, end_stop_force
 from plants.interface import Balance, Measurement, Plant, unlimited
@@ -24,13 +25,6 @@ from plants.laws.lugre import named
 from plants.motor import HasMotor
 
 HYDRAULIC_POWER = "hydraulic_power"
-
-
-class Motion(NamedTuple):
-    """States of every machine."""
-
-    position: Annotated[float, "m", 1e-2]
-    velocity: Annotated[float, "m/s", 1e-1]
 
 
 class Disturbed(NamedTuple):
@@ -75,6 +69,9 @@ class ImposedInputs(NamedTuple):
     surface_speed: Annotated[float, "m/s"]
 
 
+ROTARY_INPUTS = (*MotorInputs._fields, *ImposedInputs._fields)
+
+
 class TurningSignals(NamedTuple):
     """Current and voltage of an imposed speed are those of a motor that holds it."""
 
@@ -115,6 +112,12 @@ def own_of(law: FrictionLaw) -> dict[str, type]:
     return {} if law.Extra is Nothing else {"law": law.Extra}
 
 
+def given(cls: type, actuator: Actuator, own: Sequence[float], *rotary: float) -> NamedTuple:
+    """Inputs of a machine that nothing disturbs: the actuator's own, and the rotary one, if there is such."""
+    names = [*members(actuator.Inputs), *(name for name in ROTARY_INPUTS if name in members(cls)), *Disturbed._fields]
+    return cls(**dict(zip(names, (*own, *rotary, 0.0), strict=True)))
+
+
 def free_force_of(actuator: Actuator) -> Any:
     """The force (N) on the mass less a friction: an equation (state, inputs, parameters, friction) -> force."""
     push, stroke = actuator.force, actuator.stroke
@@ -128,24 +131,21 @@ def free_force_of(actuator: Actuator) -> Any:
 
 
 @functools.cache
-def straight(actuator: Actuator, law: FrictionLaw) -> Plant:
-    """The machine whose rod slides and does not turn."""
+def straight(actuator: Actuator, law: FrictionLaw, axis: str = LINEAR) -> Plant:
+    """The machine whose rod slides and does not turn; or along a turning `axis` the same in other units."""
     name = named(actuator.name, law)
     contact = contact_of(actuator, law)
-    state_class = joined(f"State_{name}", Motion, actuator.State, contact)
-    inputs_class = joined(f"Inputs_{actuator.name}", actuator.Inputs, Disturbed)
-    parameters_class = joined(f"Parameters_{name}", actuator.Parameters, Body, own_of(law))
+    state_class = along(joined(f"State_{name}", actuator.Motion, actuator.State, contact), axis)
+    inputs_class = along(joined(f"Inputs_{actuator.name}", actuator.Inputs, Disturbed), axis)
+    parameters_class = along(joined(f"Parameters_{name}", actuator.Parameters, Body, own_of(law)), axis)
     powered = HYDRAULIC_POWER in actuator.Signals._fields
-    signals_class = joined(
-        f"Signals_{name}",
-        MotionSignals,
-        actuator.Signals,
-        FrictionSignals,
-        *([PowerSignals] if powered else []),
-        contact,
+    power_signals = [PowerSignals] if powered else []
+    signals_class = along(
+        joined(f"Signals_{name}", MotionSignals, actuator.Signals, FrictionSignals, *power_signals, contact), axis
     )
     free_force = free_force_of(actuator)
-    own_rates, own_signals, own_pressures = actuator.rates, actuator.signals, actuator.pressures
+    own_rates, own_signals = actuator.rates, actuator.signals
+    own_pressures, own_position, still = actuator.pressures, actuator.position, actuator.rotation
     total = actuator.Signals._fields.index(HYDRAULIC_POWER) if powered else 0
 
     @equation
@@ -176,12 +176,15 @@ def straight(actuator: Actuator, law: FrictionLaw) -> Plant:
     def measure(state: Any, p: Any) -> Measurement:
         """Position, and pressures where there are such; the rod does not rotate."""
         pressure_1, pressure_2 = own_pressures(state, p)
-        return Measurement(state.position, pressure_1, pressure_2, 0.0, 0.0)
+        return Measurement(own_position(state, p), pressure_1, pressure_2, still, still)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[NamedTuple, NamedTuple]:
         """At rest in mid-stroke; this machine does not rotate."""
         states, inputs = actuator.equilibrium(p)
-        return state_class(0.0, 0.0, *states, unbent), inputs_class(*inputs, 0.0)
+        return state_class(0.0, 0.0, *states, unbent), given(inputs_class, actuator, inputs)
+
+    def with_turning_rod(bristle: str, imposed: bool) -> Plant:
+        return turned(actuator, in_plane(law, bristle), bristle, imposed)
 
     return Plant(
         name=name,
@@ -196,12 +199,12 @@ def straight(actuator: Actuator, law: FrictionLaw) -> Plant:
         equilibrium=equilibrium,
         command_limit=actuator.command_limit,
         travel=actuator.travel,
-        command=actuator.command,
-        balances={"force": FORCE, **actuator.balances},
+        command=fields(inputs_class)[0].name,
+        balances={"force": FORCE._replace(unit=unit_along(FORCE.unit, axis)), **actuator.balances},
         friction=law.name,
         contact="contact",
-        refit=functools.partial(straight, actuator),
-        turned=lambda bristle, imposed: turned(actuator, in_plane(law, bristle), bristle, imposed),
+        refit=lambda other: straight(actuator, other, axis),
+        turned=with_turning_rod if axis == LINEAR else None,
     )
 
 
@@ -257,7 +260,7 @@ def turned(actuator: Actuator, law: FrictionLaw, bristle: str, imposed: bool) ->
     plane = law.plane[bristle]
     name = named(name_of_turned(actuator, bristle, imposed), law)
     bristles = {"contact": plane.Bristles}
-    state_class = joined(f"State_{name}", Motion, actuator.State, bristles, *([] if imposed else [MotorState]))
+    state_class = joined(f"State_{name}", actuator.Motion, actuator.State, bristles, *([] if imposed else [MotorState]))
     inputs_class = joined(f"Inputs_{name}", actuator.Inputs, ImposedInputs if imposed else MotorInputs, Disturbed)
     parameters_class = joined(f"Parameters_{name}", actuator.Parameters, Body, plane.Parameters, own_of(law))
     powered = HYDRAULIC_POWER in actuator.Signals._fields
@@ -270,7 +273,8 @@ def turned(actuator: Actuator, law: FrictionLaw, bristle: str, imposed: bool) ->
         *([PowerSignals] if powered else []),
     )
     free_force, friction = free_force_of(actuator), plane.friction
-    own_rates, own_signals, own_pressures = actuator.rates, actuator.signals, actuator.pressures
+    own_rates, own_signals = actuator.rates, actuator.signals
+    own_pressures, own_position = actuator.pressures, actuator.position
     total = actuator.Signals._fields.index(HYDRAULIC_POWER) if powered else 0
     own_inputs = len(actuator.Inputs._fields)
 
@@ -357,24 +361,24 @@ def turned(actuator: Actuator, law: FrictionLaw, bristle: str, imposed: bool) ->
         """Position, pressures where there are such, the speed of rotation and the motor's current."""
         pressure_1, pressure_2 = own_pressures(state, p)
         rotation_speed = state.surface_speed / p.motor.piston_radius
-        return Measurement(state.position, pressure_1, pressure_2, rotation_speed, state.motor_current)
+        return Measurement(own_position(state, p), pressure_1, pressure_2, rotation_speed, state.motor_current)
 
     @equation
     def measure_imposed(state: Any, p: Any) -> Measurement:
         """Position and pressures; an imposed speed needs no sensor and no motor (NaN)."""
         pressure_1, pressure_2 = own_pressures(state, p)
-        return Measurement(state.position, pressure_1, pressure_2, np.nan, np.nan)
+        return Measurement(own_position(state, p), pressure_1, pressure_2, np.nan, np.nan)
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[NamedTuple, NamedTuple]:
         """At rest in mid-stroke, turning at `surface_speed` (m/s), the bristle bent around only."""
         bristles, rotary = plane.steady_rotation(p, surface_speed)
         states, inputs = actuator.equilibrium(p)
         if imposed:
-            return state_class(0.0, 0.0, *states, bristles), inputs_class(*inputs, surface_speed, 0.0)
+            return state_class(0.0, 0.0, *states, bristles), given(inputs_class, actuator, inputs, surface_speed)
         current = float(mot.holding_current(rotary, surface_speed, p.motor))
         voltage = float(mot.holding_voltage(current, surface_speed, p.motor))
         state = state_class(0.0, 0.0, *states, bristles, surface_speed, current)
-        return state, inputs_class(*inputs, voltage, 0.0)
+        return state, given(inputs_class, actuator, inputs, voltage)
 
     def other(law: FrictionLaw) -> Plant:
         return turned(actuator, in_plane(law, bristle), bristle, imposed)

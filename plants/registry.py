@@ -1,30 +1,17 @@
 """The plants by name: ours, and those that other packages bring by entry point."""
 
 from plants.actuators.cylinder import CYLINDER, TWO_CHAMBER
+from plants.actuators.drive import coupled, driven
 from plants.actuators.load_pressure import LOAD_PRESSURE
 from plants.actuators.pneumatic import PNEUMATIC
 from plants.actuators.pump import PUMP
-from plants.drive import (
-    DRIVE_CURRENT,
-    DRIVE_FORCE,
-    DRIVE_VOLTAGE,
-    ROTARY_CURRENT,
-    ROTARY_TORQUE,
-    ROTARY_VOLTAGE,
-)
+from plants.axis import AXES, LINEAR
 from plants.equation import fields
 from plants.interface import Plant
 from plants.laws.lugre import LUGRE
 from plants.machine import straight
 from plants.plugins import Registry
-from plants.two_mass import (
-    TWO_INERTIA_CURRENT,
-    TWO_INERTIA_TORQUE,
-    TWO_INERTIA_VOLTAGE,
-    TWO_MASS_CURRENT,
-    TWO_MASS_FORCE,
-    TWO_MASS_VOLTAGE,
-)
+from plants.sources import CURRENT, FORCE, PRESSED, VOLTAGE, Source
 from plants.valve_axis import VALVE_AXIS
 
 THESIS = straight(LOAD_PRESSURE, LUGRE)
@@ -33,6 +20,22 @@ THESIS = straight(LOAD_PRESSURE, LUGRE)
 CHAMBERS = straight(TWO_CHAMBER, LUGRE)
 """The same with a pressure in each chamber: what tells most of it."""
 
+SOURCES = (FORCE, VOLTAGE, CURRENT)
+
+
+def drive(source: Source, axis: str = LINEAR) -> Plant:
+    """What a source of force drives along a straight axis, or one that turns."""
+    return straight(driven(source, axis), LUGRE, axis)
+
+
+DRIVE_FORCE, DRIVE_VOLTAGE, DRIVE_CURRENT = (drive(source) for source in SOURCES)
+
+
+def pressed(axis: str = LINEAR) -> Plant:
+    """What any machine is of which the force, or the torque, is measured that drives it; pressures may be too."""
+    return drive(PRESSED, axis)
+
+
 _OURS = (
     THESIS,
     *(THESIS.with_turning_rod(bristle, imposed) for bristle in LUGRE.plane for imposed in (False, True)),
@@ -40,18 +43,8 @@ _OURS = (
     straight(CYLINDER, LUGRE),
     straight(PUMP, LUGRE),
     straight(PNEUMATIC, LUGRE),
-    DRIVE_FORCE,
-    DRIVE_VOLTAGE,
-    DRIVE_CURRENT,
-    ROTARY_TORQUE,
-    ROTARY_VOLTAGE,
-    ROTARY_CURRENT,
-    TWO_MASS_FORCE,
-    TWO_MASS_VOLTAGE,
-    TWO_MASS_CURRENT,
-    TWO_INERTIA_TORQUE,
-    TWO_INERTIA_VOLTAGE,
-    TWO_INERTIA_CURRENT,
+    *(drive(source, axis) for axis in AXES for source in SOURCES),
+    *(straight(coupled(source, axis), LUGRE, axis) for axis in AXES for source in SOURCES),
     VALVE_AXIS,
 )
 

@@ -32,7 +32,6 @@ class CurrentLoop(NamedTuple):
 class Inputs(NamedTuple):
     drive_force: Annotated[float, "N"]
     spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
 
 
 class PressedInputs(NamedTuple):
@@ -40,7 +39,6 @@ class PressedInputs(NamedTuple):
 
     drive_force: Annotated[float, "N"]
     spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
     pressure_1: Annotated[float, "Pa"] = 0.0
     pressure_2: Annotated[float, "Pa"] = 0.0
 
@@ -48,13 +46,11 @@ class PressedInputs(NamedTuple):
 class VoltageInputs(NamedTuple):
     drive_voltage: Annotated[float, "V"]
     spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
 
 
 class CurrentInputs(NamedTuple):
     drive_current: Annotated[float, "A"]
     spring_end: Annotated[float, "m"]
-    disturbance_force: Annotated[float, "N"]
 
 
 @runtime_checkable
@@ -72,7 +68,7 @@ def force_of_command(own: NamedTuple) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A source of force: the inputs of a drive that has it, of which the first is the command, and its parameters.
+    """A source of force: the inputs that a drive has by it, of which the first is the command, and its parameters.
 
     gain(own) -> N a unit of the command, limit(own) -> the largest command
     """
@@ -119,7 +115,7 @@ def current_limit(own: CurrentLoop) -> float:
 
 
 FORCE = Source("force", "driven by a force", Inputs, ForceLimits, unit_gain, force_limit)
-PRESSED = Source("force", "driven by a force", PressedInputs, ForceLimits, unit_gain, force_limit)
+PRESSED = Source("pressed", "driven by a force", PressedInputs, ForceLimits, unit_gain, force_limit)
 VOLTAGE = Source(
     "voltage", "driven by a voltage through a force gain", VoltageInputs, Amplifier, force_gain, voltage_limit
 )

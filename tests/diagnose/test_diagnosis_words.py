@@ -9,8 +9,8 @@ import pytest
 from command import write
 from diagnoses import doubting, rejected, unexplained, with_held_out, with_left, without_effects
 
-from plants.drive import DRIVE_FORCE
 from plants.effects.registry import effects
+from plants.registry import DRIVE_FORCE
 from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none

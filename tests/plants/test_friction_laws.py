@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 from numba import njit
 
 from plants.compiled import address, pack, unpack
-from plants.drive import DRIVE_FORCE
 from plants.equation import fields, leaves, to_array
 from plants.laws.interface import FrictionLaw, at_rest
 from plants.laws.maxwell_slip import LEVEL_SHARE, STIFFNESS_SHARES
 from plants.laws.registry import LAWS
 from plants.motor import LIMITS
-from plants.registry import plants
+from plants.registry import DRIVE_FORCE, plants
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.run import Run

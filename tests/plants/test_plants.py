@@ -10,12 +10,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from controllers.pid import PID, Settings
-from plants.drive import DRIVE_FORCE
 from plants.equation import fields, from_array, leaves, to_array
 from plants.friction import LuGre, steady_friction
 from plants.interface import Plant
 from plants.motor import LIMITS
-from plants.registry import THESIS, plants
+from plants.registry import DRIVE_FORCE, THESIS, plants
 from workbench.linear.linearise import symbolic
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.compilation import compile_derivatives

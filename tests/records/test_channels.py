@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 from command import workbench, write
 
-from plants.drive import DRIVE_VOLTAGE
-from plants.registry import PLANTS
+from plants.registry import DRIVE_VOLTAGE, PLANTS
 from workbench.errors import UserError
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import Record, read_records

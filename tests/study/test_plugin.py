@@ -184,7 +184,7 @@ UNDECLARED = """\
 from dataclasses import replace
 from typing import NamedTuple
 from controllers.pid import PID
-from plants.drive import DRIVE_FORCE
+from plants.registry import DRIVE_FORCE
 class Bare(NamedTuple):
     kp: float
 IT = replace(DRIVE_FORCE, Parameters=Bare) if {is_plant} else replace(PID, Settings=Bare)
@@ -232,7 +232,7 @@ FRICTIONLESS = """\
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 import numpy as np
-from plants.drive import DRIVE_FORCE
+from plants.registry import DRIVE_FORCE
 from plants.hydraulics import Mass
 from plants.sources import ForceLimits
 class Parameters(NamedTuple):

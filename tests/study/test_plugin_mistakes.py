@@ -9,9 +9,9 @@ from command import DRIVE, changed, workbench, write
 from plugin_site import brings, visible
 
 import workbench as wb
-from plants.drive import DRIVE_FORCE
 from plants.effects.registry import EFFECTS
 from plants.laws.lugre import LUGRE
+from plants.registry import DRIVE_FORCE
 from workbench.errors import UserError
 from workbench.parameters import sets
 

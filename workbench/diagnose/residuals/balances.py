@@ -8,13 +8,12 @@ import numpy as np
 
 from plants.axis import ROTARY as TURNING
 from plants.axis import name_along
-from plants.drive import pressed
 from plants.effects.attach import lacks, possible
 from plants.effects.interface import COMMAND, Effect, Scales
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE, ROTARY, fields
 from plants.interface import Plant
-from plants.registry import CHAMBERS, THESIS
+from plants.registry import CHAMBERS, THESIS, pressed
 from workbench.diagnose.residuals import pump
 from workbench.diagnose.residuals.along import ARRIVES, Along, input_deviation
 from workbench.diagnose.residuals.balance import Balance
