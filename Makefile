@@ -12,7 +12,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -57,6 +57,10 @@ study-decision: $(ENVIRONMENT)/ready
 
 test: lint
 	$(BIN)/python -m pytest -n 2 --dist worksteal  # tests that share what a fixture made stay together
+
+# Every plant with every friction law and every controller, checked, and simulated where that is admitted.
+combinations: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m combinations
 
 lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/ruff check .
