@@ -20,7 +20,7 @@ def command(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace EXPERIMENT.toml.")] = False,
 ) -> None:
-    """Write a first experiment file out of logs, with a reason for each guess."""
+    """Write a first experiment file out of logs."""
     from workbench.records.importing.importing import proposal_for
     from workbench.records.importing.writing import text_of
 
