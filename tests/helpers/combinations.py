@@ -22,6 +22,7 @@ from controllers.interface import Reference
 from controllers.registry import controllers
 from plants.equation import from_array, leaves
 from plants.interface import Plant
+from plants.laws.interface import FrictionLaw
 from plants.laws.lugre import LUGRE
 from plants.laws.registry import LAWS
 from plants.registry import plants
@@ -175,15 +176,26 @@ def stepped(item: Resolved) -> np.ndarray:
     return numbers
 
 
+def admits(machine: Machine, law: FrictionLaw) -> bool:
+    """Whether the machine can have a friction law."""
+    plant = plants()[machine.model]
+    plant = plant.with_turning_rod(machine.bristle) if machine.bristle else plant
+    if plant.refit is None:
+        return law is LUGRE  # the default, of which such a plant says nothing
+    try:
+        plant.with_friction(law)
+    except ValueError:
+        return False
+    return True
+
+
 def pairwise(machine: Machine, place: int) -> Iterator[Combination]:
     """Of the machine at a `place` among others: every controller, with the machine's laws in turn.
 
     Over all machines every pair of two of machine, law and controller is there: a law that meets a controller on one
     machine makes way for the next law on the machine after it.
     """
-    plant = plants()[machine.model]
-    laws = [law.name for law in LAWS.working().values() if not machine.bristle or machine.bristle in law.plane]
-    known = laws if plant.refit is not None else [LUGRE.name]
+    known = [law.name for law in LAWS.working().values() if admits(machine, law)]
     for number, (name, law) in enumerate(acting()):
         yield Combination(machine, known[(place + number) % len(known)], name, law)
 

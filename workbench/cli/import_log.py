@@ -20,7 +20,7 @@ def command(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace EXPERIMENT.toml.")] = False,
 ) -> None:
-    """Look at logs and write an experiment file: each guess with its reason, and questions where nobody can know."""
+    """Write a first experiment file out of logs."""
     from workbench.records.importing.importing import proposal_for
     from workbench.records.importing.writing import text_of
 
@@ -28,15 +28,13 @@ def command(
         raise UserError(f"{out}: is there already; --force replaces it")
     if not out.parent.is_dir():
         raise UserError(f"{out}: there is no folder {out.parent}")
-    proposal = proposal_for(logs, plant, parameters, out.parent)
-    if sys.stdin.isatty():
-        for place in range(len(proposal.lines)):
-            line = proposal.lines[place]
-            for question in line.questions:
-                answer = typer.prompt(question.words, default=str(line.values[question.key]))
-                answered = line.answered(question, answer)
-                proposal, line = proposal.replaced(line, answered), answered
+    ask = _prompt if sys.stdin.isatty() else None
+    proposal = proposal_for(logs, plant, parameters, out.parent, ask)
     out.write_text(text_of(proposal, out.parent), encoding="utf-8")
     left = len(proposal.questions)
     asked = f"{left} question{'s' * (left != 1)} in it (# ?)" if left else "no question is left"
     print(f"wrote {out}: plant {proposal.plant.values['']}, {asked}; next: workbench check {out}")
+
+
+def _prompt(question: str, guess: str) -> str:
+    return str(typer.prompt(question, default=guess))

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.errors import UserError, nearest
 from workbench.records.importing.columns import SECONDS, Column, Motion, correlation, time_of, time_unit, without_copies
-from workbench.records.importing.proposal import Question
+from workbench.records.importing.proposal import Ask, Question
 from workbench.records.importing.units import BY_UNIT, KINDS, unit_for
 from workbench.records.importing.words import is_reference, scores
 
@@ -42,6 +43,32 @@ class Found:
         return replace(self, scale=-self.scale, reason=f"{self.reason}; turned, since {why}")
 
 
+def answered(found: Found, columns: Sequence[Column], ask: Ask | None) -> Found:
+    """A channel as a user answers the questions on it; as it is where nobody can be asked.
+
+    Raises:
+        UserError: an answer that names no column, or is no number.
+    """
+    if ask is None:
+        return found
+    for question in found.questions:
+        if question.key == "column":
+            keys = {str(one.key): one for one in columns}
+            answer = ask(question.words, str(found.column.key))
+            if answer not in keys:
+                raise UserError(f'{found.channel}: no column "{answer}"; {nearest(answer, keys)}')
+            found = replace(found, column=keys[answer])
+        elif question.key == "unit":
+            found = replace(found, unit=ask(question.words, found.unit))
+        else:
+            answer = ask(question.words, f"{found.scale:g}")
+            try:
+                found = replace(found, scale=float(answer))
+            except ValueError:
+                raise UserError(f'{found.channel}: got "{answer}", expected a number, such as 0.025') from None
+    return replace(found, questions=())
+
+
 def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found], list[str], Motion]:
     """The channels in a log, what became of the other columns in words, and its motion.
 
@@ -54,7 +81,7 @@ def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found]
     found = {"time": Found("time", time, unit, 1.0, why)}
     motion = Motion(time, SECONDS[unit])
     wanted = [one for one in columns if one is not time and is_reference(one.name)]
-    rest, copies = without_copies([one for one in columns if one is not time and one not in wanted])
+    rest, copies = without_copies([one for one in columns if one is not time and one not in wanted], _is_other)
     unused = [f"{one.key}: what was wanted, by its name" for one in wanted]
     unused += [f"{key}: {other.key} in other units, it seems" for key, other in copies.items()]
     named = _by_name(rest)
@@ -69,6 +96,16 @@ def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found]
     taken = [one.column for one in found.values()]
     unused += [f"{one.key}: {one.said}, of no channel that is known" for one in rest if one not in taken]
     return _signed(_velocity(found, motion), motion), unused, motion
+
+
+def _is_other(first: Column, second: Column) -> bool:
+    """Whether two columns are called two channels: pressures of both chambers may mirror each other."""
+    return _is_named(first) and _is_named(second) and _best(first) != _best(second)
+
+
+def _best(column: Column) -> str:
+    found = scores(column.name)
+    return max(found, key=lambda channel: found[channel])
 
 
 def _called(column: Column) -> str:
@@ -192,8 +229,8 @@ def _velocity(found: dict[str, Found], motion: Motion) -> dict[str, Found]:
 
 
 def _signed(found: dict[str, Found], motion: Motion) -> dict[str, Found]:
-    """Channels with the signs that plants have: a positive command and pressure_1 move forward, a force that drives goes
-    with the motion.
+    """Channels with the signs that plants have: a positive command and pressure_1 move forward, and a force that drives
+    goes with the motion.
     """
     position = found.get("position")
     if position is None:

@@ -1,7 +1,7 @@
 """The columns of logs as numbers: what can be told of each by its values alone."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,9 @@ from workbench.records.tables import read_table, seconds
 
 LINE = 0.99
 """Correlation below which no column is another one in other units."""
+
+COARSE, DIGITS = 0.05, 1e-4
+"""Shares of a column's deviation: steps up to which it is told from another one, and what rounding leaves of it."""
 
 FEWEST = 50
 """Rows of numbers that a column has, at least."""
@@ -134,13 +137,16 @@ def _paced(column: Column, unit: str) -> str:
     return f"{1.0 / step:.4g} Hz for {whole:.4g} s" if step > 0.0 else f"{whole:.4g} s"
 
 
-def without_copies(columns: Sequence[Column]) -> tuple[list[Column], dict[str, Column]]:
+def without_copies(
+    columns: Sequence[Column], is_other: Callable[[Column, Column], bool]
+) -> tuple[list[Column], dict[str, Column]]:
     """Columns without those that are another one in other units, and of each such one the one that stays: the last, as
-    what is calibrated stands behind what is raw.
+    what is calibrated stands behind what is raw. `is_other` says of two that they are not the same by their names.
     """
     kept, copies = list[Column](), dict[str, Column]()
     for place, one in enumerate(columns):
-        later = next((other for other in columns[place + 1 :] if _is_copy(one, other)), None)
+        behind = [other for other in columns[place + 1 :] if not is_other(one, other)]
+        later = next((other for other in behind if _is_copy(one, other)), None)
         if later is None:
             kept.append(one)
         else:
@@ -154,7 +160,9 @@ def _is_copy(first: Column, second: Column) -> bool:
         return False
     slope = float(np.std(second.known) / np.std(first.known))
     fit = np.polyval(np.polyfit(first.known, second.known, 1), first.known)
-    return float(np.std(second.known - fit)) <= slope * first.resolution + second.resolution
+    size = float(np.std(second.known))
+    step = min(slope * first.resolution + second.resolution, COARSE * size)
+    return float(np.std(second.known - fit)) <= max(step, DIGITS * size)
 
 
 def correlation(first: np.ndarray, second: np.ndarray) -> float:

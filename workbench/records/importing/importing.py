@@ -9,16 +9,16 @@ from plants.equation import fields
 from plants.interface import Plant
 from workbench.errors import UserError
 from workbench.parameters.sets import parameter_path, read_parameters
-from workbench.records.channels import unit_of
-from workbench.records.importing.channels import Found, channels_in
+from workbench.records.channels import FORCE, TORQUE, unit_of
+from workbench.records.importing.channels import Found, answered, channels_in
 from workbench.records.importing.columns import SECONDS, Column, columns_of
 from workbench.records.importing.plants import given, plant_for
-from workbench.records.importing.proposal import Line, Proposal
+from workbench.records.importing.proposal import Ask, Line, Proposal
 from workbench.records.importing.values import free_for, values_for
 from workbench.records.sampling.clock import stamps_of
 from workbench.records.sampling.pieces import Series, pieces_of
 from workbench.records.sampling.sight import sight_note
-from workbench.toml.units import factor
+from workbench.toml.units import QuantityError, factor
 
 AXIAL = (("position", "pressure_1", "pressure_2"), ("position", "force"))
 """Channels that show friction, of which the thesis's method needs one set."""
@@ -27,8 +27,12 @@ CENTRED = 1.05
 """Share of half the stroke up to which a position is counted from its middle."""
 
 
-def proposal_for(logs: Sequence[Path], model: str | None, parameters: str | None, folder: Path) -> Proposal:
+def proposal_for(
+    logs: Sequence[Path], model: str | None, parameters: str | None, folder: Path, ask: Ask | None = None
+) -> Proposal:
     """What an experiment of these logs may be, the first one deciding; `folder` is that of the experiment file.
+
+    What nobody can know is asked, if there is somebody to `ask`, and else stands as a question in the proposal.
 
     Raises:
         UserError: a log cannot be read, has no time, or no plant fits it.
@@ -37,9 +41,14 @@ def proposal_for(logs: Sequence[Path], model: str | None, parameters: str | None
     found, unused, motion = channels_in(columns, logs[0])
     for log in logs[1:]:
         _check_alike(log, logs[0], found)
-    plant, line = plant_for(found, model)
+    if "position" not in found:
+        names = ", ".join(str(one.key) for one in columns)
+        raise UserError(f"{logs[0]}: none of its columns looks like a position: {names}; write the experiment by hand")
+    found = {name: answered(one, columns, ask) for name, one in found.items()}
+    plant, line = plant_for(found, model, ask)
     found = _for_plant(found, plant)
-    values = [] if parameters is not None else values_for(plant, found, motion)
+    _check_units(found, plant)
+    values = [] if parameters is not None else [each.asked(ask) for each in values_for(plant, found, motion)]
     stroke = _stroke(plant, values, parameters, folder)
     channels = [_line(one, _offset(one, stroke, plant)) for one in found.values()]
     free = free_for(plant, found, motion)
@@ -54,6 +63,16 @@ def proposal_for(logs: Sequence[Path], model: str | None, parameters: str | None
     ]
     declared = "" if parameters is None else parameters
     return Proposal(f"Imported from {logs[0].name}", line, declared, values, fit, channels, records, tuple(unused))
+
+
+def _check_units(found: Mapping[str, Found], plant: Plant) -> None:
+    """Whether the units, which a user may have answered, are those of the channels."""
+    for name, one in found.items():
+        unit = unit_of(FORCE if name == TORQUE else name, plant)
+        try:
+            factor(one.unit, unit)
+        except QuantityError:
+            raise UserError(f'{name}: got "{one.unit}", expected a unit such as "{unit}"') from None
 
 
 def _check_alike(log: Path, first: Path, found: Mapping[str, Found]) -> None:

@@ -9,15 +9,15 @@ from plants.registry import PLANTS
 from workbench.errors import UserError, nearest
 from workbench.records.channels import FORCE, TORQUE
 from workbench.records.importing.channels import Found
-from workbench.records.importing.proposal import Line, Question
+from workbench.records.importing.proposal import Ask, Line, Question
 from workbench.records.importing.units import ANGLES
 from workbench.toml.units import QuantityError, factor
 
 SENSORS = ("position", "pressure_1", "pressure_2")
 """What nearly every rig would measure if it had it: a plant that shows more than the log is believed less."""
 
-FREELY = ("time", "velocity", "acceleration", "supply_pressure")
-"""Channels that tell nothing of the plant."""
+FREELY = ("time", "velocity", "acceleration", "supply_pressure", "motor_current")
+"""Channels that a log may have beside those of the plant."""
 
 NOT_SHOWN = 0.5
 """What a sensor counts that a plant has and a log has not."""
@@ -31,8 +31,8 @@ class Fit(NamedTuple):
     used: frozenset[str]
 
 
-def plant_for(found: Mapping[str, Found], model: str | None) -> tuple[Plant, Line]:
-    """The plant, and its line of the file: as asked for, or what fits best, with what else would.
+def plant_for(found: Mapping[str, Found], model: str | None, ask: Ask | None = None) -> tuple[Plant, Line]:
+    """The plant, and its line of the file: as asked for, or what fits best; with what else would, for a user to choose.
 
     Raises:
         UserError: there is no such plant, or none fits.
@@ -46,13 +46,17 @@ def plant_for(found: Mapping[str, Found], model: str | None) -> tuple[Plant, Lin
         filter(None, (_fit(plant, found) for plant in known.values())),
         key=lambda fit: (-fit.score, len(fields(fit.plant.Parameters))),
     )
-    names = " and ".join(name for name in found if name != "time") or "none but the time"
+    names = ", ".join(name for name in found if name != "time") or "none but the time"
     if not fits:
         raise UserError(f"no plant fits these channels: {names}; name one with --plant, and its command by hand")
     best, others = fits[0], [fit.plant.name for fit in fits[1:] if fit.score >= fits[0].score - NOT_SHOWN]
-    asked = Question("which plant is it? What fits as well: " + ", ".join(others[:4]), "")
+    asked = Question("which plant is it? What fits as well: " + ", ".join(others[:4]))
     reason = f"its command and sensors are those of the log: {names}"
-    return best.plant, Line("model", {"": best.plant.name}, reason, (asked,) if others else ())
+    line = Line("model", {"": best.plant.name}, reason, (asked,) if others else ()).asked(ask)
+    chosen = str(line.values[""])
+    if chosen not in known:
+        raise UserError(f'plant "{chosen}": unknown; {nearest(chosen, known)}')
+    return known[chosen], line
 
 
 def _fit(plant: Plant, found: Mapping[str, Found]) -> Fit | None:
@@ -65,7 +69,8 @@ def _fit(plant: Plant, found: Mapping[str, Found]) -> Fit | None:
     if not command:
         return None
     inputs = {item.name for item in fields(plant.Inputs)}
-    used = {name for name in found if name in inputs or name in plant.channels} | {command}
+    shown = [name for name in plant.channels if name in SENSORS or plant.rotary_command is not None]
+    used = {name for name in found if name in inputs or name in shown} | {command}
     lost = [name for name in found if name not in used and name not in FREELY]
     lacking = [name for name in SENSORS if name in plant.channels and name not in found]
     direct = NOT_SHOWN * (command == plant.command)
@@ -76,8 +81,9 @@ def given(plant: Plant, found: Collection[str] | Mapping[str, Found]) -> str:
     """The channel that gives a plant's command; "" where none does."""
     if plant.command in found:
         return plant.command
-    if any(plant.command.endswith(name) and name in found for name in (FORCE, TORQUE)):
-        return next(name for name in (FORCE, TORQUE) if name in found)
+    drives = next((name for name in (FORCE, TORQUE) if name in found), "")
+    if drives and plant.command.endswith((FORCE, TORQUE)):
+        return drives
     if "command" in found and (not isinstance(found, Mapping) or _measures(found["command"].unit, plant.command_unit)):
         return "command"
     if "motor_current" in found and plant.command_unit == "A":

@@ -1,8 +1,11 @@
 """What the wizard proposes: lines of an experiment file, each with its reason, and a question where nobody can know."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+Ask = Callable[[str, str], str]
+"""Puts a question to a user, with the guess as what is taken without an answer, and returns the answer."""
 
 
 @dataclass(frozen=True)
@@ -10,14 +13,15 @@ class Question:
     """What is asked of a line: in words, and which of its keys the answer is for."""
 
     words: str
-    key: str
+    key: str = ""
 
 
 @dataclass(frozen=True)
 class Line:
     """A key of a table with values, the reason for them, and what has to be asked.
 
-    A line with several values is an inline table. Values are text, or numbers.
+    A line with several values is an inline table; the one value of a plain key has the name "". Values are text, or
+    numbers.
     """
 
     name: str
@@ -25,26 +29,12 @@ class Line:
     reason: str
     questions: tuple[Question, ...] = ()
 
-    def answered(self, question: Question, answer: str) -> "Line":
-        """The line with an answer to a question of it; one that is a guess confirmed stays a guess confirmed."""
-        old = self.values[question.key]
-        value: str | float | int = answer
-        if not isinstance(old, str) or question.key in ("scale", "column"):
-            value = _number(answer)
-        left = tuple(other for other in self.questions if other is not question)
-        reason = self.reason if value == old else "answered"
-        return replace(self, values={**self.values, question.key: value}, questions=left, reason=reason)
-
-
-def _number(text: str) -> str | float | int:
-    try:
-        return int(text)
-    except ValueError:
-        pass
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    def asked(self, ask: Ask | None) -> "Line":
+        """A plain key as a user answers its questions; as it is where nobody can be asked."""
+        if ask is None or not self.questions:
+            return self
+        value = ask(self.questions[0].words, str(self.values[""]))
+        return replace(self, values={"": value}, reason="answered", questions=())
 
 
 @dataclass(frozen=True)
@@ -61,21 +51,6 @@ class Proposal:
     unused: Sequence[str] = field(default=())
 
     @property
-    def questions(self) -> list[tuple[Line, Question]]:
-        """All questions, with their lines."""
-        return [(line, question) for line in self.lines for question in line.questions]
-
-    @property
-    def lines(self) -> list[Line]:
-        """All lines that may be asked for."""
-        return [self.plant, *self.values, *self.channels]
-
-    def replaced(self, old: Line, new: Line) -> "Proposal":
-        """The proposal with one line in another's place."""
-        swap = {id(old): new}
-        return replace(
-            self,
-            plant=swap.get(id(self.plant), self.plant),
-            values=[swap.get(id(line), line) for line in self.values],
-            channels=[swap.get(id(line), line) for line in self.channels],
-        )
+    def questions(self) -> list[Question]:
+        """All that is left to be answered."""
+        return [question for line in (self.plant, *self.values, *self.channels) for question in line.questions]

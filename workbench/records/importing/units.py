@@ -64,7 +64,10 @@ class Unit(NamedTuple):
 
 def unit_for(channel: str, column: Column) -> Unit:
     """The unit of a channel's column."""
-    if column.unit in KINDS[channel] and column.unit not in ("percent",):
+    if channel == "valve_voltage" and column.unit in ("A", "mA"):
+        asked = Question(f"{channel}: {column.key} is a current: how many V stand for one {column.unit}?", "scale")
+        return Unit("V", 1.0, f"{column.said}; a plant's valve has a voltage", (asked,))
+    if column.unit in KINDS[channel] and column.unit != "percent":
         return Unit(column.unit, 1.0, f"{column.said}, as the file says")
     if column.unit == "percent":
         asked = Question(f"{channel}: how many volts are 100 % of {column.key}? scale is a hundredth of them", "scale")

@@ -19,11 +19,17 @@ from workbench.toml.units import factor
 AREA = 1e-3
 """m^2 of a piston that nobody has measured: a bore of 36 mm."""
 
+SUPPLY = 1e7
+"""Pa of a supply that nobody has measured: the usual hydraulic one."""
+
 MARGIN = 1.1
 """What a stroke has over the longest way of a log."""
 
 PRESLIDING = 1e-4
-"""m, or rad, of a contact before it slips."""
+"""m, or rad, of a contact before it slips, at most."""
+
+SHARE = 1e-3
+"""The same as a share of the way."""
 
 PLAIN = {"torque": "force", "inertia": "mass"}
 """Words of names along a turning axis, and along a straight one."""
@@ -45,15 +51,15 @@ class Rough:
     def __init__(self, plant: Plant, found: Mapping[str, Found], motion: Motion) -> None:
         self.plant, self.found, self.motion = plant, found, motion
         self.command = given(plant, found)
-        self.position = self._si("position")
+        self.position = self.si("position")
         self.velocity = np.gradient(self.position, motion.step)
         self.drive = self._drive()
         self.mass, self.viscous, self.coulomb = self._friction()
 
-    def _si(self, name: str) -> np.ndarray:
+    def si(self, name: str) -> np.ndarray:
         """A channel, smoothed, in SI."""
         if name not in self.found:
-            return np.zeros(1)
+            return np.zeros(self.position.size)
         one = self.found[name]
         own = name if name not in ("torque",) else "force"
         scale = factor(one.unit, unit_of(own, self.plant)) if own != "time" else 1.0
@@ -62,8 +68,8 @@ class Rough:
     def _drive(self) -> np.ndarray:
         """What drives the axis (N, N m, or the command itself through a gain of 1)."""
         if "pressure_1" in self.found and "pressure_2" in self.found:
-            return AREA * (self._si("pressure_1") - self._si("pressure_2"))
-        return self._si(self.command) if self.command else np.zeros(1)
+            return AREA * (self.si("pressure_1") - self.si("pressure_2"))
+        return self.si(self.command) if self.command else np.zeros(self.position.size)
 
     def _friction(self) -> tuple[float, float, float]:
         """Least squares of the drive on acceleration, velocity and its sign, none of them negative, and a constant."""
@@ -140,18 +146,27 @@ def _stroke(rough: Rough) -> tuple[float, str, str]:
 
 
 def _supply(rough: Rough) -> tuple[float, str, str]:
-    high = max(float(np.max(rough._si(name))) for name in rough.found if name.startswith(("pressure_", "supply_")))
+    pressures = [name for name in rough.found if name.startswith(("pressure_", "supply_"))]
+    if not pressures:
+        return SUPPLY, "a guess", "how high is it?"
+    high = max(float(np.max(rough.si(name))) for name in pressures)
     return rounded_up(high), f"the next round number above the highest pressure, {high:.3g} Pa", "how high is it?"
 
 
 def _displacement(rough: Rough) -> tuple[float, str, str]:
-    speed = float(np.std(rough._si("pump_speed"))) or 1.0
+    speed = float(np.std(rough.si("pump_speed"))) or 1.0
     value = AREA * float(np.std(rough.velocity)) / speed
     return value, "the piston's area times what the rod moves in a radian of the pump", ""
 
 
 def _coulomb(rough: Rough) -> tuple[float, str, str]:
     return rough.coulomb, "least squares of what drives on acceleration, velocity and its sign; the fit finds it", ""
+
+
+def _stiffness(rough: Rough) -> tuple[float, str, str]:
+    bend = min(PRESLIDING, SHARE * float(np.ptp(rough.position)))
+    unit = "mrad" if rough.plant.axis == ROTARY else "mm"
+    return rough.coulomb / bend, f"the contact slips after {1e3 * bend:.2g} {unit}; the fit finds it", ""
 
 
 def _of_gain(rough: Rough) -> tuple[float, str, str]:
@@ -165,11 +180,7 @@ SEEN: Mapping[str, Callable[[Rough], tuple[float, str, str]]] = {
     "coulomb": _coulomb,
     "viscous": lambda rough: (rough.viscous, "least squares, as coulomb; the fit finds it", ""),
     "stribeck_velocity": lambda rough: (1e-2, "without effect as long as stribeck is 0", ""),
-    "bristle_stiffness": lambda rough: (
-        rough.coulomb / PRESLIDING,
-        f"slips after {1e3 * PRESLIDING:g} {'mrad' if rough.plant.axis == ROTARY else 'mm'}; the fit finds it",
-        "",
-    ),
+    "bristle_stiffness": _stiffness,
     "force_gain": _of_gain,
     "force_constant": _of_gain,
     "piston_area_1": lambda rough: (AREA, "a guess", "bore?"),

@@ -63,9 +63,15 @@ def is_reference(name: str) -> bool:
 
 
 def scores(name: str) -> dict[str, float]:
-    """How well a column's name is that of each channel: the share of its words that are, the whole name counting
-    twice.
+    """How well a column's name is that of each channel: by its words, or by those behind the last dot of a struct's or
+    a message's field.
     """
+    whole, last = _scores(name), _scores(name.rsplit(".", 1)[-1])
+    return {channel: max(whole.get(channel, 0.0), last.get(channel, 0.0)) for channel in {**whole, **last}}
+
+
+def _scores(name: str) -> dict[str, float]:
+    """The share of a name's words that are a channel's; one more where all of it is."""
     words = words_of(name)
     found: dict[str, float] = {}
     for channel, known in WORDS.items():
@@ -77,7 +83,7 @@ def scores(name: str) -> dict[str, float]:
             if sides & set(words):
                 found[channel] = found.get(channel, 0.0) + 2.0
         if not any(channel in found for channel in SIDES):
-            found["pressure_1"] = 0.5
+            found["pressure_1"] = 1.0
     for strong in ("valve_voltage", "pump_speed"):  # a pump's speed, a valve's command
         if strong in found:
             found[strong] += 1.0
