@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.belief import Hydraulic
+from controllers.belief import velocity_gain
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, ProportionalGain
 from controllers.settings import About, Tuned
@@ -24,7 +24,6 @@ from controllers.velocity import (
     estimate_velocity,
 )
 from plants.equation import Scalar, equation
-from plants.hydraulics import no_load_velocity_gain
 from plants.interface import Measurement
 
 
@@ -114,11 +113,10 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     Raises:
         ValueError: a plant whose belief has no velocity gain, or a time constant that is not above 0.
     """
-    if not isinstance(belief, Hydraulic):
-        raise ValueError("disturbance_observer needs a plant with a velocity gain (a hydraulic one)")
+    known = velocity_gain(belief, "disturbance_observer")
     if settings.observer_time_constant <= 0.0:
         raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
-    gain, lag = float(no_load_velocity_gain(belief.hydraulics)), belief.hydraulics.valve_time_constant
+    gain, lag = known.mean, known.lag
     return Gains(
         settings.kp,
         settings.feedforward / gain,

@@ -155,7 +155,7 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     return Gains(
         settings.kp,
         settings.ki,
-        linear.feedforward,
+        linear.feedforward * 0.5 * (1.0 + linear.feedforward_ratio),  # it knows no direction
         settings.sliding_speed,
         settings.retained,
         settings.error_band,
