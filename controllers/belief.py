@@ -14,6 +14,7 @@ from plants.hydraulics import Bored, Hydraulic, Moving
 from plants.motor import HasMotor
 from plants.pneumatics import Pneumatic
 from plants.sources import Driven, force_of_command
+from plants.valve_axis import ValveDriven
 
 
 class Sliding(HasFriction, Moving, Protocol):
@@ -33,22 +34,6 @@ def drive_gain(belief: object) -> float:
 
 class HydraulicSliding(Hydraulic, Sliding, Protocol):
     """A mass that slides with friction, moved by a valve and a cylinder."""
-
-
-class Velocities(NamedTuple):
-    """K_q: the velocity that a volt at the valve gives without a load, either way; and the lag with which it comes."""
-
-    forward: Annotated[float, "m/(s V)"]
-    backward: Annotated[float, "m/(s V)"]
-    time_constant: Annotated[float, "s"]
-
-
-def velocities(belief: object) -> Velocities | None:
-    """What a voltage is believed to do to the velocity; None of a plant whose command sets no velocity."""
-    if not isinstance(belief, Hydraulic | Pneumatic):
-        return None
-    valve = authority.authority(belief)
-    return Velocities(*authority.velocity_gains(valve), valve.time_constant)
 
 
 def bored(belief: object) -> Bored | None:
@@ -74,3 +59,29 @@ class Anisotropic(Protocol):
 
     @property
     def guide(self) -> Guide: ...
+
+
+class VelocityGain(NamedTuple):
+    """How a velocity follows a voltage: gain and dead band of either direction, and the lag between them."""
+
+    forward: Annotated[float, "m/(s V)"]
+    backward: Annotated[float, "m/(s V)"]
+    lag: Annotated[float, "s"]
+    dead_band: Annotated[float, "V"]
+    dead_band_negative: Annotated[float, "V"]
+
+
+def velocity_gain(belief: object, what: str) -> VelocityGain:
+    """How the velocity of a believed plant follows its command; `what` needs to know.
+
+    Raises:
+        ValueError: a plant without a valve.
+    """
+    if isinstance(belief, Hydraulic | Pneumatic):
+        valve = authority.authority(belief)
+        return VelocityGain(*authority.velocity_gains(valve), valve.time_constant, valve.dead_band, valve.dead_band)
+    if isinstance(belief, ValveDriven):
+        ahead, back = belief.valve, belief.valve.negative
+        gains, bands = (ahead.velocity_gain, back.velocity_gain), (ahead.dead_band, back.dead_band)
+        return VelocityGain(*gains, belief.axis_time_constant, *bands)
+    raise ValueError(f"{what} needs a plant with a velocity gain (one with a valve); leave it out here")

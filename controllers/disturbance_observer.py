@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.belief import velocities
+from controllers.belief import velocity_gain as believed_gain
 from controllers.interface import Controller, Reference
 from controllers.pid import Feedforward, ProportionalGain
 from controllers.settings import About, Tuned
@@ -121,16 +121,16 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
     Raises:
         ValueError: a plant whose belief has no velocity gain, or a time constant that is not above 0.
     """
-    known = velocities(belief)
-    if known is None:
-        raise ValueError("disturbance_observer needs a plant with a velocity gain (one with a valve)")
+    known = believed_gain(belief, "disturbance_observer")
     if settings.observer_time_constant <= 0.0:
         raise ValueError(f"observer_time_constant is {settings.observer_time_constant:g}, expected a value above 0")
     return Gains(
         settings.kp,
         settings.feedforward,
-        *known,
-        float(np.exp(-sample_time / known.time_constant)),
+        known.forward,
+        known.backward,
+        known.lag,
+        float(np.exp(-sample_time / known.lag)),
         float(-np.expm1(-sample_time / settings.observer_time_constant)),
         design_estimator(settings, sample_time),
     )

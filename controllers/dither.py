@@ -6,7 +6,16 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
-from controllers.pid import DerivativeGain, Feedforward, FeedforwardLead, IntegralGain, ProportionalGain, TrackingTime
+from controllers.pid import (
+    DeadBandShare,
+    DeadBandSmoothing,
+    DerivativeGain,
+    Feedforward,
+    FeedforwardLead,
+    IntegralGain,
+    ProportionalGain,
+    TrackingTime,
+)
 from controllers.settings import About, Needs, Tuned
 from controllers.velocity import JerkDensity, PositionNoise, TimeConstant, VelocityKind
 from plants.equation import Scalar, equation, select
@@ -43,6 +52,8 @@ class Settings(NamedTuple):
     position_noise: PositionNoise = 13e-6
     jerk_density: JerkDensity = 10.0
     lead: FeedforwardLead = 0.0
+    dead_band: DeadBandShare = 0.0
+    dead_band_smoothing: DeadBandSmoothing = 0.1
 
 
 class Gains(NamedTuple):

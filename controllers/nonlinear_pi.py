@@ -164,7 +164,7 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
         settings.reversal_speed,
         linear.tracking,
         design_estimator(settings, sample_time),
-        linear.feedforward_backward,
+        linear.feedforward * linear.feedforward_ratio,
     )
 
 

@@ -1,10 +1,12 @@
-"""P, PI, PD, PID with velocity feed-forward and anti-windup: one law, each term optional."""
+"""P, PI, PD, PID with velocity feed-forward, anti-windup and a jump over a dead band: one law, each term optional."""
 
 from typing import Annotated, NamedTuple
 
-from controllers.belief import velocities
+import numpy as np
+
+from controllers.belief import velocity_gain
 from controllers.interface import Controller, Reference
-from controllers.settings import DECADES, SHARE, About, Needs
+from controllers.settings import DECADES, SHARE, About, Needs, Tuned
 from controllers.velocity import (
     Estimator,
     EstimatorState,
@@ -26,6 +28,14 @@ Feedforward = Annotated[float, "1", About("share of the reference's velocity tha
 FeedforwardLead = Annotated[
     float, "1", About("share of the valve's lag that the feed-forward inverts"), SHARE, Needs("feedforward")
 ]
+DeadBandShare = Annotated[float, "1", About("share of the believed dead band that the command jumps over"), SHARE]
+DeadBandSmoothing = Annotated[
+    float,
+    "1",
+    About("command, in dead bands, over which the jump is spread", above=True),
+    Tuned(0.01, 1.0),
+    Needs("dead_band"),
+]
 TrackingTime = Annotated[float, "s", About("time constant of the anti-windup; 0: K_p / K_i"), Needs("ki")]
 
 
@@ -34,9 +44,11 @@ class Settings(NamedTuple):
 
     `feedforward` is the share of the reference's velocity that is fed forward through the believed velocity gain
     K_q. `lead` is the share of the believed valve's lag that it inverts: what a valve inversion may do, plain control
-    may too, since nothing but the reference's acceleration is needed for it. `tracking_time` is the time constant of
-    the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the repeatability of the thesis's potentiometer, and
-    a jerk of 30 m/s^3 that lasts 10 ms.
+    may too, since nothing but the reference's acceleration is needed for it. `dead_band` is the share of the believed
+    valve's dead band that is added to the command, and `dead_band_smoothing` how small a command, as a share of that
+    band, gets all of it: the jump's slope is 1/smoothing, by which the loop's gain is higher there. `tracking_time` is
+    the time constant of the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the repeatability of the
+    thesis's potentiometer, and a jerk of 30 m/s^3 that lasts 10 ms.
     """
 
     kp: ProportionalGain
@@ -49,13 +61,15 @@ class Settings(NamedTuple):
     position_noise: PositionNoise = 13e-6
     jerk_density: JerkDensity = 10.0
     lead: FeedforwardLead = 0.0
+    dead_band: DeadBandShare = 0.0
+    dead_band_smoothing: DeadBandSmoothing = 0.1
 
 
 class Gains(NamedTuple):
     """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s).
 
-    `lead` is what of the valve's time constant the feed-forward inverts. The feed-forward has a gain for either
-    direction of the reference.
+    `lead` is what of the valve's time constant the feed-forward inverts, `feedforward_ratio` the feed-forward of
+    negative velocities over that of positive ones. `dead_band` is what is added to a positive command beyond `dead_band_width`.
     """
 
     proportional: Annotated[float, "command/m"]
@@ -65,7 +79,11 @@ class Gains(NamedTuple):
     tracking: Annotated[float, "1/s"]
     estimator: Estimator
     lead: Annotated[float, "s"] = 0.0
-    feedforward_backward: Annotated[float, "command s/m"] = 0.0
+    feedforward_ratio: Annotated[float, "1"] = 1.0
+    dead_band: Annotated[float, "command"] = 0.0
+    dead_band_negative: Annotated[float, "command"] = 0.0
+    dead_band_width: Annotated[float, "command"] = 1.0
+    dead_band_width_negative: Annotated[float, "command"] = 1.0
 
 
 class State(NamedTuple):
@@ -76,23 +94,32 @@ class State(NamedTuple):
 
 
 @equation
+def beyond_dead_band(command: Scalar, gains: Gains) -> Scalar:
+    """u + d sat(u / w): the valve's dead band d is jumped over, by a line within +-w."""
+    up = gains.dead_band * np.minimum(command / gains.dead_band_width, 1.0)
+    down = gains.dead_band_negative * np.maximum(command / gains.dead_band_width_negative, -1.0)
+    return command + select(command >= 0.0, up, down)
+
+
+@equation
 def step(
     reference: Reference, measurement: Measurement, state: State, gains: Gains, sample_time: Scalar
 ) -> tuple[Scalar, State]:
-    """u = K_p e + K_d (dr - v^) + I + K_ff (dr + T_l ddr), with e = r - x and v^ the estimated velocity.
+    """u = K_p e + K_d (dr - v^) + I + K_ff (dr + T_l ddr), with e = r - x and v^ the estimated velocity; then the jump.
 
     T_l = lead tau, tau the valve's lag: (1 + tau s) of the reference's velocity is what the valve makes that velocity
     of again.
     """
     error = reference.position - measurement.position
     velocity, estimator = estimate_velocity(measurement.position, state.estimator, gains.estimator)
-    fed = select(reference.velocity >= 0.0, gains.feedforward, gains.feedforward_backward)
-    command = (
+    wanted = reference.velocity + gains.lead * reference.acceleration
+    linear = (
         gains.proportional * error
         + gains.derivative * (reference.velocity - velocity)
         + state.integral
-        + fed * (reference.velocity + gains.lead * reference.acceleration)
+        + gains.feedforward * select(wanted >= 0.0, 1.0, gains.feedforward_ratio) * wanted
     )
+    command = beyond_dead_band(linear, gains)
     return command, State(state.integral, command, error, estimator)
 
 
@@ -110,26 +137,32 @@ def start(measurement: Measurement, gains: Gains) -> State:
 
 
 def design(settings: Settings, belief: object, sample_time: float) -> Gains:
-    """Gains from settings, with K_ff = feedforward / K_q and T_l = lead tau.
+    """Gains from settings, with K_ff = feedforward / K_q of either direction and T_l = lead tau.
 
     Raises:
-        ValueError: feed-forward for a plant whose belief has no velocity gain, or an estimator's setting.
+        ValueError: feed-forward, or a dead band, for a plant whose belief has no velocity gain; a setting out of range.
     """
-    forward, backward, lead = 0.0, 0.0, 0.0
+    feedforward, ratio, lead, bands, widths = 0.0, 1.0, 0.0, (0.0, 0.0), (1.0, 1.0)
     if settings.feedforward:
-        known = velocities(belief)
-        if known is None:
-            raise ValueError("feedforward needs a plant with a velocity gain (one with a valve); leave it out here")
-        forward, backward = settings.feedforward / known.forward, settings.feedforward / known.backward
-        lead = settings.lead * known.time_constant
+        known = velocity_gain(belief, "feedforward")
+        feedforward, ratio = settings.feedforward / known.forward, known.forward / known.backward
+        lead = settings.lead * known.lag
+    if settings.dead_band:
+        if settings.dead_band_smoothing <= 0.0:
+            raise ValueError(f"dead_band_smoothing is {settings.dead_band_smoothing:g}, expected a value above 0")
+        known = velocity_gain(belief, "dead_band")
+        whole = known.dead_band, known.dead_band_negative
+        bands = settings.dead_band * whole[0], settings.dead_band * whole[1]
+        widths = settings.dead_band_smoothing * whole[0] or 1.0, settings.dead_band_smoothing * whole[1] or 1.0
     tracking = 0.0
     if settings.ki:
         tracking_time = settings.tracking_time or abs(settings.kp / settings.ki)
         tracking = 1.0 / max(tracking_time, sample_time)
     estimator = design_estimator(settings, sample_time)
-    return Gains(settings.kp, settings.ki, settings.kd, forward, tracking, estimator, lead, backward)
+    linear = settings.kp, settings.ki, settings.kd, feedforward, tracking, estimator, lead, ratio
+    return Gains(*linear, *bands, *widths)
 
 
-SUMMARY = "P, PI, PD, PID with velocity feed-forward and anti-windup"
+SUMMARY = "P, PI, PD, PID with velocity feed-forward, anti-windup and a jump over a dead band"
 
 PID = Controller("pid", SUMMARY, Settings, Gains, State, design, step, commit, start)

@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from plants.equation import Scalar, equation, select
-from plants.hydraulics import Cylinder, Hydraulic, Hydraulics, Spool, oil_volumes
+from plants.hydraulics import Cylinder, Hydraulic, Hydraulics, oil_volumes
 from plants.pneumatics import (
     Pneumatic,
     Pneumatics,
@@ -34,16 +34,17 @@ class Way(NamedTuple):
 
 
 class Authority(NamedTuple):
-    """Both directions, the valve's gain and lag, and the stiffness of the fluid at mid-stroke."""
+    """Both directions, the valve's gain, lag and overlap, and the stiffness of the fluid at mid-stroke."""
 
     forward: Way
     backward: Way
     position_gain: Annotated[float, "m/V"]
     time_constant: Annotated[float, "s"]
     stiffness: Annotated[float, "N/m"]
+    dead_band: Annotated[float, "V"]
 
 
-NONE = Authority(Way(0.0, 0.0), Way(0.0, 0.0), 0.0, 0.0, 0.0)
+NONE = Authority(Way(0.0, 0.0), Way(0.0, 0.0), 0.0, 0.0, 0.0, 0.0)
 """Of what has no valve."""
 
 
@@ -97,8 +98,9 @@ def stiffness(areas: Hydraulics | Pneumatics, volumes: tuple[float, float], modu
     return float(modulus_1 * areas.piston_area_1**2 / volume_1 + modulus_2 * areas.piston_area_2**2 / volume_2)
 
 
-def _authority(forward: Way, backward: Way, valve: Spool, stiff: float) -> Authority:
-    return Authority(forward, backward, valve.valve_position_gain, valve.valve_time_constant, stiff)
+def _authority(forward: Way, backward: Way, valve: Hydraulics | Pneumatics, stiff: float) -> Authority:
+    gain = valve.valve_position_gain
+    return Authority(forward, backward, gain, valve.valve_time_constant, stiff, valve.valve_overlap / gain)
 
 
 def _of_air(p: Pneumatics) -> Authority:

@@ -22,7 +22,7 @@ NO_LOAD_GAIN = 5.9e-4 * 6e-5 * np.sqrt(2.94e6 / 2.0) / 6.33e-4
 
 
 def law(kp: float = 0.0, ki: float = 0.0, kd: float = 0.0, feedforward: float = 0.0, tracking: float = 0.0) -> Gains:
-    return Gains(kp, ki, kd, feedforward, tracking, ESTIMATOR, 0.0, feedforward)
+    return Gains(kp, ki, kd, feedforward, tracking, ESTIMATOR)
 
 
 def play(gains: Gains, samples: list[tuple[float, float, float]], limit: float = np.inf) -> list[float]:

@@ -1,18 +1,50 @@
 """The valve-driven axis: against its equations written down again, with delays that are no multiples of the samples."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+from command import Answer, workbench
 from scipy.integrate import solve_ivp
 
+from controllers.pid import PID
 from plants.valve_axis import VALVE_AXIS, Inputs, Parameters, Side, State, Valve
 from workbench.fitting.replay import Sampled
-from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.linear.open_loop import margins
+from workbench.simulation.references import Ramp
+from workbench.simulation.setup import Feed, Integrator, Loop, Setup
 from workbench.simulation.simulate import simulate
 
 GAIN, BAND, DELAY = 0.05, 1.1, 0.1537
 GAIN_NEGATIVE, BAND_NEGATIVE, DELAY_NEGATIVE = 0.03, 0.6, 0.0291
 LAG, DRIFT = 0.08, -0.002
 STEP = 0.053
+
+STUDY = """\
+title = "an axis without pressures"
+[plant]
+model = "valve_axis"
+parameters = "axis.toml"
+[controllers.chosen]
+type = "{}"
+[references.ramp]
+kind = "ramp"
+rate = "10 mm/s"
+[simulation]
+duration = "1 s"
+"""
+
+AXIS = """\
+title = "an axis"
+source = "made up"
+[parameters]
+velocity_gain = {value = "50 mm/(s V)", source = "made up"}
+dead_band = {value = "1 V", source = "made up"}
+command_delay = {value = "0.15 s", source = "made up"}
+axis_time_constant = {value = "80 ms", source = "made up"}
+"""
+
 
 PARAMETERS = Parameters(
     Valve(GAIN, BAND, DELAY, Side(GAIN_NEGATIVE, BAND_NEGATIVE, DELAY_NEGATIVE)), LAG, DRIFT, np.inf, 10.0
@@ -55,8 +87,8 @@ def expected(times: np.ndarray, volts: np.ndarray, *, linear: bool) -> np.ndarra
     bends = [times, times + DELAY, times + DELAY_NEGATIVE]
     if linear:  # where the ramps pass an edge of a dead band
         for level, late in ((BAND, DELAY), (-BAND_NEGATIVE, DELAY_NEGATIVE)):
-            for k in np.flatnonzero(np.diff(np.sign(volts - level))):
-                bends.append(times[[k]] + STEP * (level - volts[k]) / (volts[k + 1] - volts[k]) + late)
+            k = np.flatnonzero(np.diff(np.sign(volts - level)))
+            bends.append(times[k] + STEP * (level - volts[k]) / (volts[k + 1] - volts[k]) + late)
     edges = np.unique(np.concatenate(bends))
     edges = edges[edges <= times[-1]]
     positions, state = {0.0: 0.0}, np.zeros(2)
@@ -135,3 +167,54 @@ def test_a_drift_is_held_at_rest() -> None:
         parameters = PARAMETERS._replace(drift_velocity=drift)
         state, inputs = VALVE_AXIS.equilibrium(parameters, 0.0)
         np.testing.assert_allclose(VALVE_AXIS.derivatives(0.0, state, inputs, parameters), 0.0, atol=1e-15)
+
+
+def closed_loop(parameters: Parameters = PARAMETERS, **settings: float) -> Setup:
+    """The axis under a PID that knows it, sampled at 1 kHz."""
+    gains = PID.design(PID.Settings(**settings), parameters, 1e-3)
+    state, inputs = VALVE_AXIS.equilibrium(parameters, 0.0)
+    return Setup(VALVE_AXIS, parameters, state, inputs, 1.0, Loop(PID, gains))
+
+
+@pytest.mark.parametrize(("speed", "gain", "delay"), [(0.05, GAIN, DELAY), (-0.05, GAIN_NEGATIVE, DELAY_NEGATIVE)])
+def test_the_margins_of_a_p_loop_are_the_textbook_s_with_the_delay(speed: float, gain: float, delay: float) -> None:
+    """K g exp(-s T) / (s (tau s + 1)): 90 - atan(w tau) - w (T + h/2) degrees at the crossover."""
+    kp, h = 40.0, 1e-3
+    found = margins(closed_loop(kp=kp), speed)
+    square = (np.sqrt(1.0 + (2.0 * LAG * kp * gain) ** 2) - 1.0) / (2.0 * LAG**2)
+    crossover = np.sqrt(square)
+    phase = 90.0 - np.degrees(np.arctan(crossover * LAG) + crossover * (delay + h / 2.0))
+    assert found.phase_deg == pytest.approx(phase, abs=0.01)
+    assert found.phase_frequency == pytest.approx(crossover, rel=1e-4)
+
+
+def test_feedforward_and_dead_band_are_inverted_in_either_direction() -> None:
+    """With both, and a share of 1, nothing is left for the error of a ramp to do; without, it drives the axis."""
+    still = PARAMETERS._replace(drift_velocity=0.0)
+    for speed, gain, band in ((0.05, GAIN, BAND), (-0.05, GAIN_NEGATIVE, BAND_NEGATIVE)):
+        for share in (1.0, 0.0):
+            setup = closed_loop(still, kp=40.0, feedforward=share, dead_band=share)
+            run = simulate(replace(setup, reference=Ramp(speed), duration=20.0))
+            left = (1.0 - share) * (speed / gain + np.sign(speed) * band) / 40.0
+            assert run.signals["error"][-1] == pytest.approx(left, abs=1e-6)
+
+
+def checked(folder: Path, controller: str) -> Answer:
+    """What `workbench check` says of a study of the axis with a controller of that type."""
+    needed = {"pid": 'kp = "20 V/m"', "relay": 'amplitude = "2 V"', "disturbance_observer": 'kp = "20 V/m"'}
+    (folder / "axis.toml").write_text(AXIS)
+    text = STUDY.format(controller).replace("[references", f"{needed.get(controller, '')}\n[references")
+    (folder / "study.toml").write_text(text)
+    return workbench("check", folder / "study.toml")
+
+
+@pytest.mark.parametrize("name", ["lugre", "static_map", "uncompensated", "ekf"])
+def test_what_needs_friction_or_pressures_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
+    answer = checked(tmp_path, name)
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert 'needs "friction" among the parameters' in answer.err or "needs a hydraulic plant" in answer.err
+
+
+@pytest.mark.parametrize("name", ["pid", "nonlinear_pi", "dither", "relay", "disturbance_observer"])
+def test_what_knows_of_a_velocity_alone_drives_it(name: str, tmp_path: Path) -> None:
+    assert checked(tmp_path, name).code == 0

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import pytest
+from plants.drive import DRIVE_FORCE
 from scipy.io import savemat
 from turning import register_turning
 
-from plants.drive import DRIVE_FORCE
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.importing.importing import proposal_for

@@ -31,6 +31,7 @@ BALANCE_ERRORS = {
     "flow": "flow_rms_m3_per_s",
     "rotation": "rotation_rms_N_m",
     "motor": "motor_rms_V",
+    "velocity": "velocity_rms_m_per_s",
 }
 """What the errors of our plants' balances are called in report.json."""
 

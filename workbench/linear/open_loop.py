@@ -56,7 +56,7 @@ def open_loop(setup: Setup, speed: float) -> control.StateSpace:
     not the amplifier's. Hence P and the other linear laws keep the L of the textbook, with their anti-windup idle.
 
     In it: the plant at the operating point of `workbench.linear.operating_point`, its command held over each sample
-    (exactly), anti-alias filters and the delay of the sensors (exactly, whole samples and the rest), and the
+    (exactly) and its delay, anti-alias filters and the delay of the sensors (exactly, whole samples and the rest), and the
     controller's sampled equations. Rotation stays in the plant: fed with a voltage, that is held as it is there; a
     rotation that is controlled is taken to hold its speed, since its servo is an order of magnitude faster than the
     loop. The growing reference and position are the motion from which deviations count. States that the command does
@@ -94,8 +94,8 @@ def _loop_matrices(setup: Setup, point: OperatingPoint) -> Matrices:
     """A, B, C of L = C (zI - A)^-1 B, without states that play no part in it; end stops do not act, as in the slide."""
     setup = without_end_stops(setup)
     controller = linear_controller(setup.loop, point, setup.sample_time)
-    a, b, c = _plant_with_filters(setup, point)
-    plant = _sampled(a, b, c, setup.sensors.delay, setup.sample_time)
+    a, b, c, late = _plant_with_filters(setup, point)
+    plant = _sampled(a, b, c, setup.sensors.delay + late, setup.sample_time)
     return _joined(plant, controller)
 
 
@@ -139,8 +139,10 @@ def _scales(*reaches: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(reach) & (reach > 0.0), reach, 1.0)
 
 
-def _plant_with_filters(setup: Setup, point: OperatingPoint) -> Matrices:
-    """A, B, C of the plant from its command to the readings, in continuous time, with the anti-alias filters."""
+def _plant_with_filters(setup: Setup, point: OperatingPoint) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """A, B, C of the plant from its command to the readings, in continuous time, with the anti-alias filters; and by
+    how much (s) the command comes late, which to the loop is the same as late readings.
+    """
     plant, parameters = setup.plant, setup.parameters
     scales = np.array([item.scale for item in fields(plant.State)])
     outputs = _scales(point.reach[1])
@@ -148,18 +150,22 @@ def _plant_with_filters(setup: Setup, point: OperatingPoint) -> Matrices:
     if setup.rotary is not None:
         rates[[i for i, item in enumerate(fields(plant.State)) if item.name in TURNING]] = 0.0
     a = rates * scales / scales[:, None]
-    b = by_inputs[:, [plant.input_index(plant.command)]] / scales[:, None]
+    driven, late = plant.input_index(plant.command), 0.0
+    for name, delay in plant.delayed.items():  # of those that move it, one side of a valve at a time
+        if np.any(by_inputs[:, plant.input_index(name)]):
+            driven, late = plant.input_index(name), float(delay(parameters))
+    b = by_inputs[:, [driven]] / scales[:, None]
     c = measurement_jacobian(plant, parameters, point.state) * scales / outputs[:, None]
     cutoffs = np.where(np.isnan(point.measurement), 0.0, setup.sensors.cutoffs())
     filtered = np.flatnonzero(cutoffs > 0.0)
     if not filtered.size:
-        return a, b, c
+        return a, b, c, late
     low_pass, count = np.diag(cutoffs[filtered]), len(scales)
     shown = np.zeros((len(outputs), count + filtered.size))
     shown[:, :count] = np.where(cutoffs[:, None] > 0.0, 0.0, c)
     shown[filtered, count + np.arange(filtered.size)] = 1.0
     a = np.block([[a, np.zeros((count, filtered.size))], [low_pass @ c[filtered], -low_pass]])
-    return a, np.vstack([b, np.zeros((filtered.size, 1))]), shown
+    return a, np.vstack([b, np.zeros((filtered.size, 1))]), shown, late
 
 
 def _sampled(a: np.ndarray, b: np.ndarray, c: np.ndarray, delay: float, sample_time: float) -> Matrices:

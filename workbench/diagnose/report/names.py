@@ -14,6 +14,7 @@ ERRORS = {
     "flow_rms_m3_per_s": ("residual of the flow balance", "m^3/s", "cm^3/s"),
     "rotation_rms_N_m": ("residual of the balance of torques", "N m", "N m"),
     "motor_rms_V": ("residual of the motor's balance of voltages", "V", "V"),
+    "velocity_rms_m_per_s": ("residual of the balance of velocities", "m/s", "mm/s"),
     "pump_speed_rms_rad_per_s": ("pump speed on plateaus", "rad/s", "rpm"),
     "position_rms_m": ("position, simulated against measured", "m", "mm"),
     "torque_rms_N_m": ("residual of the torque balance", "N m", "N m"),

@@ -215,11 +215,14 @@ class Along:
         """Inputs (instants, inputs), the command as it arrives, unless the plant delays it itself; 0 where no channel
         gives them. Smoothed as all else is, but as recorded where they drive one of the `hidden` states.
         """
-        delay = 0.0 if ARRIVES in self._own_parameters else values.get(ARRIVES, 0.0)
+        late = {} if ARRIVES in self._own_parameters else {self.plant.command: values.get(ARRIVES, 0.0)}
+        if self.plant.delayed:
+            parameters = self.parameters(values)
+            late |= {name: float(delay(parameters)) for name, delay in self.plant.delayed.items()}
         columns, driving = [], {name for state in hidden for name in dependences(self.plant).inputs[state]}
         for item in fields(self.plant.Inputs):
             series = input_along(item.name, motion, values, raw=item.name in driving)
-            if item.name == self.plant.command and delay:
+            if delay := late.get(item.name, 0.0):
                 series = np.interp(motion.time - delay, motion.time, series)
             columns.append(series)
         return np.column_stack(columns)

@@ -41,7 +41,7 @@ AREAS = (AREA, "piston_area_2", "area_ratio")
 
 LOAD_PRESSURE = "load_pressure"
 
-KINDS: Mapping[str, tuple[str, ...]] = {FLOW: (FLOW, "valve")}
+KINDS: Mapping[str, tuple[str, ...]] = {FLOW: (FLOW, "valve"), "velocity": ("velocity", "valve")}
 """The balances whose effects show on one; else its own."""
 
 SHOWS_ON_FLOW = "backlash"
@@ -132,7 +132,7 @@ def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, va
 
 def _own(item: Diagnosed) -> tuple[str, ...]:
     is_pump = item.name == FLOW and item.along.plant.command == pump.SPEED
-    return OWN_OF_PUMP if is_pump else OWN.get(item.name, ())
+    return OWN_OF_PUMP if is_pump else OWN.get(item.name, item.along.plant.unknown)
 
 
 def _counting(item: Diagnosed) -> set[str]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from controllers import pid
-from controllers.belief import velocities
+from controllers.belief import velocity_gain
 from controllers.pid import PID
 from plants.equation import fields, replaced
 from plants.interface import Measurement
@@ -78,7 +78,8 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
 def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Settings:
     """A loop that tracks a position: of a flow, which sets a velocity, or of a force, which sets an acceleration."""
     plant = along.plant
-    if (known := velocities(parameters)) is not None:
+    if plant.command == VALVE and FLOW in plant.balances:
+        known = velocity_gain(parameters, "a loop that tracks a record")
         return pid.Settings(kp=TRACKING / max(known.forward, known.backward))
     pushed = replaced(inputs, {plant.command: 1.0})
     rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))

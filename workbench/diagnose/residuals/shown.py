@@ -36,6 +36,8 @@ BOTH_PRESSURES = ("pressure_1", "pressure_2")
 
 GIVEN_BY: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "valve_voltage": (("command",),),
+    "arriving_voltage": (("valve_voltage",), ("command",)),
+    "arriving_voltage_negative": (("valve_voltage",), ("command",)),
     "pump_speed": (("command",),),
     "drive_voltage": (("command",),),
     "drive_force": (("force",), ("command",), BOTH_PRESSURES),
@@ -96,7 +98,7 @@ def balances_shown(plant: Plant, channels: Collection[str]) -> Iterator[str]:
     it does around it.
     """
     structure = dependences(plant)
-    commands = {plant.command, plant.rotary_command}
+    commands = {plant.command, plant.rotary_command, *plant.delayed}
     known = [state for state in structure.states if shown(channels, state)]
     for name, balance in sorted(plant.balances.items(), key=lambda item: ORDER.get(item[0], len(ORDER))):
         if not all(shown(channels, state) for state in balance.states) or balance.states[0] in FOLLOWS:
