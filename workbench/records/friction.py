@@ -41,6 +41,15 @@ class Slow:
         return Slow(self.time, direction * self.velocity, direction * self.force)
 
 
+SHOWING = (AXIAL, ("position", "force"), ROTARY)
+"""The sets of channels that show friction while the acceleration is negligible."""
+
+
+def shows_friction(record: Record) -> bool:
+    """Whether the channels give axial or rotary friction."""
+    return any(all(name in record.channels for name in names) for names in SHOWING)
+
+
 def friction_of(record: Record, experiment: Experiment) -> Slow:
     """Velocity and friction force of a record, averaged over 10 samples (100 Hz at 1 kHz).
 

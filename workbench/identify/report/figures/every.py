@@ -8,6 +8,7 @@ from workbench.identify.report.figures.friction import draw_friction, friction_d
 from workbench.identify.report.figures.over_rpm import draw_over_rpm, over_rpm_data
 from workbench.identify.report.figures.simulated import draw_simulated, simulated_data
 from workbench.identify.result import Identification
+from workbench.records.friction import shows_friction
 
 
 def figures_of(identification: Identification) -> dict[str, Figure]:
@@ -23,9 +24,11 @@ def figures_of(identification: Identification) -> dict[str, Figure]:
 
 
 def _requested(identification: Identification) -> dict[str, Figure]:
-    """The figures that the experiment names; without any, friction over velocity of all records."""
+    """The figures that the experiment names; without any, friction over velocity of all records, if they show it."""
     specs = identification.experiment.figures
     if not specs:
+        if not all(map(shows_friction, identification.records)):
+            return {}
         return {"friction_velocity": draw_friction(friction_data(identification, None), "Friction over velocity")}
     figures = {}
     for spec in specs:
