@@ -3,7 +3,8 @@
 The load is that of `plants.drive`, which the coupling's force moves in place of the source's: friction by any law, end
 stops, an optional spring. The motor has a mass and viscous friction of its own. `position` and `velocity` are the
 load's; the sensor shows its position or the motor's (`measured_at`). With a coupling that does not give it is that
-drive, whose mass is both and whose viscous friction is both.
+drive, whose mass is both and whose viscous friction is both. It has no balance by which a record could be diagnosed: no
+sensor shows the motor beside the load.
 """
 
 import functools
@@ -13,7 +14,7 @@ import numpy as np
 
 from plants.axis import LINEAR, ROTARY, along, name_along
 from plants.coupling import Coupling, coupling_force, measured_position, motor_acceleration
-from plants.drive import Bristle, balances, spring_force, sum_of_forces, travel
+from plants.drive import Bristle, spring_force, sum_of_forces, travel
 from plants.equation import Scalar, equation, fields, retyped
 from plants.friction import Friction
 from plants.hydraulics import Mass
@@ -136,7 +137,7 @@ def two_mass(law: FrictionLaw, source: Source, axis: str = LINEAR) -> Plant:
         command_limit=lambda p: limit(p.source),
         travel=travel,
         command=fields(inputs_class)[0].name,
-        balances=balances(axis),
+        balances={},
         friction=law.name,
         contact="contact",
         refit=lambda other: two_mass(other, source, axis),
