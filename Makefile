@@ -3,7 +3,7 @@ PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation
+STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation rotary_drive two_inertia_drive
 QUICK := --draws 2 --fresh-draws 6
 COMPARISONS := comparison friction_model_worth hunting_rotation rotation_on_demand rotary_friction
 

@@ -64,7 +64,9 @@ def _changed(typingctx: Any, value: Any, place: Any, new: Any) -> Any:
     index = place.literal_value
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        member = context.cast(builder, args[2], signature.args[2], value.types[index])
+        given, place = signature.args[2], value.types[index]
+        alike = context.get_value_type(given) == context.get_value_type(place)  # a tuple of another class, other units
+        member = args[2] if alike else context.cast(builder, args[2], given, place)
         return builder.insert_value(args[0], member, index)
 
     return value(value, place, new), codegen

@@ -18,7 +18,7 @@ from plants.actuators.interface import Actuator
 from plants.axis import LINEAR, along, unit_along
 from plants.equation import Scalar, equation, fields, gathered, members, named_tuple
 from plants.friction import Friction, helical_speed
-from plants.hydraulics import FORCE, Mass, end_stop_force
+from plants.hydraulics import Mass, end_stop_force
 from plants.interface import Balance, Measurement, Plant, unlimited
 from plants.laws.interface import STICK_TIME, FrictionLaw, Nothing, at_rest, friction_of
 from plants.laws.lugre import named
@@ -200,7 +200,7 @@ def straight(actuator: Actuator, law: FrictionLaw, axis: str = LINEAR) -> Plant:
         command_limit=actuator.command_limit,
         travel=actuator.travel,
         command=fields(inputs_class)[0].name,
-        balances={"force": FORCE._replace(unit=unit_along(FORCE.unit, axis)), **actuator.balances},
+        balances={name: item._replace(unit=unit_along(item.unit, axis)) for name, item in actuator.balances.items()},
         friction=law.name,
         contact="contact",
         refit=lambda other: straight(actuator, other, axis),
@@ -400,7 +400,7 @@ def turned(actuator: Actuator, law: FrictionLaw, bristle: str, imposed: bool) ->
         command=actuator.command,
         rotary_command=members(inputs_class)[own_inputs],
         rotary_limit=unlimited if imposed else motor_voltage_limit,
-        balances={"force": FORCE, **actuator.balances, **({} if imposed else TURNED_BY_MOTOR)},
+        balances={**actuator.balances, **({} if imposed else TURNED_BY_MOTOR)},
         friction=law.name,
         contact="contact",
         refit=other,

@@ -139,7 +139,11 @@ def _chambered(name: str, summary: str, counted: Equation) -> Actuator:
         stroke=stroke,
         equilibrium=equilibrium,
         command_limit=voltage_limit,
-        balances={"flow": Balance(("pressure_1", "pressure_2"), "m^3/s", chamber_capacities), "valve": hyd.VALVE},
+        balances={
+            "force": hyd.FORCE,
+            "flow": Balance(("pressure_1", "pressure_2"), "m^3/s", chamber_capacities),
+            "valve": hyd.VALVE,
+        },
     )
 
 

@@ -6,7 +6,8 @@ turn are the same machines with units named anew (`plants.axis`).
 
 `driven` moves the mass itself, `coupled` a motor with a mass and viscous friction of its own, which moves it through a
 compliance. There `position` and `velocity` are the load's, and the sensor shows its position or the motor's
-(`measured_at`). With a coupling that does not give it is the other drive, whose mass and viscous friction are both.
+(`measured_at`). With a coupling that does not give it is the other drive, whose mass and viscous friction are both. It
+has no balance by which a record could be diagnosed: no sensor shows the motor beside the load.
 """
 
 import functools
@@ -19,6 +20,7 @@ from plants.actuators.interface import Actuator
 from plants.axis import LINEAR, ROTARY, name_along
 from plants.coupling import Coupling, coupling_force, measured_position, motor_acceleration
 from plants.equation import Scalar, equation, retyped
+from plants.hydraulics import FORCE
 from plants.sources import ForceLimits, Source
 
 
@@ -140,6 +142,7 @@ def driven(source: Source, axis: str = LINEAR) -> Actuator:
         stroke=stroke,
         equilibrium=equilibrium,
         command_limit=lambda p: limit(p.source),
+        balances={"force": FORCE},
         Motion=Motion,
         Contact=Bristle,
         rotation=math.nan,

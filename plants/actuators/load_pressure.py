@@ -111,5 +111,5 @@ LOAD_PRESSURE = Actuator(
     stroke=stroke,
     equilibrium=equilibrium,
     command_limit=voltage_limit,
-    balances={"flow": Balance(("load_pressure",), "m^3/s", capacity), "valve": hyd.VALVE},
+    balances={"force": hyd.FORCE, "flow": Balance(("load_pressure",), "m^3/s", capacity), "valve": hyd.VALVE},
 )

@@ -16,7 +16,7 @@ from plants.actuators.interface import Actuator
 from plants.actuators.load_pressure import Inputs
 from plants.actuators.resting import Resting, at_rest, rising
 from plants.equation import Scalar, equation
-from plants.hydraulics import opening, spool_rate
+from plants.hydraulics import FORCE, opening, spool_rate
 from plants.interface import Balance
 from plants.pneumatics import Pneumatic, Pneumatics, mass_flow
 
@@ -160,6 +160,7 @@ PNEUMATIC = Actuator(
     equilibrium=equilibrium,
     command_limit=voltage_limit,
     balances={
+        "force": FORCE,
         "flow": Balance(("pressure_1", "pressure_2"), "kg/s", capacities),
         "valve": Balance(("spool_position",), "m", valve_time),
     },

@@ -10,6 +10,7 @@ import numpy as np
 
 from plants.actuators.interface import Actuator
 from plants.equation import Scalar, equation, select
+from plants.hydraulics import FORCE
 from plants.interface import Balance
 
 
@@ -123,5 +124,5 @@ PUMP = Actuator(
     stroke=stroke,
     equilibrium=equilibrium,
     command_limit=pump_speed_limit,
-    balances={"flow": Balance(("load_pressure",), "m^3/s", load_pressure_capacity)},
+    balances={"force": FORCE, "flow": Balance(("load_pressure",), "m^3/s", load_pressure_capacity)},
 )

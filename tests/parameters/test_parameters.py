@@ -7,11 +7,19 @@ import pytest
 from plants.equation import fields
 from plants.registry import plants
 from workbench.errors import UserError
-from workbench.parameters.sets import build, known_units, named_sets, parameter_path, parameter_value, read_parameters
+from workbench.parameters.sets import (
+    axis_of,
+    build,
+    known_units,
+    named_sets,
+    parameter_path,
+    parameter_value,
+    read_parameters,
+)
 from workbench.toml.reading import read_toml
 from workbench.toml.units import QuantityError
 
-SETS = ["canudas1995", "owen2001_experiment", "owen2001_simulation"]
+SETS = ["canudas1995", "owen2001_experiment", "owen2001_simulation", "walkman_joint", "walkman_joint_elastic"]
 
 
 def test_the_named_sets_are_there() -> None:
@@ -23,7 +31,7 @@ def test_every_value_has_a_source(name: str) -> None:
     path = named_sets()[name]
     data, _ = read_toml(path)
     assert data["source"].strip()
-    assert set(read_parameters(path)) == set(data["parameters"]) <= set(known_units())
+    assert set(read_parameters(path)) == set(data["parameters"]) <= set(known_units(axis_of(data["parameters"])))
     for entry in data["parameters"].values():
         assert len(entry["source"].strip()) >= 7
         assert isinstance(entry["value"], str), "values are written with their unit"
@@ -42,6 +50,11 @@ def test_every_value_has_a_source(name: str) -> None:
         ("owen2001_experiment", "bristle_damping_negative", 11.3e4),
         ("canudas1995", "bristle_damping", 1e5**0.5),
         ("canudas1995", "stribeck_velocity", 1e-3),
+        ("walkman_joint", "inertia", 1.1001),
+        ("walkman_joint", "viscous_negative", 16.162),
+        ("walkman_joint", "torque_constant", 4.53),
+        ("walkman_joint_elastic", "coupling_stiffness", 75e3),
+        ("walkman_joint_elastic", "measured_at", 0.0),
     ],
 )
 def test_published_values(name: str, parameter: str, value: float) -> None:
@@ -69,8 +82,13 @@ def test_every_set_builds_the_plants_that_it_is_meant_for(name: str) -> None:
             assert plant.command_limit(parameters) > 0.0
     rotating = {f"rotating_{law}{kind}" for law in ("helical", "isotropic", "anisotropic") for kind in ("", "_ideal")}
     hydraulic = {"drive_force", "non_rotating", "two_chamber"}
-    expected = {"drive_force"} if name == "canudas1995" else hydraulic | rotating
-    assert built == expected
+    joint = {"rotary_torque", "rotary_current"}
+    meant = {
+        "canudas1995": {"drive_force"},
+        "walkman_joint": joint,
+        "walkman_joint_elastic": joint | {"two_inertia_torque", "two_inertia_current"},
+    }
+    assert built == meant.get(name, hydraulic | rotating)
 
 
 def test_a_negative_value_that_is_not_given_is_the_positive_one() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from plants.effects.registry import effects
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from plants.registry import plants
@@ -161,6 +162,19 @@ def test_an_axis_that_turns_is_one_that_goes_straight_to_the_last_bit(straight: 
     assert np.array_equal(one.measurements, other.measurements, equal_nan=True)
     assert {name: np.array_equal(one.signals[name], other.signals[name]) for name in ("axial_friction", "acceleration")}
     assert np.array_equal(one.signals["drive_force"], other.signals["drive_torque"])
+
+
+def test_effects_are_alike_on_both_axes() -> None:
+    """Compiled: such as change parameters, inputs and readings, and such as remember."""
+    names = ("direction_asymmetry", "position_dependent_friction", "rising_static_friction", "spring_load", "backlash")
+    values = {"friction_gradient": 0.3, "static_rise": 0.5, "spring_stiffness": 20.0, "backlash_width": 1e-4}
+    runs = []
+    for name, own in (("drive_force", STRAIGHT), ("rotary_torque", TURNING)):
+        plant = plants()[name].with_effects(*(effects()[effect] for effect in names))
+        runs.append(driven(plant, {**own, **values, "stroke": 1.0, "coulomb_negative": 7.0}, 1e-6))
+    assert np.array_equal(runs[0].states, runs[1].states)
+    assert np.array_equal(runs[0].signals["measured_position"], runs[1].signals["measured_position"])
+    assert np.max(np.abs(runs[0].signals["measured_position"] - runs[0].signals["position"])) > 4e-5
 
 
 def test_a_coupling_that_does_not_give_makes_one_mass_of_both() -> None:

@@ -34,6 +34,11 @@ def check_experiment(experiment: Experiment) -> None:
     """
     if not any(spec.use == "fit" for spec in experiment.records):
         raise UserError(f'{experiment.path}: no record is there for the fit; give one use = "fit"')
+    if not experiment.plant.balances:
+        raise UserError(
+            f"{experiment.path}: plant {experiment.plant.name} has no balance that records could show; declare it "
+            "without its compliance, as one that drive_ or rotary_ names begin with, or take identify"
+        )
     declared = declared_values(experiment)
     balances = allowed(experiment.plant, experiment.flow, experiment.channels)
     if not balances:

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from plants.axis import LINEAR, ROTARY
+from plants.axis import LINEAR, ROTARY, name_along
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import BalanceResult
@@ -101,7 +101,7 @@ class FoundEffect:
         units = known_units(axis)
         return {
             "name": self.name,
-            "balance": self.balance,
+            "balance": name_along(self.balance, axis),
             "parameters": {
                 name: {"value": number.value, "unit": units.get(name, "1"), "std": number.std}
                 for name, number in self.parameters.items()
@@ -243,7 +243,7 @@ class Diagnosis:
         """The content of report.json: numbers, text, lists and dictionaries, null for what is not finite."""
         units = known_units(self.axis)
         floors = {
-            result.balance.name: {
+            name_along(result.balance.name, self.axis): {
                 "value": result.balance.floor,
                 "unit": result.balance.unit,
                 "before": result.before.rms,

@@ -6,7 +6,7 @@ from plants.equation import fields
 from plants.interface import SENSORS
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment
-from workbench.records.friction import AXIAL, ROTARY, fewest_samples
+from workbench.records.friction import AXIAL, SHOWING, fewest_samples
 from workbench.records.reading import Record, by_log
 from workbench.records.sliding import check_opposes, check_slides
 
@@ -80,7 +80,7 @@ def check_pattern(experiment: Experiment) -> None:
 
 def _check_thesis_channels(experiment: Experiment) -> None:
     known = experiment.channels
-    if not any(all(name in known for name in names) for names in (AXIAL, ("position", "force"), ROTARY)):
+    if not any(all(name in known for name in names) for names in SHOWING):
         lacking = [name for name in AXIAL if name not in known]
         raise UserError(
             f"{experiment.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, "

@@ -68,8 +68,9 @@ def open_loop(setup: Setup, speed: float) -> control.StateSpace:
     """
     point = slide(setup, speed)
     if point.trouble:
+        slid = f"{speed:g} {setup.plant.axis}/s"
         raise UserError(
-            f"plant {setup.plant.name} with controller {setup.loop.controller.name} has no open loop at {speed:g} m/s: "
+            f"plant {setup.plant.name} with controller {setup.loop.controller.name} has no open loop at {slid}: "
             f"{point.trouble}; take another speed, or gains with which it slides"
         )
     return control.ss(*_loop_matrices(setup, point), 0.0, setup.sample_time)

@@ -76,7 +76,8 @@ def slide(setup: Setup, speed: float) -> OperatingPoint:
     """
     if not np.isfinite(speed) or speed == 0.0:
         raise UserError(
-            f"speed is {speed:g} m/s, expected one that slides: at rest a loop with friction has no margins"
+            f"speed is {speed:g} {setup.plant.axis}/s, expected one that slides: at rest a loop with friction has no "
+            "margins"
         )
     setup, window = without_end_stops(replace(setup, feeds=(), sensors=Sensors())), _window(setup)
     longest = USED_TRAVEL * float(setup.plant.travel(setup.parameters)) / abs(speed)

@@ -59,8 +59,8 @@ def slow_model(setup: Setup, speed: float) -> SlowModel:
         if not point.trouble:
             return _two_poles(setup.plant, setup.parameters, point.state, point.inputs)
     raise UserError(
-        f"plant {setup.plant.name} does not slide steadily at {speed:g} m/s under any loop that was tried; "
-        "take another speed, or give the setup a controller with which it slides"
+        f"plant {setup.plant.name} does not slide steadily at {speed:g} {setup.plant.axis}/s under any loop "
+        "that was tried; take another speed, or give the setup a controller with which it slides"
     )
 
 

@@ -58,6 +58,15 @@ def fewest_samples(sample_time: float) -> int:
     return max(fine * meant(fine * sample_time, COARSE) * FEWEST_COARSE, fine * (ORDER + 2))
 
 
+SHOWING = (AXIAL, ("position", "force"), ROTARY)
+"""The sets of channels that show friction while the acceleration is negligible."""
+
+
+def shows_friction(record: Record) -> bool:
+    """Whether the channels give axial or rotary friction."""
+    return any(all(name in record.channels for name in names) for names in SHOWING)
+
+
 def friction_of(record: Record, experiment: Experiment) -> Slow:
     """Velocity and friction force of a record, averaged to 100 Hz.
 

@@ -227,14 +227,17 @@ def _fastest(
             continue  # slower than the plant's own poles
         reached = margins(_under(believed, gains), speed)
         if reached.stable and reached.gain_dB >= GAIN_MARGIN_DB and reached.phase_deg >= PHASE_MARGIN_DEG:
-            return StartingPoint(name, method, PID.name, gains, f"{frequency:.3g} rad/s; {_words(reached)}", reached)
-    note = f"no closed loop of this kind keeps {GAIN_MARGIN_DB:g} dB and {PHASE_MARGIN_DEG:g} degrees at {speed:g} m/s"
+            return StartingPoint(
+                name, method, PID.name, gains, f"{frequency:.3g} rad/s; {_words(reached, believed)}", reached
+            )
+    slid = f"{speed:g} {believed.plant.axis}/s"
+    note = f"no closed loop of this kind keeps {GAIN_MARGIN_DB:g} dB and {PHASE_MARGIN_DEG:g} degrees at {slid}"
     return StartingPoint(name, method, PID.name, {}, note)
 
 
 def _judged(name: str, method: str, gains: PidGains, basis: str, believed: Setup, speed: float) -> StartingPoint:
     reached = margins(_under(believed, gains), speed)
-    return StartingPoint(name, method, PID.name, gains, f"{basis}; {_words(reached)}", reached)
+    return StartingPoint(name, method, PID.name, gains, f"{basis}; {_words(reached, believed)}", reached)
 
 
 def _under(setup: Setup, gains: PidGains) -> Setup:
@@ -243,9 +246,8 @@ def _under(setup: Setup, gains: PidGains) -> Setup:
     return replace(setup, loop=Loop(PID, PID.design(settings, setup.parameters, setup.sample_time)))
 
 
-def _words(reached: Margins) -> str:
+def _words(reached: Margins, believed: Setup) -> str:
+    speed = f"{reached.speed:g} {believed.plant.axis}/s"
     if not reached.stable:
-        return f"not stable at {reached.speed:g} m/s on the believed plant: {reached.note}"
-    return (
-        f"{reached.gain_dB:.1f} dB and {reached.phase_deg:.0f} degrees at {reached.speed:g} m/s on the believed plant"
-    )
+        return f"not stable at {speed} on the believed plant: {reached.note}"
+    return f"{reached.gain_dB:.1f} dB and {reached.phase_deg:.0f} degrees at {speed} on the believed plant"

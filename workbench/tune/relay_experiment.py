@@ -126,5 +126,7 @@ def _missing(run: Run, gains: relay.Gains, uneven: float, cycles: tuple[np.ndarr
     if np.std(periods) > PERIOD_SPREAD * np.mean(periods) or np.std(halves) > HEIGHT_SPREAD * np.mean(halves):
         return f"no regular oscillation with {height}: it sticks or decays; take a larger amplitude or a faster ramp"
     if np.mean(halves) <= gains.hysteresis:
-        return f"the oscillation stays within the hysteresis of {gains.hysteresis:g} m; take a smaller one"
+        return (
+            f"the oscillation stays within the hysteresis of {gains.hysteresis:g} {run.plant.axis}; take a smaller one"
+        )
     return ""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from workbench.linear.open_loop import Margins
+from workbench.metrics.registry import names_along
 from workbench.study.resolve import ParsedCase
 from workbench.tune.objective import RunMetrics, Score
 from workbench.tune.result import TUNED, ControllerTuning, Quantile, Tuning, infeasible
@@ -191,7 +192,9 @@ def result_row(tuned: ControllerTuning) -> ResultRow:
 
 def _reached(tuned: ControllerTuning, score: Score) -> Reached:
     labels = case_labels(tuned.task.cases)
-    return Reached(score.margins, {label: _metrics(run) for label, run in zip(labels, score.runs, strict=True)})
+    called = names_along(tuned.task.axis)
+    metrics = [{called[name]: value for name, value in _metrics(run).items()} for run in score.runs]
+    return Reached(score.margins, dict(zip(labels, metrics, strict=True)))
 
 
 def metric_column(name: str, label: str, when: str) -> str:

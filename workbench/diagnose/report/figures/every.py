@@ -7,6 +7,7 @@ from workbench.diagnose.report.figures.parameters import draw_parameters, parame
 from workbench.diagnose.report.figures.residuals import residuals_of
 from workbench.diagnose.report.figures.simulation import draw_simulation, simulation_data
 from workbench.diagnose.report.figures.whiteness import draw_whiteness, whiteness_data
+from workbench.diagnose.report.series import words_of
 from workbench.diagnose.result import Diagnosis
 from workbench.publish.pictures import Picture
 
@@ -15,7 +16,7 @@ def pictures_of(diagnosis: Diagnosis) -> dict[str, Picture]:
     """Of each balance its residuals and its candidates, the simulated plant beside the records, the parameters."""
     pictures: dict[str, Picture] = {}
     for result in diagnosis.results:
-        name, residuals = result.balance.name, residuals_of(diagnosis, result)
+        name, residuals = words_of(result.balance), residuals_of(diagnosis, result)
         if residuals.is_known:
             pictures[f"{name}_time"] = draw_over_time(over_time_data(residuals))
             pictures[f"{name}_signals"] = draw_over_signals(over_signals_data(residuals))

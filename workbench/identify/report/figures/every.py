@@ -29,6 +29,8 @@ def _requested(identification: Identification) -> dict[str, Figure]:
     if not specs and not any(shows_friction(record) for record in identification.records):
         return {}
     if not specs:
+        if not all(map(shows_friction, identification.records)):
+            return {}
         return {"friction_velocity": draw_friction(friction_data(identification, None), "Friction over velocity")}
     figures = {}
     for spec in specs:
