@@ -62,11 +62,6 @@ SHOWING = (AXIAL, ("position", "force"), ROTARY)
 """The sets of channels that show friction while the acceleration is negligible."""
 
 
-def shows_friction(record: Record) -> bool:
-    """Whether the channels give axial or rotary friction."""
-    return any(all(name in record.channels for name in names) for names in SHOWING)
-
-
 def friction_of(record: Record, experiment: Experiment) -> Slow:
     """Velocity and friction force of a record, averaged to 100 Hz.
 
@@ -101,7 +96,7 @@ def _rotary(record: Record, values: dict[str, float]) -> Slow:
 
 def shows_friction(record: Record) -> bool:
     """Whether a record has the channels and the length that friction over velocity needs."""
-    known = any(all(name in record.channels for name in names) for names in (AXIAL, ("position", "force"), ROTARY))
+    known = any(all(name in record.channels for name in names) for names in SHOWING)
     return known and record.time.size >= fewest_samples(record.sample_time)
 
 
