@@ -130,7 +130,7 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def _resolved(content: ExperimentFile, path: Path) -> Experiment:
-    bare = _plant(content.plant.model)
+    bare = _plant(content.plant)
     values = _declared(content.plant, path.parent, bare.axis)
     acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
     plant = bare.with_effects(*meant(bare, [*acting, *(content.fit.free or ()), *content.fit.bounds]))
@@ -168,11 +168,17 @@ def parameter_names(plant: Plant) -> list[str]:
     return [item.name for item in fields(plant.Parameters) if item.name != FLOW_SHARE]
 
 
-def _plant(model: str) -> Plant:
+def _plant(table: PlantTable) -> Plant:
     known = PLANTS.working()
-    if model not in known:
-        raise files.SchemaError(("plant", "model"), f'unknown plant "{model}"; {nearest(model, known)}')
-    return known[model]
+    if table.model not in known:
+        raise files.SchemaError(("plant", "model"), f'unknown plant "{table.model}"; {nearest(table.model, known)}')
+    plant = known[table.model]
+    if table.turned is None:
+        return plant
+    try:
+        return plant.with_turning_rod(table.bristle, imposed=table.rotation == "ideal")
+    except ValueError as error:
+        raise files.SchemaError(("plant", "turned"), str(error)) from None
 
 
 def _set_values(name: str, folder: Path, key: files.Key, axis: str) -> dict[str, float]:

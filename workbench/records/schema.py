@@ -70,10 +70,16 @@ PUBLISHED: tuple[str, ...] = get_args(Published)
 
 
 class PlantTable(files.Strict):
-    """[plant]: what is believed. `scale` multiplies parameters, as in a study; `set` has all without `parameters`."""
+    """[plant]: what is believed. `scale` multiplies parameters, as in a study; `set` has all without `parameters`.
+
+    With `turned` the rod turns, by a motor or (`rotation` "ideal") with the speed that was recorded.
+    """
 
     model: str
     parameters: str = ""
+    turned: Literal["rod"] | None = None
+    bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
+    rotation: Literal["motor", "ideal"] = "motor"
     flow: Literal["derived", "chapter3"] = "derived"
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
