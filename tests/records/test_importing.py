@@ -242,6 +242,7 @@ def test_a_force_against_a_pressure_has_the_signs_of_friction(tmp_path: Path) ->
     assert (content["channels"]["force"]["scale"], content["channels"]["position"]["scale"]) == (-1.0, -1.0)
     assert content["plant"]["model"] == "drive_force"
     assert "piston_area_1" in content["fit"]["free"]
+    assert content["fit"]["method"] == "thesis"
 
 
 def test_the_last_of_several_logs_is_held_out_and_all_are_of_one_kind(tmp_path: Path) -> None:
