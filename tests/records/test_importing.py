@@ -6,16 +6,17 @@ The motion of each is a sum of two sines, and its friction is Coulomb's and visc
 import re
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import pytest
-from plants.drive import DRIVE_FORCE
 from scipy.io import savemat
 from turning import register_turning
 
+from plants.registry import CHAMBERS, DRIVE_FORCE, PLANTS, THESIS
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.importing.importing import proposal_for
@@ -238,6 +239,7 @@ def test_a_force_against_a_pressure_has_the_signs_of_friction(tmp_path: Path) ->
     assert (content["channels"]["force"]["scale"], content["channels"]["position"]["scale"]) == (-1.0, -1.0)
     assert content["plant"]["model"] == "drive_force"
     assert "piston_area_1" in content["fit"]["free"]
+    assert content["fit"]["method"] == "thesis"
 
 
 def test_the_last_of_several_logs_is_held_out_and_all_are_of_one_kind(tmp_path: Path) -> None:
@@ -250,6 +252,20 @@ def test_the_last_of_several_logs_is_held_out_and_all_are_of_one_kind(tmp_path: 
     table.rename(columns={"u": "v_cmd"}).to_csv(tmp_path / "c.csv", index=False)
     with pytest.raises(UserError, match=r"c\.csv: no numbers that change in u, which .*a\.csv has"):
         imported(*(tmp_path / f"{name}.csv" for name in "abc"))
+
+
+@pytest.mark.parametrize(("level", "chosen"), [(5.0, "air"), (80.0, "non_rotating")])
+def test_low_pressures_are_those_of_air(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, level: float, chosen: str
+) -> None:
+    """Of two plants with the same sensors, one of which has no oil."""
+    air = replace(CHAMBERS, name="air", Parameters=DRIVE_FORCE.Parameters)
+    monkeypatch.setitem(PLANTS.__dict__, "ours", {"air": air, "non_rotating": THESIS})
+    x, v, force = driven(0.08, 4.0, mass=3.0, coulomb=12.0, viscous=60.0)
+    table = {"t": TIME, "valve_V": v, "x_mm": 1e3 * x, "pA_bar": level + 0.01 * force, "pB_bar": level - 0.01 * force}
+    pd.DataFrame(table).to_csv(tmp_path / "log.csv", index=False)
+    content, _ = imported(tmp_path / "log.csv")
+    assert content["plant"]["model"] == chosen
 
 
 @pytest.mark.parametrize(

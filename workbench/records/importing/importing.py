@@ -53,8 +53,7 @@ def proposal_for(
     channels = [_line(one, _offset(one, stroke, plant)) for one in found.values()]
     free = free_for(plant, found, motion)
     listed = "[" + ", ".join(f'"{name}"' for name in free) + "]"
-    shows = any(all(name in found for name in names) for names in AXIAL)
-    method = [] if shows else [Line("method", {"": "simulation"}, "friction shows in no force or pressures")]
+    method = _method(plant, found)
     fit = [Line("free", {"": listed}, "friction, and what the log tells beside it"), *method]
     last = len(logs) - 1 if len(logs) > 1 else len(logs)
     records = [
@@ -63,6 +62,15 @@ def proposal_for(
     ]
     declared = "" if parameters is None else parameters
     return Proposal(f"Imported from {logs[0].name}", line, declared, values, fit, channels, records, tuple(unused))
+
+
+def _method(plant: Plant, found: Mapping[str, Found]) -> list[Line]:
+    """How parameters are found, where one of the two methods cannot."""
+    if not any(all(name in found for name in names) for names in AXIAL):
+        return [Line("method", {"": "simulation"}, "friction shows in no force or pressures")]
+    if given(plant, found) not in (plant.command, "command"):
+        return [Line("method", {"": "thesis"}, f"nothing but the force itself gives {plant.command}")]
+    return []
 
 
 def _check_units(found: Mapping[str, Found], plant: Plant) -> None:

@@ -23,6 +23,16 @@ NOT_SHOWN = 0.5
 """What a sensor counts that a plant has and a log has not."""
 
 
+OIL = "bulk_modulus"
+"""The parameter by which a plant is known to be full of oil."""
+
+AIR = 1.2e6
+"""Pa up to which pressures are those of compressed air: its networks have 10 bar above the surroundings."""
+
+UNLIKELY = 0.25
+"""What it counts that pressures are those of air, and the plant is full of oil, or the other way round."""
+
+
 class Fit(NamedTuple):
     """How well a plant fits, the larger the better, and the channels that it uses."""
 
@@ -74,7 +84,18 @@ def _fit(plant: Plant, found: Mapping[str, Found]) -> Fit | None:
     lost = [name for name in found if name not in used and name not in FREELY]
     lacking = [name for name in SENSORS if name in plant.channels and name not in found]
     direct = NOT_SHOWN * (command == plant.command)
-    return Fit(len(used) + direct - len(lost) - NOT_SHOWN * len(lacking), plant, frozenset(used))
+    score = len(used) + direct - len(lost) - NOT_SHOWN * len(lacking) - UNLIKELY * _is_unlikely(plant, found)
+    return Fit(score, plant, frozenset(used))
+
+
+def _is_unlikely(plant: Plant, found: Mapping[str, Found]) -> bool:
+    """Whether a plant has oil where the pressures, if their scale is known, are those of air, or air where not."""
+    known = [one for name, one in found.items() if name in SENSORS and name != "position"]
+    asked = any(question.key == "scale" for one in known for question in one.questions)
+    if not known or asked or not any(name in plant.channels for name in SENSORS if name != "position"):
+        return False
+    highest = max(factor(one.unit, "Pa") * abs(one.scale) * one.column.size for one in known)
+    return (OIL in [item.name for item in fields(plant.Parameters)]) == (highest <= AIR)
 
 
 def given(plant: Plant, found: Collection[str] | Mapping[str, Found]) -> str:
