@@ -68,8 +68,8 @@ class Settings(NamedTuple):
 class Gains(NamedTuple):
     """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s).
 
-    `lead` is what of the valve's time constant the feed-forward inverts, `feedforward_ratio` the feed-forward of negative
-    velocities over that of positive ones. `dead_band` is what is added to a positive command beyond `dead_band_width`.
+    `lead` is what of the valve's time constant the feed-forward inverts, `feedforward_ratio` the feed-forward of
+    negative velocities over that of positive ones. `dead_band` is what is added to a positive command beyond `dead_band_width`.
     """
 
     proportional: Annotated[float, "command/m"]

@@ -176,9 +176,7 @@ def closed_loop(parameters: Parameters = PARAMETERS, **settings: float) -> Setup
     return Setup(VALVE_AXIS, parameters, state, inputs, 1.0, Loop(PID, gains))
 
 
-@pytest.mark.parametrize(
-    ("speed", "gain", "delay"), [(0.05, GAIN, DELAY), (-0.05, GAIN_NEGATIVE, DELAY_NEGATIVE)]
-)
+@pytest.mark.parametrize(("speed", "gain", "delay"), [(0.05, GAIN, DELAY), (-0.05, GAIN_NEGATIVE, DELAY_NEGATIVE)])
 def test_the_margins_of_a_p_loop_are_the_textbook_s_with_the_delay(speed: float, gain: float, delay: float) -> None:
     """K g exp(-s T) / (s (tau s + 1)): 90 - atan(w tau) - w (T + h/2) degrees at the crossover."""
     kp, h = 40.0, 1e-3

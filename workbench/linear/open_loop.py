@@ -56,8 +56,8 @@ def open_loop(setup: Setup, speed: float) -> control.StateSpace:
     not the amplifier's. Hence P and the other linear laws keep the L of the textbook, with their anti-windup idle.
 
     In it: the plant at the operating point of `workbench.linear.operating_point`, its command held over each sample
-    (exactly) and its delay, anti-alias filters and the delay of the sensors (exactly, whole samples and the rest), and the
-    controller's sampled equations. Rotation stays in the plant: fed with a voltage, that is held as it is there; a
+    (exactly) and its delay, anti-alias filters and the delay of the sensors (exactly, whole samples and the rest), and
+    the controller's sampled equations. Rotation stays in the plant: fed with a voltage, that is held as it is there; a
     rotation that is controlled is taken to hold its speed, since its servo is an order of magnitude faster than the
     loop. The growing reference and position are the motion from which deviations count. States that the command does
     not reach or that do not reach the command (a frozen theta, a dither's phase, a motor) are left out; the others
