@@ -18,7 +18,7 @@ _NAME = re.compile(r"[A-Za-z]+")
 
 @functools.cache
 def unit_along(unit: str, axis: str) -> str:
-    """The SI unit of a quantity along an axis whose positions are in `axis` ("m" or "rad"), from that of a straight one.
+    """The SI unit of a quantity along an axis of positions in `axis` ("m" or "rad"), from that of a straight one.
 
     "N s/m" becomes "N m s/rad", "m/s^2" becomes "rad/s^2", what is neither length nor force stays.
 

@@ -1,16 +1,14 @@
 """Channels along axes that go straight and that turn, and measured rates beside the position."""
 
-from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
 import pytest
 from command import workbench, write
+from turning import register_turning
 
 from plants.drive import DRIVE_VOLTAGE
-from plants.registry import PLANTS
 from workbench.errors import UserError
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import Record, read_records
@@ -42,17 +40,10 @@ TURNING = (
 )
 
 
-class TurningState(NamedTuple):
-    position: Annotated[float, "rad"]
-    velocity: Annotated[float, "rad/s"]
-    bristle_deflection: Annotated[float, "rad"]
-
-
 @pytest.fixture(autouse=True)
 def _turning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plant whose axis turns, of which no more than the units count here."""
-    ours = {**PLANTS.ours, "turning": replace(DRIVE_VOLTAGE, name="turning", State=TurningState)}
-    monkeypatch.setitem(PLANTS.__dict__, "ours", ours)
+    register_turning(monkeypatch, DRIVE_VOLTAGE)
 
 
 def record_of(folder: Path, text: str = STRAIGHT, **columns: np.ndarray) -> Record:

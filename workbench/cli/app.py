@@ -10,8 +10,11 @@ import typer
 
 from workbench.errors import UserError
 
-COMMANDS = ("run", "check", "list", "table", "plot", "agree", "decide", "identify", "diagnose", "tune")
-"""In the order in which help shows them; each is the function `command` of a file of its name."""
+COMMANDS = ("run", "check", "list", "table", "plot", "agree", "decide", "import", "identify", "diagnose", "tune")
+"""In the order in which help shows them; each is the function `command` of a file of its name, or of `FILES`."""
+
+FILES = {"import": "import_log"}
+"""Files of commands whose names are words of Python."""
 
 app = typer.Typer(
     help="Friction Workbench: an actuator sticks. Compensate the friction, or avoid it?",
@@ -31,7 +34,7 @@ def _options(
 
 
 for name in COMMANDS:
-    app.command(name)(importlib.import_module(f"workbench.cli.{name}").command)
+    app.command(name)(importlib.import_module(f"workbench.cli.{FILES.get(name, name)}").command)
 
 
 def main() -> None:

@@ -147,7 +147,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         content.source,
         plant,
         content.plant.flow,
-        content.plant.parameters,
+        content.plant.parameters or "[plant.set]",
         values,
         None if content.fit.free is None else _free(content.fit.free, [*names, *values], values),
         _bounds(content.fit.bounds, names, values),
@@ -183,7 +183,7 @@ def _set_values(name: str, folder: Path, key: files.Key) -> dict[str, float]:
 
 def _declared(table: PlantTable, folder: Path) -> dict[str, float]:
     """The declared values; a plain name in [plant.set] sets both directions, unless the other is set too."""
-    values = _set_values(table.parameters, folder, ("plant", "parameters"))
+    values = _set_values(table.parameters, folder, ("plant", "parameters")) if table.parameters else {}
     for name, value in table.set.items():
         try:
             number = parameter_value(name, value)

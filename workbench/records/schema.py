@@ -69,10 +69,10 @@ PUBLISHED: tuple[str, ...] = get_args(Published)
 
 
 class PlantTable(files.Strict):
-    """[plant]: what is believed. `scale` multiplies parameters, as in a study."""
+    """[plant]: what is believed. `scale` multiplies parameters, as in a study; `set` has all without `parameters`."""
 
     model: str
-    parameters: str
+    parameters: str = ""
     flow: Literal["derived", "chapter3"] = "derived"
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
@@ -123,8 +123,8 @@ class RecordTable(files.Strict):
     `files` are in the place of `file` where every channel has a file of its own, with a column of the time in each.
 
     Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
-    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was
-    set, or the name of the column that holds it.
+    sampled channels on an even grid of that step, by a curve through their samples. `rpm` is the speed of rotation that
+    was set, or the name of the column that holds it.
     """
 
     file: str = ""

@@ -1,0 +1,193 @@
+"""Parameters to begin with where nobody gives a set: what a log tells of them roughly, and what has to be asked."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from scipy.optimize import nnls
+
+from plants.axis import ROTARY
+from plants.equation import NEGATIVE, fields
+from plants.interface import Plant
+from workbench.parameters.sets import FLOW_SHARE, NEUTRAL, known_units, named_sets, read_parameters
+from workbench.records.channels import unit_of
+from workbench.records.importing.channels import Found
+from workbench.records.importing.columns import Motion, rounded_up
+from workbench.records.importing.plants import given
+from workbench.records.importing.proposal import Line, Question
+from workbench.toml.units import factor
+
+AREA = 1e-3
+"""m^2 of a piston that nobody has measured: a bore of 36 mm."""
+
+SUPPLY = 1e7
+"""Pa of a supply that nobody has measured: the usual hydraulic one."""
+
+MARGIN = 1.1
+"""What a stroke has over the longest way of a log."""
+
+PRESLIDING = 1e-4
+"""m, or rad, of a contact before it slips, at most."""
+
+SHARE = 1e-3
+"""The same as a share of the way."""
+
+PLAIN = {"torque": "force", "inertia": "mass"}
+"""Words of names along a turning axis, and along a straight one."""
+
+ZERO = {
+    "stribeck": "none to begin with; a diagnosis says whether there is any",
+    "bristle_damping": "far below what a log shows",
+    "end_stop_stiffness": "no end stop is modelled",
+    "end_stop_damping": "no end stop is modelled",
+    "load_force": "none to begin with",
+    "tank_pressure": "the surroundings'",
+}
+"""Parameters that are 0 to begin with, and why."""
+
+
+class Rough:
+    """A log in SI as a first look has it: way, velocity, and the force that drives, as far as it is known."""
+
+    def __init__(self, plant: Plant, found: Mapping[str, Found], motion: Motion) -> None:
+        self.plant, self.found, self.motion = plant, found, motion
+        self.command = given(plant, found)
+        self.position = self.si("position")
+        self.velocity = np.gradient(self.position, motion.step)
+        self.drive = self._drive()
+        self.mass, self.viscous, self.coulomb = self._friction()
+
+    def si(self, name: str) -> np.ndarray:
+        """A channel, smoothed, in SI."""
+        if name not in self.found:
+            return np.zeros(self.position.size)
+        one = self.found[name]
+        own = name if name not in ("torque",) else "force"
+        scale = factor(one.unit, unit_of(own, self.plant)) if own != "time" else 1.0
+        return np.asarray(scale * one.scale * self.motion.smooth(one.column))
+
+    def _drive(self) -> np.ndarray:
+        """What drives the axis (N, N m, or the command itself through a gain of 1)."""
+        if "pressure_1" in self.found and "pressure_2" in self.found:
+            return AREA * (self.si("pressure_1") - self.si("pressure_2"))
+        return self.si(self.command) if self.command else np.zeros(self.position.size)
+
+    def _friction(self) -> tuple[float, float, float]:
+        """Least squares of the drive on acceleration, velocity and its sign, none of them negative, and a constant."""
+        v, force = self.velocity, self.drive
+        if v.size != force.size or not np.any(v):
+            return 1.0, 1.0, 1.0
+        a = np.gradient(v, self.motion.step)
+        moving = np.abs(v) > 0.05 * np.max(np.abs(v))
+        columns = [each[moving] for each in (a, v, np.sign(v), np.ones(v.size), -np.ones(v.size))]
+        size = [max(float(np.std(column)), 1e-12) if k < 3 else 1.0 for k, column in enumerate(columns)]
+        found = nnls(np.column_stack([column / s for column, s in zip(columns, size, strict=True)]), force[moving])[0]
+        least = 0.02 * max(float(np.std(force[moving])), 1e-9)
+        mass, viscous, coulomb = (max(float(value), least) / s for value, s in zip(found[:3], size[:3], strict=True))
+        self.inertial = float(found[0]) > 5.0 * least
+        return mass, viscous, coulomb
+
+    inertial = False
+
+
+def values_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[Line]:
+    """The parameters that a plant cannot do without, each with a value, its reason, and a question where it is none."""
+    rough = Rough(plant, found, motion)
+    names = [item.name for item in fields(plant.Parameters) if item.default is None]
+    needed = [
+        name for name in names if not name.endswith(f"_{NEGATIVE}") and name != FLOW_SHARE and name not in NEUTRAL
+    ]
+    return [_line(name, rough) for name in needed]
+
+
+def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[str]:
+    """The parameters that a fit may move: friction; the mass where it shows; a constant load where no pressure of two
+    can look like it; what makes the drive out of a pump or one pressure.
+    """
+    names = {item.name for item in fields(plant.Parameters)}
+    two = "pressure_1" in found and "pressure_2" in found
+    wanted = []
+    if Rough(plant, found, motion).inertial and not two:
+        wanted += ["mass", "inertia"]
+    if "pressure_1" in found and not two:
+        wanted.append("piston_area_1")
+    wanted += ["pump_displacement"]
+    wanted += [] if two else ["load_force", "load_torque"]
+    wanted += ["coulomb", "viscous", "bristle_stiffness"]
+    return [name for name in wanted if name in names or name == "piston_area_1"]
+
+
+def _line(name: str, rough: Rough) -> Line:
+    """One parameter."""
+    plain = name
+    for turned, straight in PLAIN.items():
+        plain = plain.replace(turned, straight)
+    unit = known_units().get(name, "1")
+    if plain in ZERO:
+        return Line(name, {"": _text(0.0, unit)}, ZERO[plain])
+    if plain in SEEN:
+        value, reason, asked = SEEN[plain](rough)
+        questions = (Question(f"{name}: {asked}", ""),) if asked else ()
+        return Line(name, {"": _text(value, unit)}, reason, questions)
+    for known, path in named_sets().items():
+        values = read_parameters(path)
+        if name in values and np.isfinite(values[name]):
+            asked = f"{name}: what is it on your machine?"
+            return Line(name, {"": _text(values[name], unit)}, f"that of {known}", (Question(asked, ""),))
+    return Line(name, {"": _text(1.0, unit)}, "a guess", (Question(f"{name}: what is it on your machine?", ""),))
+
+
+def _text(value: float, unit: str) -> str | float:
+    return value if unit == "1" else f"{value:.3g} {unit}"
+
+
+def _stroke(rough: Rough) -> tuple[float, str, str]:
+    way = float(np.ptp(rough.position))
+    return rounded_up(MARGIN * way), f"a little more than the way of the log, {way:.3g}", "how long is it?"
+
+
+def _supply(rough: Rough) -> tuple[float, str, str]:
+    pressures = [name for name in rough.found if name.startswith(("pressure_", "supply_"))]
+    if not pressures:
+        return SUPPLY, "a guess", "how high is it?"
+    high = max(float(np.max(rough.si(name))) for name in pressures)
+    return rounded_up(high), f"the next round number above the highest pressure, {high:.3g} Pa", "how high is it?"
+
+
+def _displacement(rough: Rough) -> tuple[float, str, str]:
+    speed = float(np.std(rough.si("pump_speed"))) or 1.0
+    value = AREA * float(np.std(rough.velocity)) / speed
+    return value, "the piston's area times what the rod moves in a radian of the pump", ""
+
+
+def _coulomb(rough: Rough) -> tuple[float, str, str]:
+    return rough.coulomb, "least squares of what drives on acceleration, velocity and its sign; the fit finds it", ""
+
+
+def _stiffness(rough: Rough) -> tuple[float, str, str]:
+    bend = min(PRESLIDING, SHARE * float(np.ptp(rough.position)))
+    unit = "mrad" if rough.plant.axis == ROTARY else "mm"
+    return rough.coulomb / bend, f"the contact slips after {1e3 * bend:.2g} {unit}; the fit finds it", ""
+
+
+def _of_gain(rough: Rough) -> tuple[float, str, str]:
+    return 1.0, "no log tells it: mass and friction are known in proportion to it", "how much drives for each V or A?"
+
+
+SEEN: Mapping[str, Callable[[Rough], tuple[float, str, str]]] = {
+    "stroke": _stroke,
+    "supply_pressure": _supply,
+    "mass": lambda rough: (rough.mass, "least squares, as coulomb", "what moves?"),
+    "coulomb": _coulomb,
+    "viscous": lambda rough: (rough.viscous, "least squares, as coulomb; the fit finds it", ""),
+    "stribeck_velocity": lambda rough: (1e-2, "without effect as long as stribeck is 0", ""),
+    "bristle_stiffness": _stiffness,
+    "force_gain": _of_gain,
+    "force_constant": _of_gain,
+    "piston_area_1": lambda rough: (AREA, "a guess", "bore?"),
+    "piston_area_2": lambda rough: (AREA, "a guess: equal", "bore and rod?"),
+    "hose_volume": lambda rough: (1e-4, "a guess", "oil or air between valve and piston?"),
+    "bulk_modulus": lambda rough: (1e9, "oil with some air in it", ""),
+    "pump_displacement": _displacement,
+    "voltage_limit": lambda rough: (10.0, "the usual amplifier", "the command's limit?"),
+}
+"""What a log tells of parameters: value (SI), why, and what is to be asked."""
