@@ -131,8 +131,8 @@ class RecordTable(files.Strict):
     `files` are in the place of `file` where every channel has a file of its own, with a column of the time in each.
 
     Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
-    sampled channels on an even grid of that step, linearly between samples. `rpm` is the speed of rotation that was
-    set, or the name of the column that holds it.
+    sampled channels on an even grid of that step, by a curve through their samples. `rpm` is the speed of rotation that
+    was set, or the name of the column that holds it.
     """
 
     file: str = ""

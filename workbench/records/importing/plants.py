@@ -54,7 +54,7 @@ def plant_for(found: Mapping[str, Found], model: str | None, ask: Ask | None = N
         return known[model], Line("model", {"": model}, "as asked for")
     fits = sorted(
         filter(None, (_fit(plant, found) for plant in known.values())),
-        key=lambda fit: (-fit.score, len(fields(fit.plant.Parameters))),
+        key=lambda fit: (-fit.score, not fit.plant.friction, len(fields(fit.plant.Parameters))),
     )
     names = ", ".join(name for name in found if name != "time") or "none but the time"
     if not fits:

@@ -1,7 +1,8 @@
 """A record cut at its gaps, and each piece of it on one even grid.
 
 Where samples come evenly they keep their values, and what is missing between them is NaN. Where they do not, channels
-are put on a grid linearly, at the record's own rate: nobody sees between samples at that rate anyway.
+are put on a grid by a curve through their samples that does not overshoot, at the record's own rate. A line would round
+what bends between samples: from a log with a clock that jitters a delay comes out milliseconds short then.
 """
 
 import itertools
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from workbench.errors import UserError
 from workbench.records.sampling.clock import FEWEST, Stamps, spans
@@ -112,7 +114,7 @@ def _of_one_clock(one: Series, sample_time: float | None) -> tuple[list[Piece], 
     if not even and not asked:
         notes.append(
             f"{100.0 * np.mean(off):.2g} % of the samples are off an even clock by over {100.0 * JITTER:.0f} % of its "
-            f"step: all are put on an even grid of {1e3 * grid:.3g} ms, linearly between samples"
+            f"step: all are put on an even grid of {1e3 * grid:.3g} ms, by a curve through the samples"
             if np.any(off)
             else f"all is put on an even grid of {1e3 * grid:.3g} ms"
         )
@@ -180,7 +182,9 @@ def _placed(channels: Mapping[str, np.ndarray], places: np.ndarray) -> dict[str,
 
 
 def _between(points: np.ndarray, stamps: np.ndarray, values: np.ndarray, far: float) -> np.ndarray:
-    """A channel at other instants, linearly between its values; NaN where these are more than `far` (s) apart."""
+    """A channel at other instants, by a curve through its values that does not overshoot (Fritsch and Carlson 1980); NaN
+    where these are more than `far` (s) apart.
+    """
     known = np.isfinite(values)
     stamps, values = stamps[known], values[known]
     if stamps.size < 2:
@@ -188,7 +192,7 @@ def _between(points: np.ndarray, stamps: np.ndarray, values: np.ndarray, far: fl
     after = np.clip(np.searchsorted(stamps, points), 1, stamps.size - 1)
     apart = stamps[after] - stamps[after - 1]
     lost = ((apart > far) & (stamps[after] != points)) | (points < stamps[0]) | (points > stamps[-1])
-    return np.where(lost, np.nan, np.interp(points, stamps, values))
+    return np.where(lost, np.nan, PchipInterpolator(stamps, values)(points))
 
 
 def _without_gaps(piece: Piece) -> Iterator[Piece]:

@@ -1,0 +1,74 @@
+"""A slow log of command and position alone, from a valve-driven axis: what `workbench identify` finds in it."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import STUDIES, workbench
+
+from plants.valve_axis import VALVE_AXIS
+from workbench.fitting.replay import WARM, observe_all
+from workbench.parameters.sets import build, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Setup
+from workbench.simulation.simulate import simulate
+
+AXIS = STUDIES / "valve_axis"
+STEP, JITTER, NOISE = 0.053, 0.010, 10e-6
+FOUND = ("velocity_gain", "dead_band", "command_delay")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """75 s of the winch of studies/valve_axis, driven by hand: jitter, two gaps, repeated stamps, 10 um of noise."""
+    folder, generator = tmp_path_factory.mktemp("slow"), np.random.default_rng(5)
+    parameters = build(VALVE_AXIS.Parameters, read_parameters(AXIS / "machine.toml"))
+    state, inputs = VALVE_AXIS.equilibrium(parameters, 0.0)
+    lever = Feed("valve_voltage", Multisine(3.5, 0.05, (1, 4, 9, 17)))
+    run = simulate(Setup(VALVE_AXIS, parameters, state, inputs, 75.0, feeds=(lever,), sample_time=0.01))
+    stamps = STEP * np.arange(1, int(75.0 / STEP)) + generator.uniform(-JITTER, JITTER, int(75.0 / STEP) - 1)
+    for start in (24.0, 51.0):
+        stamps = stamps[(stamps < start) | (stamps > start + 0.4)]
+    command = np.interp(stamps, run.time, run.command)
+    position = np.interp(stamps, run.time, run.state("position")) + NOISE * generator.standard_normal(stamps.size)
+    stamps[[300, 900]] = stamps[[299, 899]]
+    table = np.column_stack([stamps, command, 1e3 * position])
+    np.savetxt(folder / "log.csv", table, "%.6f", ",", header="time_s,command_V,position_mm", comments="")
+    for name in ("believed.toml", "machine.toml"):
+        (folder / name).write_text((AXIS / name).read_text())
+    text = re.sub(r'file = ".*"', 'file = "log.csv"', (AXIS / "experiment.toml").read_text())
+    (folder / "experiment.toml").write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def identified(folder: Path, png_alone: None) -> dict[str, dict[str, float]]:
+    """What the command writes of each parameter."""
+    answer = workbench("identify", folder / "experiment.toml", "--out", folder / "out")
+    assert answer.code == 0, answer.err
+    content = json.loads((folder / "out" / "identified.json").read_text())
+    return {name: row["simulation"] for name, row in content["parameters"].items() if "simulation" in row}
+
+
+@pytest.mark.parametrize("suffix", ["", "_negative"])
+@pytest.mark.parametrize("name", FOUND)
+def test_gain_dead_band_and_delay_are_found_from_a_guess_off_by_two_and_more(
+    folder: Path, identified: dict[str, dict[str, float]], name: str, suffix: str
+) -> None:
+    truth, guess = (read_parameters(folder / file)[name + suffix] for file in ("machine.toml", "believed.toml"))
+    assert max(guess / truth, truth / guess) >= 2.0
+    assert identified[name + suffix]["value"] == pytest.approx(truth, rel=0.05)
+
+
+def test_windows_begin_anew_and_miss_only_what_a_piece_begins_with(folder: Path) -> None:
+    experiment = read_experiment(folder / "experiment.toml")
+    for record in read_records(experiment):
+        windows = list(observe_all(record, experiment))
+        compared = np.concatenate([item.time[np.isfinite(item.measured["position"])] for item in windows])
+        np.testing.assert_array_equal(np.unique(compared), compared)
+        known = record.time[record.valid & (record.time >= WARM)]
+        assert set(known.tolist()) <= set(compared.tolist())
