@@ -88,12 +88,14 @@ def _effect(effect: Effect) -> list[str]:
     units = known_units() | {item.name: item.unit for item in fields(effect.Own)}
     turning = known_units(ROTARY) if _of_turning(effect) else {}
     lines = [f"{effect.name:28} {effect.balance:7} {effect.words}", *[f"  {effect.meaning}"] * bool(effect.meaning)]
+    turned = []
     for name, number in effect.numbers.items():
         default = f"default {effect.neutral[name]:g}" if name in effect.neutral else "the plant's own"
-        turned = name_along(name, ROTARY)
-        other = f"{turned} in {turning[turned]}" if turned != name else turning.get(name, "")
-        told = f"; on a turning axis {other}" if other != units.get(name, "") and turned in turning else ""
-        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}{told}")
+        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}")
+        other = name_along(name, ROTARY)
+        if other in turning and (other, turning[other]) != (name, units.get(name)):
+            turned.append(f"{other} in {turning[other]}")
+    lines += [f"  on a turning axis {', '.join(turned)}"] * bool(turned)
     return lines
 
 
