@@ -22,6 +22,7 @@ from workbench.toml.units import QuantityError
 
 SETS = [
     "canudas1995",
+    "crane_boom",
     "differential_cylinder",
     "guenther2006",
     "owen2001_experiment",
@@ -94,6 +95,7 @@ def test_every_set_builds_the_plants_that_it_is_meant_for(name: str) -> None:
     joint = {"rotary_torque", "rotary_current"}
     others = {
         "canudas1995": {"drive_force"},
+        "crane_boom": {"valve_axis"},
         "differential_cylinder": {"drive_force", "two_chamber", "cylinder"},
         "guenther2006": {"drive_force", "pneumatic_cylinder"},
         "walkman_joint": joint,

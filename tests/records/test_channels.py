@@ -6,9 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import workbench, write
-from turning import register_turning
 
-from plants.registry import DRIVE_VOLTAGE
 from workbench.errors import UserError
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import Record, read_records
@@ -34,16 +32,12 @@ file = "log.csv"
 """
 
 TURNING = (
-    STRAIGHT.replace('"drive_voltage"', '"turning"')
+    STRAIGHT.replace('"drive_voltage"', '"rotary_voltage"')
+    .replace('"canudas1995"', '"walkman_joint"')
+    .replace('force_gain = "1 N/V"', 'torque_gain = "1 N m/V"')
     .replace('column = "x", unit = "mm"', 'column = "x", unit = "deg"')
     .replace('unit = "mm/s"', 'unit = "rpm"')
 )
-
-
-@pytest.fixture(autouse=True)
-def _turning(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A plant whose axis turns, of which no more than the units count here."""
-    register_turning(monkeypatch, DRIVE_VOLTAGE)
 
 
 def record_of(folder: Path, text: str = STRAIGHT, **columns: np.ndarray) -> Record:
@@ -76,7 +70,7 @@ def test_a_turning_axis_has_angles_and_a_torque(tmp_path: Path) -> None:
             TURNING,
             'unit = "deg" ',
             'unit = "mm" ',
-            'got "mm", the unit of an axis that goes straight, and that of turn',
+            'got "mm", the unit of an axis that goes straight, and that of rotary_volt',
         ),
         (STRAIGHT, "velocity =", "torque =", 'goes straight, and what drives it is a force: call it "force", in N'),
         (TURNING, "velocity =", "force =", 'turns, and what drives it is a torque: call the channel "torque", in N m'),

@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.io import savemat
-from turning import register_turning
 
 from plants.registry import CHAMBERS, DRIVE_FORCE, PLANTS, THESIS
 from workbench.errors import UserError
@@ -146,11 +145,10 @@ def test_counts_are_asked_for_and_answers_count_in_what_is_made_of_them(tmp_path
     assert values["viscous"] * 40.0 == pytest.approx(100.0, rel=0.15)
 
 
-def test_a_rotary_joint_in_deg_and_newton_metres(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A TDMS file of waveforms, which knows its units, and a plant whose axis turns."""
+def test_a_rotary_joint_in_deg_and_newton_metres(tmp_path: Path) -> None:
+    """A TDMS file of waveforms, which knows its units."""
     from nptdms import ChannelObject, TdmsWriter
 
-    register_turning(monkeypatch, DRIVE_FORCE)
     x, v, torque = driven(0.8, 5.0, mass=0.5, coulomb=3.0, viscous=2.0)
     channels = {"joint_angle": (np.rad2deg(x), "deg"), "torque": (torque, "Nm"), "joint_vel": (np.rad2deg(v), "deg/s")}
     with TdmsWriter(tmp_path / "log.tdms") as file:
@@ -172,7 +170,7 @@ def test_a_rotary_joint_in_deg_and_newton_metres(tmp_path: Path, monkeypatch: py
     units = {name: channel["unit"] for name, channel in content["channels"].items()}
     assert units == {"time": "s", "position": "deg", "torque": "N m", "velocity": "deg/s"}
     experiment = read(tmp_path / "log.tdms", text)
-    assert experiment.plant.axis == "rad"
+    assert experiment.plant.name == "rotary_torque"
     assert read_records(experiment)[0].notes == ("velocity agrees with the slope of position: 1 times it",)
 
 

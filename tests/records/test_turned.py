@@ -30,5 +30,5 @@ def test_a_cylinder_s_rod_turns_by_a_key(tmp_path: Path) -> None:
 
 
 def test_a_plant_without_a_rod_that_turns_is_told_so(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match='plant.turned: plant "rotating_isotropic" has no rod that turns'):
+    with pytest.raises(UserError, match=r'plant\.turned: plant "rotating_isotropic" has no rod that turns'):
         experiment(tmp_path, 'model = "rotating_isotropic"\nturned = "rod"')

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.optimize import nnls
 
-from plants.axis import ROTARY
+from plants.axis import ROTARY, name_along
 from plants.equation import NEGATIVE, fields
 from plants.interface import Plant
-from workbench.parameters.sets import FLOW_SHARE, NEUTRAL, known_units, named_sets, read_parameters
+from workbench.parameters.sets import FLOW_SHARE, NEUTRAL, axis_of, known_units, named_sets, read_parameters
 from workbench.records.channels import unit_of
 from workbench.records.importing.channels import Found
 from workbench.records.importing.columns import Motion, rounded_up
@@ -30,9 +30,6 @@ PRESLIDING = 1e-4
 
 SHARE = 1e-3
 """The same as a share of the way."""
-
-PLAIN = {"torque": "force", "inertia": "mass"}
-"""Words of names along a turning axis, and along a straight one."""
 
 ZERO = {
     "stribeck": "none to begin with; a diagnosis says whether there is any",
@@ -118,10 +115,9 @@ def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[s
 
 def _line(name: str, rough: Rough) -> Line:
     """One parameter."""
-    plain = name
-    for turned, straight in PLAIN.items():
-        plain = plain.replace(turned, straight)
-    unit = known_units().get(name, "1")
+    axis = rough.plant.axis
+    plain = next((known for known in known_units() if name_along(known, axis) == name), name)
+    unit = known_units(axis)[name]
     if plain in ZERO:
         return Line(name, {"": _text(0.0, unit)}, ZERO[plain])
     if plain in SEEN:
@@ -130,7 +126,7 @@ def _line(name: str, rough: Rough) -> Line:
         return Line(name, {"": _text(value, unit)}, reason, questions)
     for known, path in named_sets().items():
         values = read_parameters(path)
-        if name in values and np.isfinite(values[name]):
+        if axis_of(values) == axis and np.isfinite(values.get(name, np.nan)):
             asked = f"{name}: what is it on your machine?"
             return Line(name, {"": _text(values[name], unit)}, f"that of {known}", (Question(asked, ""),))
     return Line(name, {"": _text(1.0, unit)}, "a guess", (Question(f"{name}: what is it on your machine?", ""),))
