@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 
+from plants.axis import LINEAR
 from workbench.parameters.sets import known_units
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
@@ -50,7 +51,7 @@ def shown_unit(unit: str, value: float) -> str:
     return units.get(unit, unit)
 
 
-def quantity(name: str, value: float, std: float | None, axis: str) -> str:
+def quantity(name: str, value: float, std: float | None = None, axis: str = LINEAR) -> str:
     """Of a plant along that axis, a parameter's value with its unit, and its standard deviation in the same unit."""
     unit = known_units(axis).get(name, "1")
     shown = shown_unit(unit, value)
