@@ -46,9 +46,9 @@ class Settings(NamedTuple):
     K_q. `lead` is the share of the believed valve's lag that it inverts: what a valve inversion may do, plain control
     may too, since nothing but the reference's acceleration is needed for it. `dead_band` is the share of the believed
     valve's dead band that is added to the command, and `dead_band_smoothing` how small a command, as a share of that
-    band, gets all of it: the jump's slope is 1/smoothing, by which the loop's gain is higher there. `tracking_time` is the time constant of
-    the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the repeatability of the thesis's potentiometer, and
-    a jerk of 30 m/s^3 that lasts 10 ms.
+    band, gets all of it: the jump's slope is 1/smoothing, by which the loop's gain is higher there. `tracking_time` is
+    the time constant of the anti-windup, 0 for K_p / K_i. The Kalman filter's defaults: the repeatability of the
+    thesis's potentiometer, and a jerk of 30 m/s^3 that lasts 10 ms.
     """
 
     kp: ProportionalGain
@@ -69,7 +69,8 @@ class Gains(NamedTuple):
     """Gains, in units of the command (V or N) per metre. `tracking` is the rate of the anti-windup (1/s).
 
     `lead` is what of the valve's time constant the feed-forward inverts, `feedforward_ratio` the feed-forward of
-    negative velocities over that of positive ones. `dead_band` is what is added to a positive command beyond `dead_band_width`.
+    negative velocities over that of positive ones. `dead_band` is what is added to a positive command beyond
+    `dead_band_width`.
     """
 
     proportional: Annotated[float, "command/m"]

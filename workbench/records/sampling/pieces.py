@@ -182,8 +182,8 @@ def _placed(channels: Mapping[str, np.ndarray], places: np.ndarray) -> dict[str,
 
 
 def _between(points: np.ndarray, stamps: np.ndarray, values: np.ndarray, far: float) -> np.ndarray:
-    """A channel at other instants, by a curve through its values that does not overshoot (Fritsch and Carlson 1980); NaN
-    where these are more than `far` (s) apart.
+    """A channel at other instants, by a curve through its values that does not overshoot (Fritsch and Carlson 1980);
+    NaN where these are more than `far` (s) apart.
     """
     known = np.isfinite(values)
     stamps, values = stamps[known], values[known]
