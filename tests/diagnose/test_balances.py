@@ -31,6 +31,8 @@ VALUES = {
     **read_parameters(named_sets()["owen2001_simulation"]),
     "pump_displacement": 2.5e-7,
     **OF_OTHERS,
+    "velocity_gain": 0.2,
+    "dead_band": 0.05,
     "stribeck": 0.0,
 }
 """Without the fall of friction at low speed: nothing then breaks away faster than a smoothed record shows."""
@@ -85,6 +87,7 @@ def left(along: Along, motion: Motion, balance: str, values: dict[str, float] | 
         "flow": VALUES["piston_area_1"] * float(np.std(motion.velocity)),
         "rotation": VALUES["coulomb"] * VALUES["piston_radius"],
         "motor": 1.0,
+        "velocity": float(np.std(motion.velocity)),
     }
     residuals = along.residuals(motion, values or values_of(along.plant), balance)
     return max(float(np.sqrt(np.mean(residual[sliding] ** 2))) for residual in residuals) / large[balance]
@@ -98,8 +101,9 @@ def test_every_plant_leaves_next_to_nothing_of_its_own_balances(plant: Plant) ->
     motion = motion_along(plant)
     along = Along(plant, "derived")
     balances = list(balances_shown(plant, motion.channels))
-    assert "force" in balances
-    assert ("flow" in balances) == (plant.command in ("valve_voltage", "pump_speed"))
+    assert ("velocity" in balances) == bool(plant.delayed)
+    assert ("force" in balances) == (not plant.delayed)
+    assert ("flow" in balances) == (plant.command in ("valve_voltage", "pump_speed") and not plant.delayed)
     assert ("rotation" in balances) == (plant.rotary_command == "motor_voltage")
     for name in balances:
         assert left(along, motion, name) < 0.01, name

@@ -215,7 +215,7 @@ class Along:
         """Inputs (instants, inputs), the command as it arrives, unless the plant delays it itself; 0 where no channel
         gives them. Smoothed as all else is, but as recorded where they drive one of the `hidden` states.
         """
-        late = {} if ARRIVES in self._own_parameters else {self.plant.command: values.get(ARRIVES, 0.0)}
+        late = {self.plant.command: self.late(values)}
         if self.plant.delayed:
             parameters = self.parameters(values)
             late |= {name: float(delay(parameters)) for name, delay in self.plant.delayed.items()}
@@ -226,6 +226,10 @@ class Along:
                 series = np.interp(motion.time - delay, motion.time, series)
             columns.append(series)
         return np.column_stack(columns)
+
+    def late(self, values: Values) -> float:
+        """By how much (s) a record's command comes late to a plant that does not delay it itself."""
+        return 0.0 if ARRIVES in self._own_parameters else values.get(ARRIVES, 0.0)
 
     def residuals(self, motion: Motion, values: Values, balance: str) -> list[np.ndarray]:
         """What is left of a balance at the thinned instants: measured rates less those of the plant, in its unit.

@@ -38,7 +38,7 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
         feeds = tuple(
             replace(feed, linear=not (held and feed.input == along.plant.command)) for feed in observed.setup.feeds
         )
-        setups[motion.record] = replace(observed.setup, feeds=feeds)
+        setups[motion.record] = replace(observed.setup, feeds=feeds, sample_time=motion.record.sample_time)
         channels = tuple(observed.measured)
     if "position" not in channels:
         return None

@@ -14,7 +14,7 @@ from plants.axis import name_along
 from plants.effects.interface import Scales
 from plants.equation import replaced
 from plants.interface import Measurement
-from workbench.diagnose.residuals.along import ARRIVES, Along
+from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.unknowns import Values
@@ -131,7 +131,7 @@ class Shooting:
         setup = self.setups[record]
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         parameters = along.parameters(without)
-        feeds = [self._delayed(feed, values.get(ARRIVES, 0.0)) for feed in setup.feeds]
+        feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
         if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
             swing = values.get(cosine, 0.0) * np.cos(angle) + values.get(sine, 0.0) * np.sin(angle)
@@ -139,6 +139,7 @@ class Shooting:
         inputs = along.at_rest(motion, without)[1]
         inputs = replaced(inputs, {feed.input: 0.0 for feed in feeds})
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
+        sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time)[0]
         for k, state in zip(starts, along.starting_states(motion, values, starts), strict=True):
             yield (
                 k,
@@ -147,7 +148,7 @@ class Shooting:
                         setup,
                         parameters=parameters,
                         state=state,
-                        inputs=inputs,
+                        inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
                         duration=record.sample_time * (min(per, size - k) - 1),
                         feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
                     )

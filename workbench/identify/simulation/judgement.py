@@ -19,7 +19,8 @@ LARGEST_TOLD = 10.0
 """A relative standard deviation beyond this is told as such: its digits mean nothing."""
 
 SINGULAR = 1e-4
-"""Ratio of a singular value of the scaled Jacobian to the largest below which a direction is not identified."""
+"""Ratio of a singular value of the Jacobian, its columns of one length, to the largest below which a direction is not
+identified: one parameter may be known a million times better than another."""
 
 SHARE = 0.3
 """Part in such a direction from which a parameter is named."""
@@ -54,17 +55,18 @@ def without_effect(problem: Problem, theta: np.ndarray) -> dict[str, str]:
 def not_identified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> dict[str, str]:
     """The parameters to fix next, and why: those of a singular direction, else the one least known."""
     count = len(problem.free)
-    _, singular, directions = np.linalg.svd(projected(problem.projector(), jacobian[:, :count]), full_matrices=False)
+    own = projected(problem.projector(), jacobian[:, :count])
+    size = np.linalg.norm(own, axis=0)
+    _, singular, directions = np.linalg.svd(own / np.where(size > 0.0, size, 1.0), full_matrices=False)
     deviations = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0))
-    unknown = np.max(deviations) > UNKNOWN
-    if unknown and singular[-1] <= SINGULAR * singular[0]:
+    if singular[-1] <= SINGULAR * singular[0]:
         parts = np.abs(directions[-1])
         named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
         worst = problem.free[int(np.argmax(parts))]
         others = [name for name in named if name != worst]
         why = f"cannot be told apart from {', '.join(others)}" if others else NO_EFFECT
         return {worst: why}
-    if unknown:
+    if np.max(deviations) > UNKNOWN:
         i = int(np.argmax(deviations))
         return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
     return {}
