@@ -18,7 +18,7 @@ from plugin_site import site
 
 import workbench as wb
 from controllers.registry import controllers
-from plants.equation import fields
+from plants.equation import fields, members
 from plants.registry import plants
 from workbench import api
 from workbench.study.store import read_results
@@ -223,11 +223,20 @@ def test_a_plot_has_a_panel_for_each_unit() -> None:
 # --- linear analysis ---
 
 
-@pytest.mark.parametrize("name", [name for name in plants() if not name.startswith(("drive", "pump"))])
-def test_the_rod_at_rest_is_an_equilibrium_of_every_plant(name: str) -> None:
+SET_OF = {"hydraulics": "owen2001_simulation", "pneumatics": "guenther2006"}
+"""Of a cylinder that a valve feeds."""
+
+FED = [
+    (name, SET_OF[fluid]) for name, plant in plants().items() for fluid in SET_OF if fluid in members(plant.Parameters)
+]
+
+
+@pytest.mark.parametrize(("name", "parameters"), FED)
+def test_the_rod_at_rest_is_an_equilibrium_of_every_cylinder_with_a_valve(name: str, parameters: str) -> None:
     rpm = {"rpm": 120} if plants()[name].rotary_command else {}
     rotation = {"plant": {"rotation": "ideal"}} if name.endswith("ideal") else {}
-    loop = wb.setup(name, "owen2001_simulation", controller=wb.pid(kp=500), **rpm, **rotation)
+    gain = 500 if parameters == "owen2001_simulation" else 10
+    loop = wb.setup(name, parameters, controller=wb.pid(kp=gain), **rpm, **rotation)
     model = wb.linearise(loop, outputs=["position", "axial_friction"])
     assert model.state_labels == [item.name for item in fields(loop.plant.State)]
     assert wb.linearise(loop, speed="20 mm/s").nstates == model.nstates

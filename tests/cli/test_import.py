@@ -31,9 +31,9 @@ def test_without_a_terminal_questions_stand_in_the_file_and_the_rest_is_checked(
     out = tmp_path / "experiment.toml"
     answer = workbench("import", log(tmp_path), "--out", out)
     assert (answer.code, answer.err) == (0, "")
-    assert f"wrote {out}: plant drive_voltage, 4 questions in it (# ?); next: workbench check {out}" in answer.out
+    assert f"wrote {out}: plant drive_voltage, 5 questions in it (# ?); next: workbench check {out}" in answer.out
     text = out.read_text()
-    assert text.count("\n# ?") == 4
+    assert text.count("\n# ?") == 5
     mended = text.replace('unit = "mm", scale = 1.0', 'unit = "mm", scale = 0.1')
     assert mended != text
     out.write_text(mended)
@@ -46,8 +46,8 @@ def test_without_a_terminal_questions_stand_in_the_file_and_the_rest_is_checked(
 def test_at_a_terminal_questions_are_asked_with_the_guess_as_default(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Counts of 0.1 mm; the unit of the command, the mass and the gain as they are guessed."""
-    monkeypatch.setattr(sys, "stdin", Terminal("0.1\n\n\n\n"))
+    """Counts of 0.1 mm; plant, unit of the command, mass and gain as they are guessed."""
+    monkeypatch.setattr(sys, "stdin", Terminal("\n0.1\n\n\n\n"))
     answer = workbench("import", log(tmp_path), "--out", tmp_path / "experiment.toml")
     assert (answer.code, answer.err) == (0, "")
     assert "how many mm is one? And which offset has it? [1]:" in answer.out

@@ -31,8 +31,6 @@ VALUES = {
     **read_parameters(named_sets()["owen2001_simulation"]),
     "pump_displacement": 2.5e-7,
     **OF_OTHERS,
-    "velocity_gain": 0.2,
-    "dead_band": 0.05,
     "stribeck": 0.0,
 }
 """Without the fall of friction at low speed: nothing then breaks away faster than a smoothed record shows."""
