@@ -47,7 +47,7 @@ def test_at_a_terminal_questions_are_asked_with_the_guess_as_default(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Counts of 0.1 mm; plant, unit of the command, mass and gain as they are guessed."""
-    monkeypatch.setattr(sys, "stdin", Terminal("\n0.1\n\n\n\n"))
+    monkeypatch.setattr(sys, "stdin", Terminal("0.1\n\n\n\n\n"))
     answer = workbench("import", log(tmp_path), "--out", tmp_path / "experiment.toml")
     assert (answer.code, answer.err) == (0, "")
     assert "how many mm is one? And which offset has it? [1]:" in answer.out

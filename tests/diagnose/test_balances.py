@@ -38,6 +38,9 @@ VALUES = {
 SPEED = 10.0
 """rad/s of a rod that can turn."""
 
+AIR = 0.5 * VALUES["supply_pressure"] / (287.05 * 293.15)
+"""kg/m^3: a flow of air is a mass, at about half the supply's pressure."""
+
 SLIDES = 5e-3
 """m/s. Slower, a reversal is near: the smoothing of a record blurs what friction does there."""
 
@@ -80,9 +83,10 @@ def motion_along(
 def left(along: Along, motion: Motion, balance: str, values: dict[str, float] | None = None) -> float:
     """Rms of a balance where the rod slides, as a share of what is large in it."""
     sliding = (motion.valid & (np.abs(motion.velocity) > SLIDES))[:: motion.thinning]
+    density = AIR if "pneumatics" in along.plant.Parameters._fields else 1.0
     large = {
         "force": VALUES["coulomb"],
-        "flow": VALUES["piston_area_1"] * float(np.std(motion.velocity)),
+        "flow": density * VALUES["piston_area_1"] * float(np.std(motion.velocity)),
         "rotation": VALUES["coulomb"] * VALUES["piston_radius"],
         "motor": 1.0,
         "velocity": float(np.std(motion.velocity)),

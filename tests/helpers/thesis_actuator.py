@@ -21,7 +21,7 @@ OF_OTHERS = {
 }
 """SI. What drives, pumps, a motor with a coupling to its load, and air need beside them."""
 
-OF_AXES = {"velocity_gain": 0.05, "dead_band": 0.5, "command_delay": 0.0123, "axis_time_constant": 0.02}
+OF_AXES = {"velocity_gain": 0.1, "dead_band": 0.05, "command_delay": 0.0123, "axis_time_constant": 0.02}
 """And a valve-driven axis. A command that comes late is an effect on every other plant."""
 
 
