@@ -29,10 +29,6 @@ VALUES = {
     **read_parameters(named_sets()["owen2001_simulation"]),
     "pump_displacement": 2.5e-7,
     "force_gain": 100.0,
-    "velocity_gain": 0.2,
-    "dead_band": 0.05,
-    "command_delay": 0.0123,
-    "axis_time_constant": 0.02,
     "stribeck": 0.0,
 }
 """Without the fall of friction at low speed: nothing then breaks away faster than a smoothed record shows."""
@@ -46,8 +42,14 @@ SLIDES = 5e-3
 AMPLITUDES = {"valve_voltage": 0.3, "pump_speed": 40.0, "drive_force": 900.0, "drive_voltage": 9.0}
 
 
+AXIS = {"velocity_gain": 0.1, "dead_band": 0.05, "command_delay": 0.0123, "axis_time_constant": 0.02}
+"""SI, of a valve-driven axis."""
+
+
 def values_of(plant: Plant) -> dict[str, float]:
     """The parameters; a drive has a spring, so that a force moves it to and fro."""
+    if plant.delayed:
+        return {**VALUES, **AXIS}
     return {**VALUES, "spring_stiffness": 2e4} if plant.command.startswith("drive") else VALUES
 
 
