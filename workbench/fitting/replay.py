@@ -61,6 +61,7 @@ class Observed:
     """A record as it is compared: `measured` by output, means of `count` samples, NaN over gaps; and its setup.
 
     It may be a window of the record `of`: `time` is that one's, and the first `warm` values are none of the window.
+    Every so many samples (`every`) of the simulation is one of the record.
     """
 
     record: Record
