@@ -80,8 +80,13 @@ def _of_oil(p: Hydraulic) -> Authority:
     root = h.valve_flow_gain * np.sqrt(2.0 * h.flow_pressure_share)
 
     def way(filled: float, fills: float, emptied: float, empties: float) -> Way:
+        stall = h.supply_pressure * filled - h.tank_pressure * emptied
+        if stall <= 0.0:
+            raise ValueError(
+                f"the supply of {h.supply_pressure:g} Pa cannot move the piston towards {emptied:g} m^2 against the tank"
+            )
         resistance = filled**3 / (root * fills) ** 2 + emptied**3 / (root * empties) ** 2
-        return Way(float(resistance**-0.5), h.supply_pressure * filled - h.tank_pressure * emptied)
+        return Way(float(resistance**-0.5), stall)
 
     volumes = oil_volumes(0.0, h, own)
     return _authority(

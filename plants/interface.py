@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import numpy as np
+
 from plants.axis import name_along, unit_along
 from plants.equation import fields, from_array, unmarked
 
@@ -147,7 +149,8 @@ class Plant:
     def channels(self) -> tuple[str, ...]:
         """Channels that the plant's sensors show: those of `measure` that are numbers."""
         ones = [from_array(cls, [1.0] * len(fields(cls))) for cls in (self.State, self.Parameters)]
-        shown = self.measure(*ones)._asdict()
+        with np.errstate(all="ignore"):  # laws divide by what is 0 for some of these numbers
+            shown = self.measure(*ones)._asdict()
         return tuple(name for name, value in shown.items() if not math.isnan(value))
 
     @property

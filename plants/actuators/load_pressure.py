@@ -81,10 +81,17 @@ def stroke(p: Any) -> Scalar:
 
 
 def equilibrium(p: Any) -> tuple[tuple[float, float], tuple[float]]:
-    """P_L (Pa) that balances the constant load, held by a closed valve if no oil leaks: P1 A1 - P2 A2 = F_load."""
+    """P_L (Pa) that balances the load, P1 A1 - P2 A2 = F_load; the spool makes good what leaks, Q_L = C P_L."""
     h = p.hydraulics
     by_areas = 0.5 * (h.supply_pressure + h.tank_pressure) * (h.piston_area_1 - h.piston_area_2)
-    return (float((p.body.load_force - by_areas) / hyd.piston_area(h)), 0.0), (0.0,)
+    pressure = float((p.body.load_force - by_areas) / hyd.piston_area(h))
+    leaking = float(hyd.internal_leakage(pressure, h))
+    if leaking == 0.0:
+        return (pressure, 0.0), (0.0,)
+    way = 1.0 if leaking > 0.0 else -1.0
+    opening = leaking / float(hyd.load_flow(way * (h.valve_overlap + 1.0), pressure, h))  # m: a flow goes with it
+    spool = min(max(way * (h.valve_overlap + abs(opening)), -h.spool_limit), h.spool_limit)
+    return (pressure, spool), (spool / h.valve_position_gain,)
 
 
 def voltage_limit(p: Hydraulic) -> float:

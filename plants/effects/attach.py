@@ -181,7 +181,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         changed_here = {name for effect in effects for name in effect.rates}
         return balance._replace(scale=scale) if changed_here & set(balance.states) else balance
 
-    refit = plant.refit
+    refit, turned = plant.refit, plant.turned
     return replace(
         plant,
         State=state_class,
@@ -191,6 +191,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         measure=measure,
         equilibrium=equilibrium,
         refit=None if refit is None else lambda law: with_effects(refit(law), effects),
+        turned=None if turned is None else lambda bristle, imposed: with_effects(turned(bristle, imposed), effects),
         effects=tuple(effect.name for effect in effects),
         bare=plant,
         balances={name: scaled(balance) for name, balance in plant.balances.items()},

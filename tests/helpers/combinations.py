@@ -152,6 +152,7 @@ def required(name: str) -> dict[str, float]:
     return {key: 100.0 for key in settings._fields if key not in settings._field_defaults}
 
 
+@np.errstate(all="ignore")  # compiled code too divides by 0 where what comes of it is not chosen
 def stepped(item: Resolved) -> np.ndarray:
     """States after three samples of the loop, by the equations as they stand in Python: nothing is compiled."""
     setup = item.setup

@@ -43,6 +43,8 @@ SIZES = {
     "command_delay": 0.01,
     "backlash_width": 5e-5,
     "pressure_1_offset": 5e4,
+    "valve_natural_frequency": 60.0,
+    "valve_hysteresis": 0.1,
 }
 """A size of each parameter that is felt on this rig."""
 

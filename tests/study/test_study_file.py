@@ -73,9 +73,9 @@ def test_all_missing_and_unknown_keys_of_a_case_come_at_once(tmp_path: Path) -> 
     path = write(tmp_path, changed("kp =", "gain =") + "[controllers.p.nothing]\na = 1\n")
     assert workbench("check", path).err.removeprefix("error: ").replace(str(path), "@").splitlines() == [
         "@:11: controllers.p.gain: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
-        "velocity_time_constant, position_noise, jerk_density, lead, type",
+        "velocity_time_constant, position_noise, jerk_density, lead, dead_band, dead_band_smoothing, type",
         "@:21: controllers.p.nothing: unknown key; expected one of kp, ki, kd, feedforward, tracking_time, velocity, "
-        "velocity_time_constant, position_noise, jerk_density, lead, type",
+        "velocity_time_constant, position_noise, jerk_density, lead, dead_band, dead_band_smoothing, type",
         "@:9: controllers.p.kp: is missing; this key is needed here",
     ]
 

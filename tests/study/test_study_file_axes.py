@@ -38,11 +38,11 @@ MISTAKES = {
     ),
     "rpm of what does not rotate": (
         changed('"by_rpm"', '"non_rotating"'),
-        '@:7: axes.rpm: plant "non_rotating" does not rotate: expected rpm 0 (or model = "by_rpm")',
+        '@:7: axes.rpm: plant "non_rotating" does not rotate: expected rpm 0 (or turned = "rod")',
     ),
     "rpm of a drive": (
         DRIVE + "[axes]\nrpm = [0, 460]\n",
-        '@:18: axes.rpm: plant "drive_force" does not rotate: expected rpm 0 (or model = "by_rpm")',
+        '@:18: axes.rpm: plant "drive_force" does not rotate: expected rpm 0 (or turned = "rod")',
     ),
 }
 

@@ -42,7 +42,7 @@ MISTAKES = {
     ),
     "feed-forward of a drive": (
         FORCE,
-        "@:6: controllers.p: feedforward needs a plant with a velocity gain (a hydraulic one); leave it out here",
+        "@:6: controllers.p: feedforward needs a plant with a velocity gain (one with a valve); leave it out here",
     ),
     "input of open loop": (
         changed('"pid"\nkp = "3 N/m"', '"open_loop"\ninput = "spring_ende"', DRIVE),

@@ -265,11 +265,12 @@ def _plant(tables: CaseTables) -> Plant:
     models = {"by_rpm": "non_rotating", "rotating": "non_rotating", "drive": f"drive_{table.command}"}
     plant = registered(PLANTS, models.get(table.model, table.model), ("plant", "model"), MODELS)
     turns = table.model == "rotating" or (rpm and (table.turned or table.model == "by_rpm"))
-    if turns and not plant.rotary_command:
+    if (turns or table.turned) and not plant.rotary_command:
         try:
-            plant = plant.with_turning_rod(table.bristle, imposed=table.rotation == "ideal")
+            turning = plant.with_turning_rod(table.bristle, imposed=table.rotation == "ideal")
         except ValueError as error:
             raise SchemaError(("plant", "turned"), str(error)) from None
+        plant = turning if turns else plant
     if rpm and not plant.rotary_command:
         raise SchemaError(("rpm",), f'plant "{plant.name}" does not rotate: expected rpm 0 (or turned = "rod")')
     return plant

@@ -54,7 +54,8 @@ def proposal_for(
     free = free_for(plant, found, motion)
     listed = "[" + ", ".join(f'"{name}"' for name in free) + "]"
     method = _method(plant, found)
-    fit = [Line("free", {"": listed}, "friction, and what the log tells beside it"), *method]
+    fit = [Line("free", {"": listed}, "friction, and what the log tells beside it")] if free else []
+    fit += method
     last = len(logs) - 1 if len(logs) > 1 else len(logs)
     records = [
         (log, "held_out" if place == last else "fit", _clock(columns_of(log), found, log))

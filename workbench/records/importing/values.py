@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 from plants.axis import ROTARY, name_along
 from plants.equation import NEGATIVE, fields
 from plants.interface import Plant
-from workbench.parameters.sets import FLOW_SHARE, NEUTRAL, axis_of, known_units, named_sets, read_parameters
+from workbench.parameters.sets import FLOW_SHARE, axis_of, known_units, named_sets, read_parameters
 from workbench.records.channels import unit_of
 from workbench.records.importing.channels import Found
 from workbench.records.importing.columns import Motion, rounded_up
@@ -90,9 +90,7 @@ def values_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list
     """The parameters that a plant cannot do without, each with a value, its reason, and a question where it is none."""
     rough = Rough(plant, found, motion)
     names = [item.name for item in fields(plant.Parameters) if item.default is None]
-    needed = [
-        name for name in names if not name.endswith(f"_{NEGATIVE}") and name != FLOW_SHARE and name not in NEUTRAL
-    ]
+    needed = [name for name in names if not name.endswith(f"_{NEGATIVE}") and name != FLOW_SHARE]
     return [_line(name, rough) for name in needed]
 
 
