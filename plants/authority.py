@@ -83,7 +83,8 @@ def _of_oil(p: Hydraulic) -> Authority:
         stall = h.supply_pressure * filled - h.tank_pressure * emptied
         if stall <= 0.0:
             raise ValueError(
-                f"the supply of {h.supply_pressure:g} Pa cannot move the piston towards {emptied:g} m^2 against the tank"
+                f"a supply of {h.supply_pressure:g} Pa on {filled:g} m^2 does not move the piston against the tank's "
+                f"{h.tank_pressure:g} Pa on {emptied:g} m^2"
             )
         resistance = filled**3 / (root * fills) ** 2 + emptied**3 / (root * empties) ** 2
         return Way(float(resistance**-0.5), stall)

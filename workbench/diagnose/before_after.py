@@ -61,9 +61,9 @@ def _errors(
         over = replace(result.balance, motions=behind_backlash(whole, motions, values))
         balances[over.name] = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
     run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated.values)
-    return Errors(
-        balances, _of_pump(results, motions, values), run.position, run.load_pressure, results[0].balance.axis
-    )
+    units = {result.balance.name: result.balance.unit for result in results}
+    speed, axis = _of_pump(results, motions, values), results[0].balance.axis
+    return Errors(balances, speed, run.position, run.load_pressure, axis, units)
 
 
 def _of_pump(results: Sequence[BalanceResult], motions: Sequence[Motion], values: Values) -> float | None:

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from plants.axis import LINEAR, ROTARY, name_along
+from plants.axis import LINEAR, name_along
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import BalanceResult
@@ -27,24 +27,20 @@ VAGUE = "its standard deviation exceeds half its value"
 """Why a parameter is not identified."""
 
 BALANCE_ERRORS = {
-    "force": "force_rms_N",
-    "flow": "flow_rms_m3_per_s",
-    "rotation": "rotation_rms_N_m",
-    "motor": "motor_rms_V",
-    "velocity": "velocity_rms_m_per_s",
+    ("force", "N"): "force_rms_N",
+    ("force", "N m"): "torque_rms_N_m",
+    ("flow", "m^3/s"): "flow_rms_m3_per_s",
+    ("flow", "kg/s"): "flow_rms_kg_per_s",
+    ("rotation", "N m"): "rotation_rms_N_m",
+    ("motor", "V"): "motor_rms_V",
+    ("velocity", "m/s"): "velocity_rms_m_per_s",
 }
-"""What the errors of our plants' balances are called in report.json."""
+"""What the errors of our plants' balances are called in report.json, by name and unit of the balance."""
 
 
-TORQUE = "torque_rms_N_m"
-"""What the first of them is called on an axis that turns."""
-
-
-def error_of(balance: str, axis: str) -> str:
+def error_of(balance: str, unit: str) -> str:
     """What the error of a balance is called in report.json; of one that another package brings, in its own unit."""
-    if (balance, axis) == ("force", ROTARY):
-        return TORQUE
-    return BALANCE_ERRORS.get(balance, f"{balance}_rms")
+    return BALANCE_ERRORS.get((balance, unit), f"{balance}_rms")
 
 
 Verdict = Literal["rejected_on_held_out", "ambiguous", "effect_found", "unexplained", "none_missing"]
@@ -134,7 +130,7 @@ class FittedParameter:
 @dataclass(frozen=True)
 class Errors:
     """Rms errors (SI) of one model on some records: residual of each balance by name, speed of a pump on plateaus,
-    position and load pressure of a free run; None where the records show none.
+    position and load pressure of a free run; None where the records show none. `units` are those of the balances.
     """
 
     balances: Mapping[str, float]
@@ -142,12 +138,13 @@ class Errors:
     position: float | None = None
     load_pressure: float | None = None
     axis: str = LINEAR
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def by_key(self) -> dict[str, float]:
         """Those that there are, by their names in report.json."""
         whole = {
-            **{error_of(name, self.axis): rms for name, rms in self.balances.items()},
+            **{error_of(name, self.units.get(name, "")): rms for name, rms in self.balances.items()},
             "pump_speed_rms_rad_per_s": self.pump_speed,
             f"position_rms_{self.axis}": self.position,
             "load_pressure_rms_Pa": self.load_pressure,

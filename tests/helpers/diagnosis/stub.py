@@ -14,7 +14,8 @@ from .effects import EFFECTS, UNLISTED
 
 
 def _errors(rms: float) -> Errors:
-    return Errors({"flow": rms, "force": rms}, position=rms, load_pressure=rms)
+    units = {"flow": "m^3/s", "force": "N"}
+    return Errors({"flow": rms, "force": rms}, position=rms, load_pressure=rms, units=units)
 
 
 def _diagnosis(

@@ -13,6 +13,7 @@ from workbench.toml.units import factor
 ERRORS = {
     "force_rms_N": ("residual of the force balance", "N", "N"),
     "flow_rms_m3_per_s": ("residual of the flow balance", "m^3/s", "cm^3/s"),
+    "flow_rms_kg_per_s": ("residual of the flow balance", "kg/s", "g/s"),
     "rotation_rms_N_m": ("residual of the balance of torques", "N m", "N m"),
     "motor_rms_V": ("residual of the motor's balance of voltages", "V", "V"),
     "velocity_rms_m_per_s": ("residual of the balance of velocities", "m/s", "mm/s"),

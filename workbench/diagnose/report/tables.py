@@ -46,7 +46,7 @@ def error_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """
     uses = (("fit", diagnosis.errors.fit), ("held-out", diagnosis.errors.held_out))
     models = [errors for _, use in uses for errors in (use.before, use.after)]
-    floors = {error_of(result.balance.name, result.balance.axis): result.balance.floor for result in diagnosis.results}
+    floors = {error_of(result.balance.name, result.balance.unit): result.balance.floor for result in diagnosis.results}
     lines = []
     for key in dict.fromkeys(key for errors in models for key in errors.by_key):
         words, unit, shown = ERRORS.get(key, (plain_name(key), "1", "1"))
