@@ -225,7 +225,7 @@ def design(settings: Settings, belief: Sliding, sample_time: float) -> Gains:
 def law_gains(settings: Any, belief: Sliding) -> LawGains:
     """Numbers of the laws from settings that have theirs, and the believed plant; 0 for what a drive lacks."""
     if not isinstance(belief, Hydraulic | Pneumatic):
-        none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        none = (0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         mass, gain = moved_mass(belief), drive_gain(belief)
         return LawGains(settings.kp, settings.kd, settings.ka, *none, mass, NONE, gain)
     valve = authority(belief)
@@ -235,7 +235,7 @@ def law_gains(settings: Any, belief: Sliding) -> LawGains:
         settings.kd,
         settings.ka,
         settings.feedforward / forward,
-        settings.feedforward / backward,
+        forward / backward,
         settings.position_rate,
         settings.force_rate,
         settings.washout,

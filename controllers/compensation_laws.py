@@ -8,6 +8,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
+from controllers.pid import fed_forward
 from controllers.settings import DECADES, SHARE, About, Needs, Tuned
 from plants.authority import Authority, speed_of_opening
 from plants.equation import Scalar, equation, select
@@ -78,7 +79,7 @@ class LawGains(NamedTuple):
     derivative: Annotated[float, "command s/m"]
     acceleration: Annotated[float, "command s^2/m"]
     feedforward: Annotated[float, "command s/m"]
-    feedforward_backward: Annotated[float, "command s/m"]
+    feedforward_ratio: Annotated[float, "1"]
     position_rate: Annotated[float, "1/s"]
     force_rate: Annotated[float, "1/s"]
     washout: Annotated[float, "1/s"]
@@ -103,12 +104,12 @@ def acceleration_feedback(
     feed-forward over the valve's lag tau, are derived here.
     """
     acceleration = (wanted.applied_force - friction) / g.mass
-    fed = select(wanted.reference_velocity >= 0.0, g.feedforward, g.feedforward_backward)
+    leading = wanted.reference_velocity + g.lead * g.valve.time_constant * wanted.reference_acceleration
     command = (
         g.proportional * wanted.error
         + g.derivative * (wanted.reference_velocity - wanted.velocity)
         + g.acceleration * (wanted.reference_acceleration - acceleration)
-        + fed * (wanted.reference_velocity + g.lead * g.valve.time_constant * wanted.reference_acceleration)
+        + fed_forward(leading, g.feedforward, g.feedforward_ratio)
     )
     return command, state
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from controllers import pid
 from controllers.interface import Controller, Reference
-from controllers.pid import Feedforward, IntegralGain, ProportionalGain, TrackingTime
+from controllers.pid import Feedforward, IntegralGain, ProportionalGain, TrackingTime, fed_forward
 from controllers.settings import About, Needs, Tuned
 from controllers.velocity import (
     Estimator,
@@ -80,7 +80,7 @@ class Gains(NamedTuple):
     reversal_speed: Annotated[float, "m/s"]
     tracking: Annotated[float, "1/s"]
     estimator: Estimator
-    feedforward_backward: Annotated[float, "command s/m"] = 0.0
+    feedforward_ratio: Annotated[float, "1"] = 1.0
 
 
 class State(NamedTuple):
@@ -122,8 +122,8 @@ def step(
     kept = select(crossed, gains.retained, 1.0) * select(turned, gains.retained, 1.0)
     integral = kept * state.integral
     rate = gains.integral * error / (1.0 + (velocity / gains.sliding_speed) ** 2)
-    fed = select(reference.velocity >= 0.0, gains.feedforward, gains.feedforward_backward)
-    command = gains.proportional * error + integral + fed * reference.velocity
+    fed = fed_forward(reference.velocity, gains.feedforward, gains.feedforward_ratio)
+    command = gains.proportional * error + integral + fed
     return command, State(integral, rate, command, error_sign, velocity_sign, estimator)
 
 
@@ -164,7 +164,7 @@ def design(settings: Settings, belief: object, sample_time: float) -> Gains:
         settings.reversal_speed,
         linear.tracking,
         design_estimator(settings, sample_time),
-        linear.feedforward * linear.feedforward_ratio,
+        linear.feedforward_ratio,
     )
 
 

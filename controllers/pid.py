@@ -95,6 +95,12 @@ class State(NamedTuple):
 
 
 @equation
+def fed_forward(velocity: Scalar, gain: Scalar, ratio: Scalar) -> Scalar:
+    """The command that a wanted velocity takes. `ratio`: the gain of negative velocities over that of positive ones."""
+    return gain * select(velocity >= 0.0, 1.0, ratio) * velocity
+
+
+@equation
 def beyond_dead_band(command: Scalar, gains: Gains) -> Scalar:
     """u + d sat(u / w): the valve's dead band d is jumped over, by a line within +-w."""
     up = gains.dead_band * np.minimum(command / gains.dead_band_width, 1.0)
@@ -118,7 +124,7 @@ def step(
         gains.proportional * error
         + gains.derivative * (reference.velocity - velocity)
         + state.integral
-        + gains.feedforward * select(wanted >= 0.0, 1.0, gains.feedforward_ratio) * wanted
+        + fed_forward(wanted, gains.feedforward, gains.feedforward_ratio)
     )
     command = beyond_dead_band(linear, gains)
     return command, State(state.integral, command, error, estimator)

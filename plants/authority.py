@@ -21,9 +21,7 @@ from plants.pneumatics import (
     normal_flow,
     specific_energy,
 )
-
-HALVINGS = 60
-"""Of an interval in which a steady speed of air is looked for."""
+from plants.rising import rising
 
 
 class Way(NamedTuple):
@@ -133,22 +131,18 @@ def _unloaded_speed(p: Pneumatics, filled: float, emptied: float) -> float:
     """
     volume = p.sonic_conductance * float(normal_flow(p) * specific_energy(p))
     supply, ambient = p.supply_pressure + p.ambient_pressure, p.ambient_pressure
-    low, high = 0.0, p.exhaust_gain * volume / emptied
-    for _ in range(HALVINGS):
-        speed = 0.5 * (low + high)
-        share = min(speed * emptied / (p.exhaust_gain * volume), 1.0)
-        critical = p.critical_pressure_ratio
+    critical, fastest = p.critical_pressure_ratio, p.exhaust_gain * volume / emptied
+
+    def lacking(speed: float) -> float:
+        """Force (N) that the piston lacks at a speed."""
+        share = min(speed / fastest, 1.0)
         behind = ambient / (critical + (1.0 - critical) * float(np.sqrt(1.0 - share**2)))
-        fast = _filling_pressure(p, speed * filled / volume) * supply * filled - behind * emptied
-        low, high = (speed, high) if fast > ambient * (filled - emptied) else (low, speed)
-    return 0.5 * (low + high)
+        before = _filling_ratio(p, speed * filled / volume) * supply
+        return ambient * (filled - emptied) - (before * filled - behind * emptied)
+
+    return rising(lacking, 0.0, fastest)
 
 
-def _filling_pressure(p: Pneumatics, taken: float) -> float:
+def _filling_ratio(p: Pneumatics, taken: float) -> float:
     """Pressure of a chamber over the supply's at which it takes psi(y) / y = `taken`."""
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        ratio = 0.5 * (low + high)
-        more = float(flow_share(ratio, p.critical_pressure_ratio)) > taken * ratio
-        low, high = (ratio, high) if more else (low, ratio)
-    return 0.5 * (low + high)
+    return rising(lambda ratio: taken * ratio - float(flow_share(ratio, p.critical_pressure_ratio)), 0.0, 1.0)

@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants.actuators.interface import Actuator
+from plants.actuators.interface import Actuator, own_stroke
 from plants.axis import LINEAR, ROTARY, name_along
 from plants.coupling import Coupling, coupling_force, measured_position, motor_acceleration
 from plants.equation import Scalar, equation, retyped
@@ -72,12 +72,6 @@ class CoupledSignals(NamedTuple):
 def spring_force(state: Any, inputs: Any, p: Any) -> Scalar:
     """Force (N) of the spring on the mass: k (x_end - x)."""
     return p.spring_stiffness * (inputs.spring_end - state.position)
-
-
-@equation
-def stroke(p: Any) -> Scalar:
-    """Distance (m) between the end stops."""
-    return p.stroke
 
 
 @equation
@@ -139,7 +133,7 @@ def driven(source: Source, axis: str = LINEAR) -> Actuator:
         force=force,
         rates=no_rates,
         signals=signals,
-        stroke=stroke,
+        stroke=own_stroke,
         equilibrium=equilibrium,
         command_limit=lambda p: limit(p.source),
         balances={"force": FORCE},
@@ -187,7 +181,7 @@ def coupled(source: Source, axis: str = LINEAR) -> Actuator:
         force=coupled_force,
         rates=rates,
         signals=signals,
-        stroke=stroke,
+        stroke=own_stroke,
         equilibrium=equilibrium,
         position=sensed,
         command_limit=lambda p: limit(p.source),

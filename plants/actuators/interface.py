@@ -27,6 +27,12 @@ def own_position(state: Any, p: Any) -> Scalar:
 
 
 @equation
+def own_stroke(p: Any) -> Scalar:
+    """Distance (m) between the end stops, a parameter of the machine itself."""
+    return p.stroke
+
+
+@equation
 def no_pressures(state: Any, p: Any) -> tuple[Scalar, Scalar]:
     """Of what has no fluid."""
     return np.nan, np.nan

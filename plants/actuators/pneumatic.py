@@ -11,14 +11,15 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants import pneumatics as pneu
-from plants.actuators.cylinder import State
+from plants.actuators.cylinder import State, pressures
 from plants.actuators.interface import Actuator
 from plants.actuators.load_pressure import Inputs
-from plants.actuators.resting import Resting, at_rest, rising
+from plants.actuators.resting import Resting, at_rest
 from plants.equation import Scalar, equation
 from plants.hydraulics import FORCE, opening, spool_rate
 from plants.interface import Balance
 from plants.pneumatics import Pneumatic, Pneumatics, mass_flow
+from plants.rising import rising
 
 
 class Parameters(NamedTuple):
@@ -94,12 +95,6 @@ def signals(state: Any, inputs: Any, p: Any) -> tuple[Scalar, ...]:
         supplied,
         supplied * pneu.specific_energy(air) * compressed,
     )
-
-
-@equation
-def pressures(state: Any, p: Any) -> tuple[Scalar, Scalar]:
-    """P1 and P2 (Pa)."""
-    return state.pressure_1, state.pressure_2
 
 
 @equation

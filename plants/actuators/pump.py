@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants.actuators.interface import Actuator
+from plants.actuators.interface import Actuator, own_stroke
 from plants.equation import Scalar, equation, select
 from plants.hydraulics import FORCE
 from plants.interface import Balance
@@ -91,12 +91,6 @@ def signals(state: Any, inputs: Any, p: Any) -> tuple[Scalar, ...]:
     return state.load_pressure, pressure_1, pressure_2, flow, state.load_pressure * flow
 
 
-@equation
-def stroke(p: Any) -> Scalar:
-    """Distance (m) between the end stops."""
-    return p.stroke
-
-
 def equilibrium(p: Any) -> tuple[tuple[float], tuple[float]]:
     """The load held by the oil, and the leakage by the pump."""
     tank = p.tank_pressure * (p.piston_area_1 - p.area_ratio * p.piston_area_2)
@@ -121,7 +115,7 @@ PUMP = Actuator(
     rates=rates,
     signals=signals,
     pressures=pressures,
-    stroke=stroke,
+    stroke=own_stroke,
     equilibrium=equilibrium,
     command_limit=pump_speed_limit,
     balances={"force": FORCE, "flow": Balance(("load_pressure",), "m^3/s", load_pressure_capacity)},

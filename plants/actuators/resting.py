@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-HALVINGS = 50
-"""Of an interval in which an equilibrium is looked for."""
+from plants.rising import rising
 
 
 class Resting(NamedTuple):
@@ -49,11 +48,3 @@ def at_rest(
     most = min(between.supply, (load + between.supply * between.area_2) / between.area_1)
     pressure_1 = rising(lambda pressure: spool_for(0, pressure) - spool_for(1, pressure), least, most)
     return pressure_1, other(pressure_1), spool_for(0, pressure_1)
-
-
-def rising(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that rises crosses 0; the nearer end where it does not."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if function(middle) > 0.0 else (middle, high)
-    return 0.5 * (low + high)
