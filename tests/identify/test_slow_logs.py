@@ -22,20 +22,20 @@ STEP, JITTER, NOISE = 0.053, 0.010, 10e-6
 FOUND = ("velocity_gain", "dead_band", "command_delay")
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """75 s of the winch of studies/valve_axis, driven by hand: jitter, two gaps, repeated stamps, 10 um of noise."""
-    folder, generator = tmp_path_factory.mktemp("slow"), np.random.default_rng(5)
-    parameters = build(VALVE_AXIS.Parameters, read_parameters(AXIS / "machine.toml"))
+def logged(folder: Path, duration: float, **changes: float) -> Path:
+    """A log of the winch of studies/valve_axis, driven by hand: jitter, gaps, repeated stamps, 10 um of noise."""
+    generator = np.random.default_rng(5)
+    parameters = build(VALVE_AXIS.Parameters, {**read_parameters(AXIS / "machine.toml"), **changes})
     state, inputs = VALVE_AXIS.equilibrium(parameters, 0.0)
     lever = Feed("valve_voltage", Multisine(3.5, 0.05, (1, 4, 9, 17)))
-    run = simulate(Setup(VALVE_AXIS, parameters, state, inputs, 75.0, feeds=(lever,), sample_time=0.01))
-    stamps = STEP * np.arange(1, int(75.0 / STEP)) + generator.uniform(-JITTER, JITTER, int(75.0 / STEP) - 1)
+    run = simulate(Setup(VALVE_AXIS, parameters, state, inputs, duration, feeds=(lever,), sample_time=0.01))
+    count = int(duration / STEP) - 1
+    stamps = STEP * np.arange(1, count + 1) + generator.uniform(-JITTER, JITTER, count)
     for start in (24.0, 51.0):
         stamps = stamps[(stamps < start) | (stamps > start + 0.4)]
     command = np.interp(stamps, run.time, run.command)
     position = np.interp(stamps, run.time, run.state("position")) + NOISE * generator.standard_normal(stamps.size)
-    stamps[[300, 900]] = stamps[[299, 899]]
+    stamps[[300, 600]] = stamps[[299, 599]]
     table = np.column_stack([stamps, command, 1e3 * position])
     np.savetxt(folder / "log.csv", table, "%.6f", ",", header="time_s,command_V,position_mm", comments="")
     for name in ("believed.toml", "machine.toml"):
@@ -45,13 +45,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def identified(folder: Path, png_alone: None) -> dict[str, dict[str, float]]:
-    """What the command writes of each parameter."""
+def found(folder: Path) -> dict[str, dict[str, float]]:
+    """What the command writes of each parameter that is fitted."""
     answer = workbench("identify", folder / "experiment.toml", "--out", folder / "out")
     assert answer.code == 0, answer.err
-    content = json.loads((folder / "out" / "identified.json").read_text())
-    return {name: row["simulation"] for name, row in content["parameters"].items() if "simulation" in row}
+    rows = json.loads((folder / "out" / "identified.json").read_text())["parameters"]
+    return {name: row["simulation"] for name, row in rows.items() if "simulation" in row}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """75 s with two gaps."""
+    return logged(tmp_path_factory.mktemp("slow"), 75.0)
+
+
+@pytest.fixture(scope="module")
+def identified(folder: Path, png_alone: None) -> dict[str, dict[str, float]]:
+    """What it finds in that log."""
+    return found(folder)
 
 
 @pytest.mark.parametrize("suffix", ["", "_negative"])
@@ -62,6 +73,19 @@ def test_gain_dead_band_and_delay_are_found_from_a_guess_off_by_two_and_more(
     truth, guess = (read_parameters(folder / file)[name + suffix] for file in ("machine.toml", "believed.toml"))
     assert max(guess / truth, truth / guess) >= 2.0
     assert identified[name + suffix]["value"] == pytest.approx(truth, rel=0.05)
+
+
+def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_path: Path, png_alone: None) -> None:
+    """They end at 0 or next to it, whatever was guessed, and what is fitted beside them comes out right."""
+    absent = {f"{name}{suffix}": 0.0 for name in ("dead_band", "command_delay") for suffix in ("", "_negative")}
+    fitted = found(logged(tmp_path, 45.0, **absent, axis_time_constant=0.033))
+    values = {name: number["value"] for name, number in fitted.items()}
+    truth = read_parameters(AXIS / "machine.toml")
+    for suffix in ("", "_negative"):
+        assert values[f"velocity_gain{suffix}"] == pytest.approx(truth[f"velocity_gain{suffix}"], rel=1e-3)
+        assert 0.0 <= values[f"dead_band{suffix}"] < 2e-3
+        assert 0.0 <= values[f"command_delay{suffix}"] < 2e-3
+    assert values["axis_time_constant"] == pytest.approx(0.033, rel=0.05)
 
 
 def test_windows_begin_anew_and_miss_only_what_a_piece_begins_with(folder: Path) -> None:

@@ -13,7 +13,7 @@ from workbench.publish.along import SHOWN
 from workbench.records.schema import NUISANCES
 
 UNKNOWN = 0.5
-"""Relative standard deviation from which a parameter counts as not identified."""
+"""Standard deviation, as a share of a parameter as declared or found, from which it counts as not identified."""
 
 LARGEST_TOLD = 10.0
 """A relative standard deviation beyond this is told as such: its digits mean nothing."""
@@ -52,13 +52,14 @@ def without_effect(problem: Problem, theta: np.ndarray) -> dict[str, str]:
     return {name: NO_EFFECT for name, any_ in zip(problem.free, moved, strict=True) if not any_}
 
 
-def not_identified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> dict[str, str]:
+def not_identified(problem: Problem, theta: np.ndarray, jacobian: np.ndarray, cov: np.ndarray) -> dict[str, str]:
     """The parameters to fix next, and why: those of a singular direction, else the one least known."""
     count = len(problem.free)
     own = projected(problem.projector(), jacobian[:, :count])
     size = np.linalg.norm(own, axis=0)
     _, singular, directions = np.linalg.svd(own / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    deviations = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0))
+    spread = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0)).tolist()
+    deviations = [problem.relative(*each) for each in zip(problem.free, theta.tolist(), spread, strict=True)]
     if singular[-1] <= SINGULAR * singular[0]:
         parts = np.abs(directions[-1])
         named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
@@ -66,7 +67,7 @@ def not_identified(problem: Problem, jacobian: np.ndarray, cov: np.ndarray) -> d
         others = [name for name in named if name != worst]
         why = f"cannot be told apart from {', '.join(others)}" if others else NO_EFFECT
         return {worst: why}
-    if np.max(deviations) > UNKNOWN:
+    if max(deviations) > UNKNOWN:
         i = int(np.argmax(deviations))
         return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
     return {}
@@ -80,7 +81,8 @@ def percent(ratio: float) -> str:
 def at_bounds(problem: Problem, theta: np.ndarray) -> tuple[dict[str, tuple[float, str]], dict[str, str]]:
     """The free parameters at a bound of the experiment (value in SI, in words), and those that run out of all bounds.
 
-    The latter are at the bound that the program sets where the experiment sets none: the records do not hold them.
+    The latter are at the bound that the program sets where the experiment sets none: the records do not hold them. What
+    may vanish does not run away downwards: it is smaller than the records show.
     """
     given: dict[str, tuple[float, str]] = {}
     astray: dict[str, str] = {}
@@ -94,6 +96,8 @@ def at_bounds(problem: Problem, theta: np.ndarray) -> tuple[dict[str, tuple[floa
         own = problem.experiment.bounds.get(name, (-np.inf, np.inf))
         if np.isclose(value, own[0 if end == low else 1], rtol=1e-9, atol=0.0):
             given[name] = (value, f"at its bound of {value:.6g} {unit}")
+        elif end == low and problem.shift(name):
+            given[name] = (value, f"at {value:.6g} {unit}: less than the records show")
         else:
             astray[name] = f"the fit runs away, to {value:.4g} {unit} and beyond; give it bounds, or free less"
     return given, astray

@@ -133,7 +133,7 @@ def identify_by_simulation(
         if not problem.free:
             break
         given, astray = judgement.at_bounds(problem, theta)
-        worst = {} if given else astray or judgement.not_identified(problem, jacobian, cov)
+        worst = {} if given else astray or judgement.not_identified(problem, theta, jacobian, cov)
         if not given and not worst:
             break
         bounded |= given

@@ -16,13 +16,19 @@ from plants.equation import NEGATIVE
 from workbench.errors import UserError
 from workbench.fitting.replay import Observed
 from workbench.identify.simulation.nuisance import columns
-from workbench.parameters.sets import EITHER_SIGN
+from workbench.parameters.sets import EITHER_SIGN, MAY_BE_ZERO
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment
 from workbench.records.reading import Record
 
 WIDEST = 100.0
 """A parameter without bounds of its own stays within this factor of its declared value."""
+
+SHIFT = 0.5
+"""Share of its declared value from which on the unknown of a parameter that may be far below it is a logarithm."""
+
+MAY_VANISH = frozenset({"dead_band", "command_delay", "axis_time_constant"})
+"""Parameters that a machine may have or not: 0, or less than its records show, is as good a value as any."""
 
 STEP = 1e-2
 """Relative step of differences: one-sided far from the optimum, central near it. A smaller one would divide the
@@ -55,6 +61,7 @@ def _plain(name: str) -> str:
 class Problem:
     """Stacked errors of all outputs of all records over unknowns theta = log(p / p0), or (p - p0) / scale where p0 = 0.
 
+    Of what may vanish theta = log((p / p0 + s) / (1 + s)), which is a line near 0.
     The sensors' systematic errors are linear: at every theta they are solved for exactly, which takes them out of the
     search (variable projection, Golub and Pereyra 1973).
     """
@@ -92,26 +99,50 @@ class Problem:
 
     def value(self, name: str, theta: float) -> float:
         """A parameter (SI) from its unknown."""
-        start = self.start[name]
-        return start * float(np.exp(theta)) if self.logarithmic(name) else start + theta * self.scale(name)
+        start, shift = self.start[name], self.shift(name)
+        if self.logarithmic(name):
+            return max(start * ((1.0 + shift) * float(np.exp(theta)) - shift), 0.0)
+        return start + theta * self.scale(name)
 
     def slope(self, name: str, theta: float) -> float:
         """Derivative of the parameter by its unknown."""
-        return self.value(name, theta) if self.logarithmic(name) else self.scale(name)
+        if self.logarithmic(name):
+            return self.value(name, theta) + self.shift(name) * self.start[name]
+        return self.scale(name)
+
+    def unknown(self, name: str, value: float) -> float:
+        """The unknown of a parameter (SI): the inverse of `value`."""
+        start, shift = self.start[name], self.shift(name)
+        if self.logarithmic(name):
+            return float(np.log((value / start + shift) / (1.0 + shift)))
+        return (value - start) / self.scale(name)
+
+    def relative(self, name: str, theta: float, deviation: float) -> float:
+        """The deviation of an unknown as a share of the parameter, found or declared, whichever is the larger."""
+        size = max(abs(self.value(name, theta)), self.scale(name))
+        return abs(self.slope(name, theta)) * deviation / size
+
+    def shift(self, name: str) -> float:
+        """s of an unknown that is a logarithm: see above."""
+        return SHIFT if _plain(name) in MAY_VANISH else 0.0
+
+    def least(self, name: str) -> float:
+        """The value (SI) below which a fit does not look where the experiment sets no bound."""
+        if not self.logarithmic(name):
+            return -np.inf if _plain(name) in EITHER_SIGN else 0.0
+        vanishes = _plain(name) in MAY_VANISH and _plain(name) in MAY_BE_ZERO
+        return 0.0 if vanishes else self.start[name] / WIDEST
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Bounds of the unknowns."""
         limits = []
         for name in self.free:
             low, high = self.experiment.bounds.get(name, (-np.inf, np.inf))
-            start = self.start[name]
-            if self.logarithmic(name):
-                widest = float(np.log(WIDEST))
-                lower = float(np.log(low / start)) if low > 0.0 else -widest
-                limits.append((lower, float(np.log(high / start)) if np.isfinite(high) else widest))
-            else:
-                low = low if _plain(name) in EITHER_SIGN else max(low, 0.0)
-                limits.append(((low - start) / self.scale(name), (high - start) / self.scale(name)))
+            if low <= 0.0 and _plain(name) not in EITHER_SIGN:
+                low = self.least(name)
+            if self.logarithmic(name) and not np.isfinite(high):
+                high = self.start[name] * WIDEST
+            limits.append((self.unknown(name, low), self.unknown(name, high)))
         array = np.array(limits).reshape(-1, 2)
         return array[:, 0], array[:, 1]
 
@@ -154,12 +185,12 @@ class Problem:
 
     def jacobian(self, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
         """d errors / d theta, shape (samples, free): central differences, or rough, one-sided ones."""
-        base = self.errors(theta)
+        base, lowest = self.errors(theta), self.limits()[0]
         slopes = []
-        for direction in np.eye(theta.size):
+        for direction, back in zip(np.eye(theta.size), np.minimum(STEP, theta - lowest).tolist(), strict=True):
             ahead = self.errors(theta + STEP * direction)
-            behind = base if rough else self.errors(theta - STEP * direction)
-            slopes.append((ahead - behind) / (STEP if rough else 2.0 * STEP))
+            behind = base if rough else self.errors(theta - back * direction)
+            slopes.append((ahead - behind) / (STEP if rough else STEP + back))
         jacobian = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
         if not self.idle and self.experiment.plant.friction:
             for item in self.observed:
