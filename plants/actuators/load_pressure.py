@@ -81,16 +81,21 @@ def stroke(p: Any) -> Scalar:
 
 
 def equilibrium(p: Any) -> tuple[tuple[float, float], tuple[float]]:
-    """P_L (Pa) that balances the load, P1 A1 - P2 A2 = F_load; the spool makes good what leaks, Q_L = C P_L."""
+    """P_L (Pa) that balances the load, P1 A1 - P2 A2 = F_load; the spool makes good what leaks, Q_L = C P_L.
+
+    A load beyond what the supply holds gets all of it.
+    """
     h = p.hydraulics
     by_areas = 0.5 * (h.supply_pressure + h.tank_pressure) * (h.piston_area_1 - h.piston_area_2)
-    pressure = float((p.body.load_force - by_areas) / hyd.piston_area(h))
+    most = h.supply_pressure - h.tank_pressure
+    pressure = min(max(float((p.body.load_force - by_areas) / hyd.piston_area(h)), -most), most)
     leaking = float(hyd.internal_leakage(pressure, h))
     if leaking == 0.0:
         return (pressure, 0.0), (0.0,)
     way = 1.0 if leaking > 0.0 else -1.0
-    opening = leaking / float(hyd.load_flow(way * (h.valve_overlap + 1.0), pressure, h))  # m: a flow goes with it
-    spool = min(max(way * (h.valve_overlap + abs(opening)), -h.spool_limit), h.spool_limit)
+    flow = float(hyd.load_flow(way * (h.valve_overlap + 1.0), pressure, h))  # of an opening of 1 m
+    opening = abs(leaking / flow) if flow else h.spool_limit
+    spool = min(max(way * (h.valve_overlap + opening), -h.spool_limit), h.spool_limit)
     return (pressure, spool), (spool / h.valve_position_gain,)
 
 

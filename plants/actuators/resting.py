@@ -21,8 +21,9 @@ def at_rest(
 ) -> tuple[float, float, float]:
     """Both pressures (Pa) and the spool (m) of a machine at rest: P1 A1 - P2 A2 = F_load.
 
-    A closed valve leaves one pressure open: there P1 + P2 = `total`. Where fluid leaks, past the piston or across edges
-    that are open at rest, the spool stands where it makes that good.
+    A closed valve leaves one pressure open: there P1 + P2 = `total`, as far as tank and supply allow; a load beyond
+    what they hold gets the pressures that hold the most of it. Where fluid leaks, past the piston or across edges that
+    are open at rest, the spool stands where it makes that good.
 
     Args:
         net_flows: (spool, P1, P2, parameters) -> flow into chamber 1 and out of chamber 2; rise with the spool.
@@ -41,10 +42,14 @@ def at_rest(
 
         return rising(flow, -between.spool_limit, between.spool_limit)
 
-    pressure_1 = (load + total * between.area_2) / (between.area_1 + between.area_2)
-    if all(abs(flow) == 0.0 for flow in net_flows(0.0, pressure_1, other(pressure_1), p)):
-        return pressure_1, other(pressure_1), 0.0
     least = max(between.tank, (load + between.tank * between.area_2) / between.area_1)
     most = min(between.supply, (load + between.supply * between.area_2) / between.area_1)
+    if least > most:
+        ends = (between.supply, between.tank) if load > 0.0 else (between.tank, between.supply)
+        return *ends, 0.0
+    pressure_1 = (load + total * between.area_2) / (between.area_1 + between.area_2)
+    pressure_1 = min(max(pressure_1, least), most)
+    if all(abs(flow) == 0.0 for flow in net_flows(0.0, pressure_1, other(pressure_1), p)):
+        return pressure_1, other(pressure_1), 0.0
     pressure_1 = rising(lambda pressure: spool_for(0, pressure) - spool_for(1, pressure), least, most)
     return pressure_1, other(pressure_1), spool_for(0, pressure_1)

@@ -13,6 +13,9 @@ from plants.equation import Scalar, equation, select
 FOLLOWED = 1e-4
 """s. Time constant with which a command beyond the hysteresis is followed: play has no rate of its own."""
 
+FADING = 0.05
+"""Share of the slew below it over which what accelerates the spool fades: a sudden end would be a jump [assumed]."""
+
 
 class Dynamics(NamedTuple):
     """A spool of second order in the place of a lag, where it has a natural frequency; and its largest speed (0: none).
@@ -47,15 +50,15 @@ def spool_speed(rate: Scalar, moment: Moment, memory: SpoolMotion, p: Any, own: 
 def spool_acceleration(
     slip: Scalar, command: Scalar, moment: Moment, memory: SpoolMotion, p: Any, own: Dynamics
 ) -> SpoolMotion:
-    """d2x_s/dt2 (m/s^2) = w^2 (K_sv V - x_s) - 2 D w dx_s/dt, none beyond the slew (Merritt 1967)."""
+    """d2x_s/dt2 (m/s^2) = w^2 (K_sv V - x_s) - 2 D w dx_s/dt (Merritt 1967), fading to none towards the slew."""
     frequency = 2.0 * np.pi * own.valve_natural_frequency
     target = np.minimum(np.maximum(moment.spool_gain * command, -moment.spool_limit), moment.spool_limit)
     pushed = frequency**2 * (target - moment.spool_position)
     pushed = pushed - 2.0 * own.valve_damping_ratio * frequency * memory.spool_velocity
-    limited = own.valve_slew > 0.0
-    fast, back = memory.spool_velocity >= own.valve_slew, memory.spool_velocity <= -own.valve_slew
-    held = select(fast, np.minimum(pushed, 0.0), select(back, np.maximum(pushed, 0.0), pushed))
-    return SpoolMotion(select(limited, held, pushed))
+    layer = FADING * own.valve_slew
+    short = select(layer > 0.0, own.valve_slew - np.sign(pushed) * memory.spool_velocity, 1.0)
+    share = np.minimum(np.maximum(short / select(layer > 0.0, layer, 1.0), 0.0), 1.0)
+    return SpoolMotion(share * pushed)
 
 
 VALVE_DYNAMICS = Effect(

@@ -16,6 +16,7 @@ from workbench.parameters.sets import build
 from workbench.simulation.references import Sine
 from workbench.simulation.setup import Feed, Integrator, Setup
 from workbench.simulation.simulate import simulate, solver_error
+from workbench.study.checks.load import unheld
 
 Values = Mapping[str, float]
 
@@ -64,6 +65,47 @@ def test_volumes_that_follow_make_the_oil_stiff_near_an_end() -> None:
     dead = values["hose_volume"] + values["dead_volume_2"]
     swept = values["piston_area_2"] * values["stroke"]
     assert rates[2] / rates[0] == pytest.approx((dead + 0.95 * swept) / (dead + 0.05 * swept), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [2, 6, 8])
+def test_a_spool_that_swings_keeps_to_its_slew_and_its_motion_is_solved(seed: int) -> None:
+    """Drawn machines whose sine at full voltage asks for 1.1 times the slew and more."""
+    values, draw = rich(seed), np.random.default_rng([seed, 9])
+    values["valve_natural_frequency"] = float(10.0 ** draw.uniform(1.3, 2.5))
+    values["valve_slew"] = 0.9 * 2.0 * np.pi * 4.0 * values["spool_limit"]
+    setup = driven(machine("cylinder", values), values, values["voltage_limit"], 4.0, 0.6)
+    run, tight = (simulate(Setup(**{**vars(setup), "integrator": Integrator(tolerance=t)})) for t in (1e-8, 1e-10))
+    fastest = np.max(np.abs(run.state("spool_velocity"))) / values["valve_slew"]
+    assert 0.99 < fastest < 1.0 + 1e-6
+    assert run.time.size == tight.time.size
+    assert np.max(np.abs(run.state("position") - tight.state("position"))) < 1e-5 * np.ptp(tight.state("position"))
+
+
+def test_oil_that_is_pulled_below_vacuum_is_told() -> None:
+    """A heavy mass that the valve stops at once pulls at the oil behind it."""
+    light = hydraulic(1)
+    runs = [
+        simulate(driven(machine("cylinder", values), values, 0.5 * values["voltage_limit"], 5.0, 0.6))
+        for values in (light, {**light, "mass": 20.0 * light["mass"]})
+    ]
+    assert [run.outcome for run in runs] == ["completed", "cavitates"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("name", ["cylinder", "pneumatic_cylinder"])
+def test_a_load_is_held_between_tank_and_supply_or_said_to_be_too_much(name: str, seed: int) -> None:
+    values = {"cylinder": hydraulic, "pneumatic_cylinder": pneumatic}[name](seed)
+    plant, most = machine(name, values), values["supply_pressure"] * values["piston_area_1"]
+    for share in (-1.1, -0.6, -0.1, 0.1, 0.6, 0.95, 1.1):
+        parameters = build(plant.Parameters, {**values, "load_force": share * most})
+        state, inputs = plant.equilibrium(parameters, 0.0)
+        for pressure in (state.pressure_1, state.pressure_2):
+            assert values.get("tank_pressure", 0.0) - 1.0 <= pressure <= values["supply_pressure"] + 1.0
+        left = values["mass"] * plant.derivatives(0.0, state, inputs, parameters).velocity
+        told = unheld(plant, parameters)
+        assert (told is not None) == (abs(left) > 1e-6 * most)
+        assert told is not None if share == 1.1 else True
+        assert told is None if abs(share) == 0.1 else True
 
 
 # --- equations written down again ------------------------------------------------------------------------------

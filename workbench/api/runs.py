@@ -46,7 +46,10 @@ class LoopRun:
 
     @property
     def outcome(self) -> str:
-        """In words: completed, diverged, end stop, saturated throughout, stuck, hardly moves, torque-limited."""
+        """In words: completed, diverged, end stop, saturated throughout, stuck, hardly moves, and more.
+
+        docs/study_files.md says what each is.
+        """
         return self.run.outcome
 
     @property

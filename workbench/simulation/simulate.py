@@ -43,6 +43,9 @@ LIMITED_SHARE = 0.05
 """Of the run. A rod that comes to speed from standstill takes some tens of milliseconds at the limit, and so does a
 step's reversal; beyond a twentieth of the run it is the motor that says how the rod turns, not the command."""
 
+VACUUM = -101325.0
+"""Pa over the ambient pressure, of which pressures of oil are counted."""
+
 
 def simulate(setup: Setup) -> Run:
     """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so."""
@@ -167,7 +170,15 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
         return "stuck"
     if run.reference is not None and _hardly_moves(run.reference[0], run.state("position")):
         return "hardly moves"
+    if _cavitates(run):
+        return "cavitates"
     return TORQUE_LIMITED if _torque_limited(run) else COMPLETED
+
+
+def _cavitates(run: Run) -> bool:
+    """Whether the oil of a chamber is pulled below vacuum: no oil is, and no plant here knows of its vapour."""
+    states = {item.name for item in fields(run.plant.State)}
+    return any(np.min(run.state(name)) < VACUUM for name in ("pressure_1", "pressure_2") if name in states)
 
 
 def _torque_limited(run: Run) -> bool:

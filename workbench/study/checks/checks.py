@@ -15,6 +15,7 @@ from workbench.metrics.window import whole_periods
 from workbench.simulation.references import Steps
 from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
+from workbench.study.checks.load import unheld
 from workbench.study.checks.rotation import rotation_warning
 from workbench.study.checks.settings import controller_settings, plant_settings
 from workbench.study.layers import MACHINE
@@ -239,6 +240,8 @@ class Checks:
                 seen.add(turned)
                 if message := rotation_warning(case, item):
                     found[str(located(self.study, case, ("plant", "rotation"), message))] = None
+                if message := unheld(item.setup.plant, item.setup.parameters):
+                    found[str(located(self.study, case, ("plant", "parameters"), message))] = None
             name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
             point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
             if item.signal is None or repr(point) in seen:
