@@ -39,8 +39,8 @@ def pressed(axis: str = LINEAR) -> Plant:
 _OURS = (
     THESIS,
     *(THESIS.with_turning_rod(bristle, imposed) for bristle in LUGRE.plane for imposed in (False, True)),
-    CHAMBERS,
     straight(CYLINDER, LUGRE),
+    CHAMBERS,
     straight(PUMP, LUGRE),
     straight(PNEUMATIC, LUGRE),
     *(drive(source, axis) for axis in AXES for source in SOURCES),

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import pytest
+from drawn_machines import hydraulic
 from scipy.io import savemat
 
 from plants.registry import CHAMBERS, DRIVE_FORCE, PLANTS, THESIS
@@ -250,6 +251,36 @@ def test_the_last_of_several_logs_is_held_out_and_all_are_of_one_kind(tmp_path: 
     table.rename(columns={"u": "v_cmd"}).to_csv(tmp_path / "c.csv", index=False)
     with pytest.raises(UserError, match=r"c\.csv: no numbers that change in u, which .*a\.csv has"):
         imported(*(tmp_path / f"{name}.csv" for name in "abc"))
+
+
+def test_a_wanted_voltage_is_the_command_where_nothing_else_is(tmp_path: Path) -> None:
+    """A PLC's log of what it asks of a valve; beside a measured voltage it is not used."""
+    x, _, force = driven(0.1, 4.0, mass=1.0, coulomb=20.0, viscous=50.0)
+    table = {"Zeit_s": TIME, "Soll_V": force / 10.0, "Ist_mm": 1e3 * x, "Soll_mm": 1e3 * np.roll(x, -20)}
+    pd.DataFrame(table).to_csv(tmp_path / "log.csv", index=False)
+    content, text = imported(tmp_path / "log.csv")
+    assert columns(content) == {"time": "Zeit_s", "command": "Soll_V", "position": "Ist_mm"}
+    assert "not used: Soll_mm" in text
+    pd.DataFrame({**table, "Ventil_V": force / 11.0}).to_csv(tmp_path / "log.csv", index=False)
+    content, text = imported(tmp_path / "log.csv")
+    assert columns(content)["valve_voltage"] == "Ventil_V"
+    assert "not used: Soll_V" in text
+
+
+@pytest.mark.parametrize(("about", "offset"), [(0.25, -200.0), (-0.25, 200.0), (0.05, 0.0)])
+def test_a_set_chooses_a_plant_that_it_serves_and_knows_the_stroke(tmp_path: Path, about: float, offset: float) -> None:
+    """Unequal areas are no machine of one load pressure; a way within the stroke is counted from an end of it."""
+    x, _, force = driven(0.03, 4.0, mass=1.0, coulomb=20.0, viscous=50.0)
+    table = {"t_s": TIME, "valve_V": force / 10.0, "x_mm": 1e3 * (about + x)}
+    table |= {"pA_bar": 30.0 + force / 50.0, "pB_bar": 40.0 - force / 50.0}
+    pd.DataFrame(table).to_csv(tmp_path / "log.csv", index=False)
+    values = {**hydraulic(1), "stroke": 0.4}
+    lines = [f'{name} = {{ value = {number!r}, source = "made up" }}' for name, number in values.items()]
+    (tmp_path / "machine.toml").write_text("\n".join(['title = "m"', 'source = "made up"', "[parameters]", *lines]))
+    text = text_of(proposal_for([tmp_path / "log.csv"], None, "machine.toml", tmp_path), tmp_path)
+    content = tomllib.loads(text)
+    assert content["plant"]["model"] == "cylinder"
+    assert content["channels"]["position"].get("offset", 0.0) == offset
 
 
 @pytest.mark.parametrize(("level", "chosen"), [(5.0, "air"), (80.0, "non_rotating")])

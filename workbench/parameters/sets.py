@@ -17,6 +17,7 @@ from plants.coupling import PLACES
 from plants.effects.registry import EFFECTS, effects
 from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
 from plants.hydraulics import FLOW_LAWS, RatedFlow, flow_gain
+from plants.interface import Plant
 from plants.laws.registry import LAWS
 from plants.motor import LIMITS, TurningCylinder
 from plants.registry import PLANTS, plants
@@ -304,12 +305,18 @@ def serves(values: Mapping[str, float]) -> list[str]:
     for plant in plants().values():
         if plant.axis != axis:
             continue
-        try:
-            build(plant.Parameters, values)
-            lines.append(f"serves {plant.name}")
-        except UserError as error:
-            lines.append(f"does not serve {plant.name}: {error}")
+        why = lacks(plant, values)
+        lines.append(f"serves {plant.name}" if why is None else f"does not serve {plant.name}: {why}")
     return lines
+
+
+def lacks(plant: Plant, values: Mapping[str, float]) -> str | None:
+    """Why a plant cannot be built from these values, in words; None where it can."""
+    try:
+        build(plant.Parameters, values)
+    except UserError as error:
+        return str(error)
+    return None
 
 
 def _check_together(values: Mapping[str, float], names: Iterable[str]) -> None:

@@ -67,8 +67,10 @@ def is_unit(text: str) -> bool:
     return plain in _UNIT or plain in OTHERS
 
 
-BEHIND = (r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*", r"(.*\S)\s*,\s*(\S+)", r"(.*\w)[_ ](\w\S+)")
-"""Ways in which a unit stands behind a name; without bracket or comma it has two letters or more: x_m is no metre."""
+BEHIND = (r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*", r"(.*\S)\s*,\s*(\S+)", r"(.*\w)[_ ](\w\S+)", r"(.*\w)_([VN])")
+"""Ways in which a unit stands behind a name; without bracket or comma it has two letters or more, since x_m is no metre,
+or is the capital of volts or newtons.
+"""
 
 
 def without_unit(header: str) -> tuple[str, str]:

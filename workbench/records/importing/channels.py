@@ -26,6 +26,9 @@ TAKES_SIDES = 0.4
 
 COMMANDS = ("command", "valve_voltage", "pump_speed")
 
+VOLTS = KINDS["valve_voltage"]
+"""Units of what only a command has."""
+
 
 @dataclass(frozen=True, eq=False)
 class Found:
@@ -80,7 +83,7 @@ def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found]
     unit, why = time_unit(time)
     found = {"time": Found("time", time, unit, 1.0, why)}
     motion = Motion(time, SECONDS[unit])
-    wanted = [one for one in columns if one is not time and is_reference(one.name)]
+    wanted = _references([one for one in columns if one is not time])
     rest, copies = without_copies([one for one in columns if one is not time and one not in wanted], _is_other)
     unused = [f"{one.key}: what was wanted, by its name" for one in wanted]
     unused += [f"{key}: {other.key} in other units, it seems" for key, other in copies.items()]
@@ -96,6 +99,20 @@ def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found]
     taken = [one.column for one in found.values()]
     unused += [f"{one.key}: {one.said}, of no channel that is known" for one in rest if one not in taken]
     return _signed(_velocity(found, motion), motion), unused, motion
+
+
+def _references(columns: Sequence[Column]) -> list[Column]:
+    """The columns of what was wanted and not measured; a wanted voltage is a command, where no other column is one."""
+    wanted = [one for one in columns if is_reference(one.name)]
+    drives = [one for one in columns if one not in wanted and (one.unit in VOLTS or _is_command(one))]
+    if drives:
+        return wanted
+    volts = next((one for one in wanted if one.unit in VOLTS), None)
+    return [one for one in wanted if one is not volts]
+
+
+def _is_command(column: Column) -> bool:
+    return any(scores(column.name).get(name, 0.0) >= LEAST for name in COMMANDS)
 
 
 def _is_other(first: Column, second: Column) -> bool:

@@ -45,12 +45,13 @@ def proposal_for(
         names = ", ".join(str(one.key) for one in columns)
         raise UserError(f"{logs[0]}: none of its columns looks like a position: {names}; write the experiment by hand")
     found = {name: answered(one, columns, ask) for name, one in found.items()}
-    plant, line = plant_for(found, model, ask)
+    own = None if parameters is None else read_parameters(parameter_path(parameters, folder))
+    plant, line = plant_for(found, model, own, ask)
     found = _for_plant(found, plant)
     _check_units(found, plant)
     values = [] if parameters is not None else [each.asked(ask) for each in values_for(plant, found, motion)]
-    stroke = _stroke(plant, values, parameters, folder)
-    channels = [_line(one, _offset(one, stroke, plant)) for one in found.values()]
+    stroke = own.get("stroke", np.inf) if own is not None else _stroke(plant, values)
+    channels = [_line(one, *_offset(one, stroke, plant, own is not None)) for one in found.values()]
     free = free_for(plant, found, motion)
     listed = "[" + ", ".join(f'"{name}"' for name in free) + "]"
     method = _method(plant, found)
@@ -104,33 +105,40 @@ def _for_plant(found: Mapping[str, Found], plant: Plant) -> dict[str, Found]:
     return renamed
 
 
-def _stroke(plant: Plant, values: Sequence[Line], parameters: str | None, folder: Path) -> float:
+def _stroke(plant: Plant, values: Sequence[Line]) -> float:
     """The stroke (SI) by which a position's zero is judged; infinite without one."""
     if "stroke" not in [item.name for item in fields(plant.Parameters)]:
         return np.inf
-    if parameters is not None:
-        return float(read_parameters(parameter_path(parameters, folder)).get("stroke", np.inf))
     own = [str(line.values[""]) for line in values if line.name == "stroke"]
     return float(own[0].split()[0]) if own else np.inf
 
 
-def _offset(one: Found, stroke: float, plant: Plant) -> float:
-    """What moves a position's zero to the middle of its way, in its unit; 0 where it is near it, or nobody knows."""
+def _offset(one: Found, stroke: float, plant: Plant, known: bool) -> tuple[float, str]:
+    """What moves a position's zero to the middle of the stroke, in its unit, and why; 0 where it is near it.
+
+    A position that stays within a `known` stroke from 0 on is counted from one of its ends. Else the middle of the way
+    is all that there is.
+    """
     if one.channel != "position" or not np.isfinite(stroke):
-        return 0.0
+        return 0.0, ""
     low, high = sorted((one.scale * one.column.low, one.scale * one.column.high))
     half = 0.5 * stroke / factor(one.unit, unit_of("position", plant))
-    return 0.0 if max(-low, high) <= CENTRED * half else -float(f"{0.5 * (low + high):.4g}")
+    if max(-low, high) <= CENTRED * half:
+        return 0.0, ""
+    for side in (1.0, -1.0):
+        if known and min(side * low, side * high) >= (1.0 - CENTRED) * half and max(-low, high) <= CENTRED * 2.0 * half:
+            return -side * float(f"{half:.6g}"), "counted from an end of the stroke, whose middle is 0 here"
+    return -float(f"{0.5 * (low + high):.4g}"), "0 is the middle of the way"
 
 
-def _line(one: Found, offset: float) -> Line:
+def _line(one: Found, offset: float, why: str) -> Line:
     values: dict[str, str | float | int] = {"column": one.column.key, "unit": one.unit}
     if one.scale != 1.0 or any(question.key == "scale" for question in one.questions):
         values["scale"] = one.scale
     reason = one.reason
     if offset:
         values["offset"] = offset
-        reason += "; 0 is the middle of the way"
+        reason += f"; {why}"
     return Line(one.channel, values, reason, one.questions)
 
 

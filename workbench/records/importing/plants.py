@@ -7,6 +7,7 @@ from plants.equation import fields
 from plants.interface import Plant
 from plants.registry import PLANTS
 from workbench.errors import UserError, nearest
+from workbench.parameters.sets import lacks
 from workbench.records.channels import FORCE, TORQUE
 from workbench.records.importing.channels import Found
 from workbench.records.importing.proposal import Ask, Line, Question
@@ -41,8 +42,12 @@ class Fit(NamedTuple):
     used: frozenset[str]
 
 
-def plant_for(found: Mapping[str, Found], model: str | None, ask: Ask | None = None) -> tuple[Plant, Line]:
+def plant_for(
+    found: Mapping[str, Found], model: str | None, values: Mapping[str, float] | None = None, ask: Ask | None = None
+) -> tuple[Plant, Line]:
     """The plant, and its line of the file: as asked for, or what fits best; with what else would, for a user to choose.
+
+    Where a parameter set's `values` (SI) are known, it is one that they serve, if any is.
 
     Raises:
         UserError: there is no such plant, or none fits.
@@ -52,8 +57,9 @@ def plant_for(found: Mapping[str, Found], model: str | None, ask: Ask | None = N
         if model not in known:
             raise UserError(f'--plant "{model}": unknown plant; {nearest(model, known)}')
         return known[model], Line("model", {"": model}, "as asked for")
+    served = set(known) if values is None else {name for name, plant in known.items() if lacks(plant, values) is None}
     fits = sorted(
-        filter(None, (_fit(plant, found) for plant in known.values())),
+        filter(None, (_fit(plant, found) for name, plant in known.items() if name in served or not served)),
         key=lambda fit: (-fit.score, not fit.plant.friction, len(fields(fit.plant.Parameters))),
     )
     names = ", ".join(name for name in found if name != "time") or "none but the time"
