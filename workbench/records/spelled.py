@@ -68,8 +68,8 @@ def is_unit(text: str) -> bool:
 
 
 BEHIND = (r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*", r"(.*\S)\s*,\s*(\S+)", r"(.*\w)[_ ](\w\S+)", r"(.*\w)_([VN])")
-"""Ways in which a unit stands behind a name; without bracket or comma it has two letters or more, since x_m is no metre,
-or is the capital of volts or newtons.
+"""Ways in which a unit stands behind a name; without bracket or comma it has two letters or more (x_m is no metre), or
+is the capital of volts or newtons.
 """
 
 
