@@ -33,7 +33,7 @@ def check_experiment(file: Path) -> None:
     print(content.title + (f" ({content.source})" if content.source else ""))
     names = [channel.called for channel in content.channels.values()]
     print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
-    print(f"  free: {', '.join(content.free) if content.free else 'friction in the directions of the records'}")
+    print(f"  free: {content.freed}")
     print("\n".join(f"  {line}" for line in lines))
     for spec, pieces in zip(content.records, records, strict=True):
         print(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")

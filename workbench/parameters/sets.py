@@ -300,14 +300,14 @@ def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived
 
 
 def serves(values: Mapping[str, float]) -> list[str]:
-    """Of every plant along their axis, in words, whether it can be built from these values, or what is missing."""
-    lines, axis = [], axis_of(values)
+    """In words, which plants along their axis can be built from these values, and what is missing for the others."""
+    axis = axis_of(values)
+    found: dict[str | None, list[str]] = {None: []}
     for plant in plants().values():
-        if plant.axis != axis:
-            continue
-        why = lacks(plant, values)
-        lines.append(f"serves {plant.name}" if why is None else f"does not serve {plant.name}: {why}")
-    return lines
+        if plant.axis == axis:
+            found.setdefault(lacks(plant, values), []).append(plant.name)
+    able = ", ".join(found.pop(None)) or "no plant"
+    return [f"serves {able}", *(f"does not serve {', '.join(names)}: {why}" for why, names in found.items())]
 
 
 def lacks(plant: Plant, values: Mapping[str, float]) -> str | None:

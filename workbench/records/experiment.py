@@ -97,6 +97,13 @@ class Experiment:
         """
         return build(self.plant.Parameters, {**self.values, **(changes or {})}, self.flow)
 
+    @property
+    def freed(self) -> str:
+        """What a fit is free to change, in words."""
+        if self.free is not None:
+            return ", ".join(self.free) or "nothing"
+        return f"{', '.join(self.plant.unknown) or 'friction'} in the directions of the records"
+
     def known_values(self) -> dict[str, float]:
         """Every parameter of the declared plant by canonical name, and those declared that the plant lacks."""
         names = [item.name for item in fields(self.plant.Parameters)]
