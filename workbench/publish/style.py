@@ -6,7 +6,13 @@ from typing import Any, TypedDict
 
 import matplotlib as mpl
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullFormatter
+
+FEWEST_TICKS = 3
+"""Labels without which a reader cannot tell how a logarithmic axis goes."""
+
+LONG = 2e4
+"""Ratio of the ends of a logarithmic axis from which three labels a decade are too many."""
 
 
 class LineStyle(TypedDict, total=False):
@@ -73,9 +79,31 @@ def marker(number: int) -> str:
     return MARKERS[(number + number // len(COLOURS)) % len(MARKERS)]
 
 
+class PlainTicks(Locator):
+    """Ticks of a logarithmic axis: 1, 2, 5 of each decade; of a long one decades alone; of a short one every digit, or
+    round numbers between them.
+    """
+
+    def __call__(self) -> Sequence[float]:
+        """Within the axis as it is."""
+        low, high = (0.0, 0.0) if self.axis is None else sorted(self.axis.get_view_interval())
+        return self.tick_values(float(low), float(high))
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Those between `vmin` and `vmax`, in the first way that gives enough of them."""
+        usual: tuple[float, ...] = (1.0,) if vmax > LONG * vmin else (1.0, 2.0, 5.0)
+        ways = (LogLocator(subs=usual), LogLocator(subs=range(1, 10)), MaxNLocator(5))
+        ticks: list[float] = []
+        for way in ways:
+            ticks = [float(tick) for tick in way.tick_values(vmin, vmax) if vmin <= tick <= vmax]
+            if len(ticks) >= FEWEST_TICKS:
+                break
+        return ticks
+
+
 def plain_numbers(axis: Axis) -> None:
-    """Label a logarithmic axis with plain numbers: 1, 2, 5 of each decade."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    """Label a logarithmic axis with plain numbers."""
+    axis.set_major_locator(PlainTicks())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
-from workbench.publish.style import COLOURS, figure_style
+from workbench.publish.style import COLOURS, figure_style, plain_numbers
 from workbench.tune.report.panels import Picture, legend, small_multiples
 from workbench.tune.result import ControllerTuning, Tuning
 from workbench.tune.schema import tune_table
@@ -95,9 +95,7 @@ def history_picture(tuning: Tuning) -> Picture:
             axes.set_ylim(data.low / ROOM, data.top * ROOM)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
             if data.top < NARROW * data.low:
-                axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-                axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-                axes.yaxis.set_minor_formatter(NullFormatter())
+                plain_numbers(axes.yaxis)
         for axes in panels[-2:]:
             axes.set_xlabel("trial")
         legend(figure, panels)
