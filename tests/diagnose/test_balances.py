@@ -16,6 +16,7 @@ from plants.laws.interface import FrictionLaw
 from plants.laws.maxwell_slip import GMS
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.balances import allowed, own_parameters
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.null import null_motion
 from workbench.diagnose.residuals.shown import balances_shown
@@ -205,3 +206,13 @@ def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:
 def test_what_cannot_be_negative_is_not_fitted_below_0() -> None:
     scales = Scales(force=500.0, travel=0.1, speed=0.1, pressure=1e6, flow=1e-4, spool=1e-3, duration=10.0)
     assert unknown("stribeck_negative", {"stribeck": 0.0}, {}, scales).low == 0.0
+
+
+def test_friction_of_either_direction_is_fitted_where_it_has_a_value_of_its_own() -> None:
+    """A machine that is declared to differ with direction lacks no asymmetry: its baseline has it."""
+    channels = ("valve_voltage", "position", "pressure_1", "pressure_2")
+    balances = allowed(plants()["cylinder"], "derived", channels)
+    alike = own_parameters(balances, None, VALUES)["force"]
+    apart = own_parameters(balances, None, {**VALUES, "viscous_negative": 0.7 * VALUES["viscous"]})["force"]
+    assert {"coulomb", "viscous"} <= set(alike)
+    assert set(apart) - set(alike) == {"viscous_negative"}

@@ -110,7 +110,8 @@ def effects_told(plant: Plant, channels: Collection[str]) -> tuple[str, ...]:
 
 
 def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, values: Values) -> dict[str, list[str]]:
-    """The plant's parameters that a fit of each balance may move: its own unless an experiment says which are `free`.
+    """The plant's parameters that a fit of each balance may move: its own, in each direction that has a value of its
+    own, unless an experiment says which are `free`.
 
     A free one is moved on the balance whose own it is, else on that of forces, else on the first that it counts in.
     """
@@ -118,7 +119,8 @@ def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, va
     own = {item.name: _own(item) for item in balances}
     counting = {item.name: _counting(item) for item in balances}
     order = sorted(chosen, key=lambda name: name != FORCE)
-    wanted = [name for item in balances for name in own[item.name]] if free is None else free
+    named = [each for item in balances for name in own[item.name] for each in (name, f"{name}_{NEGATIVE}")]
+    wanted = [name for name in named if name in values] if free is None else free
     for name in wanted:
         plain = name.removesuffix(f"_{NEGATIVE}")
         if not (values.get(name, 0.0) > 0.0 or name in EITHER_SIGN):
