@@ -69,15 +69,17 @@ def richest(plant: Plant) -> Plant:
 
 def diagnosed_plant(plant: Plant, flow: str, channels: Collection[str]) -> Along:
     """How a declared plant goes along records with these channels."""
-    return Along(with_possible_effects(richest(plant), channels), flow)
+    return Along(with_possible_effects(richest(plant), channels, plant.effects), flow)
 
 
-def with_possible_effects(plant: Plant, channels: Collection[str]) -> Plant:
-    """The plant with all effects that it can have and that these channels can tell; a delay is no part of it, since a
-    record's command is shifted as a whole.
+def with_possible_effects(plant: Plant, channels: Collection[str], declared: Collection[str] = ()) -> Plant:
+    """The plant with the effects that it is `declared` with, and all that it can have and that these channels can tell.
+
+    A delay is no part of it, since a record's command is shifted as a whole.
     """
-    told = (effects(plant.axis)[name] for name in effects_told(plant, channels))
-    return (plant.bare or plant).with_effects(*(effect for effect in told if ARRIVES not in effect.numbers))
+    wanted = {*declared, *effects_told(plant, channels)}
+    had = (effect for effect in possible(plant) if effect.name in wanted and ARRIVES not in effect.numbers)
+    return (plant.bare or plant).with_effects(*had)
 
 
 def can_be_told(effect: Effect, plant: Plant, channels: Collection[str]) -> bool:

@@ -9,7 +9,8 @@ with d0, d1 = -h dr/dz at both ends and d their mean, and no weight above 1/2. T
 in time, as of a valve's lag and a sliding bristle (an exponential integrator of second order; Cox and Matthews 2002).
 Bristles that relax within a sample then have no lag that comes of the samples, which their damping would show; and z
 stays between itself and where it would settle at either end, so that no reversal makes it overshoot. Where a contact's
-r is not linear in z, one that sticks and begins to slip, the step is made again in as many parts as it takes.
+r is not linear in z, one that sticks and begins to slip, the step is made again in as many parts as it takes. States
+that inputs alone drive go together where one drives another (`driven`).
 """
 
 from typing import Any
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from plants.compiled import address, njit, shift
+from workbench.diagnose.residuals.driven import changes, settle, slopes_between
 from workbench.diagnose.residuals.holding import hold, limit
 from workbench.simulation.compilation import call_derivatives
 
@@ -74,6 +76,7 @@ def walk(
     ahead, slopes_ahead, slopes_known = np.empty(size), np.empty(size), False
     before, expected, limits = np.empty(size), np.empty(size), nudges / sample_time
     p, steps = address(parameters), inputs.shape[1]
+    between, moved, coupled = np.empty((settled.size, settled.size)), np.empty(settled.size), False
     by_motion = hidden.size > settled.size
     most = 1 if by_motion else max(round(REFRESHED / sample_time), 1)
     for k in range(count):
@@ -106,9 +109,20 @@ def walk(
         for j in range(wanted.size):
             asked[k, j] = rates[wanted[j]]
         if k == 0:
+            coupled = settled.size > 1 and slopes_between(
+                derivatives, time[k], x, u, p, settled, nudges, rates, other, between
+            )
+            if coupled:
+                settle(derivatives, time[k], x, u, p, settled, nudges, sample_time)
             for i in settled:
-                z[i] -= rates[i] / slopes[i] if slopes[i] < 0.0 else 0.0
+                if coupled:
+                    z[i] = x[i]
+                else:
+                    z[i] -= rates[i] / slopes[i] if slopes[i] < 0.0 else 0.0
                 x[i], rates[i] = z[i], 0.0
+        if coupled:
+            slopes_between(derivatives, time[k], x, u, p, settled, nudges, rates, other, between)
+            changes(between, settled, rates, sample_time, moved)
         slopes_known = by_motion and not still[k] and k + 1 < count and not still[k + 1]
         ahead[:], slopes_ahead[:] = rates, slopes
         if slopes_known:
@@ -120,6 +134,9 @@ def walk(
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
             expected[i] = ahead[i] + slopes_ahead[i] * (z[i] - before[i])
+        if coupled:
+            for j in range(settled.size):
+                z[settled[j]] = before[settled[j]] + moved[j]
         slopes[:] = slopes_ahead
         if still[k] and not stands:
             x[velocity] = speed

@@ -26,19 +26,23 @@ PLAINLY = 1.0
 """Times the mean square by which it has to rise without an effect, to first order, that no fit has to be made without
 it: that fit would be long, since nothing fits."""
 
+TOLERATED = 0.02
+"""Share by which the size of a declared effect may be off: nobody declares it more exactly."""
+
 Effects = Mapping[str, tuple[str, ...]]
 """Effects by name, with their parameters."""
 
 
 def add_effects(
-    start: Fit, effects: Effects, own: Values, bounds: Mapping[str, tuple[float, float]], progress: Progress
+    start: Fit, effects: Effects, declared: Values, bounds: Mapping[str, tuple[float, float]], progress: Progress
 ) -> tuple[Fit, Effects, list[Step]]:
-    """Add effects one by one until none passes; `own` are the plant's own parameters as declared."""
+    """Add effects one by one until none passes, from the plant as it is `declared`."""
+    own = {name: declared[name] for name in start.balance.free}
     current, named, steps, anew = start, dict(effects), list[Step](), 0
     while current.rms > AT_FLOOR and len(named) < MOST:
         progress(f"what the simulated plant lacks, round {len(steps) + 1}", 0.85 - 0.35 * 0.5 ** len(steps))
         candidates = promising(current, named, bounds)
-        passing = [candidate for candidate in candidates if _passes(current, candidate, named)]
+        passing = [one for one in candidates if _passes(current, one, named) and _is_new(one, declared)]
         if passing and anew < ANEW and (better := beside(current, passing[0].fit, bounds, QUICK)) is not current:
             current, anew = better, anew + 1
             continue
@@ -81,6 +85,15 @@ def _passes(before: Fit, candidate: Candidate, named: Effects) -> bool:
     enough = candidate.effect in named or explained(before, candidate.fit) > EXPLAINS
     estimated = not candidate.fit.bounded - set(before.balance.free)
     return share > LEAST_GAIN and sure > SURE and enough and estimated
+
+
+def _is_new(candidate: Candidate, declared: Values) -> bool:
+    """Whether the plant is declared without an effect, or with another size of it."""
+    sizes = {name: declared.get(name, 0.0) for name in candidate.variant}
+    return any(
+        size in (0.0, NEUTRAL.get(name, 0.0)) or abs(candidate.fit.values[name] / size - 1.0) > TOLERATED
+        for name, size in sizes.items()
+    )
 
 
 def _neutral(name: str, values: Values, known: Values) -> float:
