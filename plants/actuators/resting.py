@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from plants.rising import rising
+from plants.rising import zeros
 
 
 class Resting(NamedTuple):
@@ -36,11 +36,18 @@ def at_rest(
     def other(pressure_1: float) -> float:
         return float((pressure_1 * between.area_1 - load) / between.area_2)
 
-    def spool_for(chamber: int, pressure_1: float) -> float:
+    def spools_for(chamber: int, pressure_1: float) -> tuple[float, float]:
+        """From where to where the spool may be: edges that are closed let nothing through over a whole way."""
+
         def flow(spool: float) -> float:
             return float(net_flows(spool, pressure_1, other(pressure_1), p)[chamber])
 
-        return rising(flow, -between.spool_limit, between.spool_limit)
+        return zeros(flow, -between.spool_limit, between.spool_limit)
+
+    def apart(pressure_1: float) -> float:
+        """By how much the spool that chamber 1 asks for is beyond what chamber 2 asks for; 0 where one serves both."""
+        (low_1, high_1), (low_2, high_2) = spools_for(0, pressure_1), spools_for(1, pressure_1)
+        return max(low_1 - high_2, 0.0) + min(high_1 - low_2, 0.0)
 
     least = max(between.tank, (load + between.tank * between.area_2) / between.area_1)
     most = min(between.supply, (load + between.supply * between.area_2) / between.area_1)
@@ -51,5 +58,8 @@ def at_rest(
     pressure_1 = min(max(pressure_1, least), most)
     if all(abs(flow) == 0.0 for flow in net_flows(0.0, pressure_1, other(pressure_1), p)):
         return pressure_1, other(pressure_1), 0.0
-    pressure_1 = rising(lambda pressure: spool_for(0, pressure) - spool_for(1, pressure), least, most)
-    return pressure_1, other(pressure_1), spool_for(0, pressure_1)
+    lowest, highest = zeros(apart, least, most)
+    pressure_1 = min(max(pressure_1, lowest), highest)
+    (low_1, high_1), (low_2, high_2) = spools_for(0, pressure_1), spools_for(1, pressure_1)
+    spool = min(max(0.0, low_1, low_2), max(min(high_1, high_2), max(low_1, low_2)))
+    return pressure_1, other(pressure_1), spool

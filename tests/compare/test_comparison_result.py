@@ -36,7 +36,7 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
     html = texts[0][1].decode()
     assert "A &lt; B" in html
     assert html.index("matrices") < html.index("In words") < html.index("Left out") < html.index("<h2>Nominal")
-    assert "360 cases: 2 machine(s), 5 controllers" in html
+    assert "360 cases: 2 machines, 5 controllers" in html
 
 
 def test_a_comparison_of_steps_alone_makes_its_page(tmp_path: Path) -> None:

@@ -271,8 +271,8 @@ def test_what_was_run_and_how_it_is_judged(page: tuple[list[str], Rows], tmp_pat
     search, fresh = rows.search, rows.fresh
     scope = next(line for line in lines if line.startswith(f"{len(search)} cases"))
     assert scope == (
-        f"{len(search)} cases: 2 machine(s), 5 controllers, 3 speeds of rotation, 2 scenario(s), 2 motion(s), 10 "
-        f"draw(s). All completed. Measured again: {len(fresh)} cases on 16 fresh draws."
+        f"{len(search)} cases: 2 machines, 5 controllers, 3 speeds of rotation, 2 scenarios, 2 motions, 10 "
+        f"draws. All completed. Measured again: {len(fresh)} cases on 16 fresh draws."
     )
     rules = " ".join(section(lines, "How it is judged"))
     for words in ("5 % of the larger and 0.001 mm", "the 6 comparisons", "95 % (Bonferroni)", "rest on fresh draws"):

@@ -108,6 +108,35 @@ def test_a_load_is_held_between_tank_and_supply_or_said_to_be_too_much(name: str
         assert told is None if abs(share) == 0.1 else True
 
 
+def test_edges_that_are_open_at_rest_one_way_and_closed_the_other_hold_an_equilibrium() -> None:
+    """To the tank they are open, to the pump covered: the spool stands where the loaded chamber's edge closes."""
+    values = hydraulic(2) | {"tank_pressure": 0.0, "load_force": 0.0}
+    way = 0.05 * values["spool_limit"]
+    values |= {f"edge_overlap_{edge}": sign * way for edge, sign in (("pa", 1), ("pb", 1), ("at", -1), ("bt", -1))}
+    plant = machine("cylinder", values)
+    for share, spool in ((-0.5, -way), (0.0, 0.0), (0.5, way)):
+        load = share * values["supply_pressure"] * values["piston_area_2"]
+        parameters = build(plant.Parameters, {**values, "load_force": load})
+        state, inputs = plant.equilibrium(parameters, 0.0)
+        rates = plant.derivatives(0.0, state, inputs, parameters)
+        assert state.spool_position == pytest.approx(spool, abs=1e-9 * values["spool_limit"])
+        assert max(abs(rates.pressure_1), abs(rates.pressure_2)) < 1e-3
+        assert unheld(plant, parameters) is None
+
+
+def test_a_leak_beyond_what_the_valve_gives_is_told() -> None:
+    values = hydraulic(3, equal=True)
+    passed = values["valve_flow_gain"] * values["spool_limit"] / np.sqrt(values["supply_pressure"])
+    load = 0.8 * values["supply_pressure"] * values["piston_area_1"]
+    for share, words in ((0.01, None), (1.0, "does not make good what leaks")):
+        plant, more = plants()["two_chamber"], {"leakage_coefficient": share * passed, "load_force": load}
+        told = unheld(plant, build(plant.Parameters, {**values, **more}))
+        assert (told is None) == (words is None)
+        assert words is None or words in str(told)
+    weak = {**values, "leakage_coefficient": 0.05 * passed, "load_force": load, "voltage_limit": 0.2}
+    assert "beyond its limit of 0.2" in str(unheld(plant, build(plant.Parameters, weak)))
+
+
 # --- equations written down again ------------------------------------------------------------------------------
 
 

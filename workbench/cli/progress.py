@@ -20,6 +20,10 @@ class Lines:
     def __init__(self) -> None:
         self._began = self._said = time.monotonic()
 
+    def begin(self) -> None:
+        """Count the time left from here: what was before was compiling, or an earlier run's."""
+        self._began = time.monotonic()
+
     def say(self, text: str, done: float | None = None) -> None:
         """Write how far it is, in words and with the time left where `done`, the share that is done, is known."""
         now = time.monotonic()
@@ -54,13 +58,14 @@ class ProgressBar:
         return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
 
     def _plain(self, lines: Lines) -> Callable[[int, int, "Case"], None]:
-        before: list[int] = []  # what an earlier run has done says nothing of the speed of this one
+        first: list[int] = []
 
         def told(count: int, total: int, case: "Case") -> None:
-            if not before:
-                before.append(count - 1)
+            if not first:
+                first.append(count)
+                lines.begin()
             if count < total:
-                lines.say(f"{count} of {total} cases", (count - before[0]) / (total - before[0]))
+                lines.say(f"{count} of {total} cases", (count - first[0]) / (total - first[0]))
 
         return told
 

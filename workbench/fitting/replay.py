@@ -16,7 +16,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
-from workbench.records.sampling.sight import window_points
+from workbench.records.sampling.sight import SLOW, window_points
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
@@ -25,16 +25,13 @@ from workbench.simulation.simulate import largest_distance, simulate
 FIT_RATE = 100.0
 """Hz. Records are compared as means over 1 / FIT_RATE; their noise is in the means' scatter."""
 
-SLOW = 0.02
-"""s between samples beyond which a record does not show its inputs between them. A position that is integrated from
-them drifts then, whatever the parameters, and is compared window by window."""
-
 FINE, CURVED = 0.01, 10
 """s between the samples of a simulation along a slow record, and points of a curve through each of its samples."""
 
 WINDOW, WARM = 6.0, 3.0
-"""s of a slow record in which a simulation is compared before it starts anew, and for which it runs before that: what a
-plant remembers of its inputs is then right, and of the position only an offset is not, which every fit finds."""
+"""s of a `SLOW` record, in which a position that is integrated from its inputs drifts: so long a simulation is compared
+before it starts anew, and for which it runs before that. What a plant remembers of its inputs is then right, and of the
+position only an offset is not, which every fit finds."""
 
 INTEGRATORS = (Integrator("rk4", 1e-4), Integrator())
 """Fixed steps come first: their error is as smooth in the parameters as the solution, where that of an error-controlled

@@ -8,8 +8,8 @@ import matplotlib as mpl
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullFormatter
 
-FEWEST_TICKS = 3
-"""Labels without which a reader cannot tell how a logarithmic axis goes."""
+SHORT = 8.0
+"""Ratio of the ends of a logarithmic axis up to which three labels a decade are too few."""
 
 LONG = 2e4
 """Ratio of the ends of a logarithmic axis from which three labels a decade are too many."""
@@ -80,9 +80,7 @@ def marker(number: int) -> str:
 
 
 class PlainTicks(Locator):
-    """Ticks of a logarithmic axis: 1, 2, 5 of each decade; of a long one decades alone; of a short one every digit, or
-    round numbers between them.
-    """
+    """Ticks of a logarithmic axis: 1, 2, 5 of a decade; decades alone of a long one, round numbers of a short one."""
 
     def __call__(self) -> Sequence[float]:
         """Within the axis as it is."""
@@ -90,15 +88,14 @@ class PlainTicks(Locator):
         return self.tick_values(float(low), float(high))
 
     def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
-        """Those between `vmin` and `vmax`, in the first way that gives enough of them."""
-        usual: tuple[float, ...] = (1.0,) if vmax > LONG * vmin else (1.0, 2.0, 5.0)
-        ways = (LogLocator(subs=usual), LogLocator(subs=range(1, 10)), MaxNLocator(5))
-        ticks: list[float] = []
-        for way in ways:
-            ticks = [float(tick) for tick in way.tick_values(vmin, vmax) if vmin <= tick <= vmax]
-            if len(ticks) >= FEWEST_TICKS:
-                break
-        return ticks
+        """Those between `vmin` and `vmax`."""
+        if vmax > LONG * vmin:
+            way: Locator = LogLocator(subs=(1.0,))
+        elif vmax > SHORT * vmin:
+            way = LogLocator(subs=(1.0, 2.0, 5.0))
+        else:
+            way = MaxNLocator(5)
+        return [float(tick) for tick in way.tick_values(vmin, vmax) if vmin <= tick <= vmax]
 
 
 def plain_numbers(axis: Axis) -> None:

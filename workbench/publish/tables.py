@@ -44,6 +44,14 @@ def shown_number(number: float, digits: int) -> str:
     return f"{number:.{decimals}f}"
 
 
+def shown_interval(low: float, high: float, digits: int) -> str:
+    """Both ends, with so many digits that they differ, `digits` at least."""
+    width, size = abs(high - low), max(abs(low), abs(high))
+    if 0.0 < width < size:
+        digits = max(digits, min(2 + math.ceil(math.log10(size / width)), 12))
+    return f"{shown_number(low, digits)} to {shown_number(high, digits)}"
+
+
 def with_unit(label: str, unit: str) -> str:
     """A label with its unit, unless it ends in it already."""
     shown = f" ({unit})"

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from plants.equation import fields, to_array
+from plants.hydraulics import Hydraulic
 from plants.interface import Measurement
 from plants.motor import Motor
 from workbench.simulation import engine
@@ -177,8 +178,13 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
 
 def _cavitates(run: Run) -> bool:
     """Whether the oil of a chamber is pulled below vacuum: no oil is, and no plant here knows of its vapour."""
+    if not isinstance(run.parameters, Hydraulic):
+        return False
     states = {item.name for item in fields(run.plant.State)}
-    return any(np.min(run.state(name)) < VACUUM for name in ("pressure_1", "pressure_2") if name in states)
+    if "pressure_1" not in states and not run.plant.effects:
+        return False  # both are between tank and supply by its equations
+    pressures = [run.state(name) if name in states else run.signals[name] for name in ("pressure_1", "pressure_2")]
+    return any(np.min(pressure) < VACUUM for pressure in pressures)
 
 
 def _torque_limited(run: Run) -> bool:

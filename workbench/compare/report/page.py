@@ -129,20 +129,21 @@ def scope(comparison: Comparison) -> str:
         again = f" Not yet measured again on {asked} fresh draws, as the study asks: go on with --resume."
     unusual = results[results["outcome"] != COMPLETED]["outcome"].value_counts()
     outcomes = "; ".join(f"{count} {outcome}" for outcome, count in unusual.items())
-    counted = ", ".join(f"{results[axis].nunique()} {words}" for axis, words in COUNTED.items())
+    numbers = {words: results[axis].nunique() for axis, words in COUNTED.items()}
+    counted = ", ".join(f"{number} {one if number == 1 else several}" for (one, several), number in numbers.items())
     ended = f" Not simply completed: {outcomes}." if outcomes else " All completed."
     return f"{len(results)} cases: {counted}.{ended}{again}"
 
 
 COUNTED = {
-    "machine": "machine(s)",
-    "controller": "controllers",
-    "rpm": "speeds of rotation",
-    "scenario": "scenario(s)",
-    "reference": "motion(s)",
-    "draw": "draw(s)",
+    "machine": ("machine", "machines"),
+    "controller": ("controller", "controllers"),
+    "rpm": ("speed of rotation", "speeds of rotation"),
+    "scenario": ("scenario", "scenarios"),
+    "reference": ("motion", "motions"),
+    "draw": ("draw", "draws"),
 }
-"""The axes whose values are counted, in words."""
+"""The axes whose values are counted, in words of one and of several."""
 
 
 def rules(comparison: Comparison) -> list[str]:

@@ -20,7 +20,7 @@ from workbench.identify.thesis.records import ThesisFit
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
-from workbench.publish.tables import Table, shown_number, write_frame
+from workbench.publish.tables import Table, shown_interval, shown_number, write_frame
 from workbench.records.schema import CHANNELS, NUISANCES
 from workbench.toml.units import factor
 
@@ -120,7 +120,7 @@ def _line(identification: Identification, name: str, parameter: IdentifiedParame
         line |= {
             "simulation": shown(simulation.value),
             "simulation std": shown(simulation.std),
-            "95 % interval": f"{shown(simulation.low)} to {shown(simulation.high)}",
+            "95 % interval": shown_interval(scale * simulation.low, scale * simulation.high, DIGITS),
         }
     elif identification.simulation is not None and name in identification.simulation.unidentified:
         line |= {"simulation": "not identified"}

@@ -46,7 +46,7 @@ def proposal_for(
         raise UserError(f"{logs[0]}: none of its columns looks like a position: {names}; write the experiment by hand")
     found = {name: answered(one, columns, ask) for name, one in found.items()}
     own = None if parameters is None else read_parameters(parameter_path(parameters, folder))
-    plant, line = plant_for(found, model, own, ask)
+    plant, line = plant_for(found, model, own, motion.step, ask)
     found = _for_plant(found, plant)
     _check_units(found, plant)
     values = [] if parameters is not None else [each.asked(ask) for each in values_for(plant, found, motion)]

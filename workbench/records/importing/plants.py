@@ -12,6 +12,7 @@ from workbench.records.channels import FORCE, TORQUE
 from workbench.records.importing.channels import Found
 from workbench.records.importing.proposal import Ask, Line, Question
 from workbench.records.importing.units import ANGLES
+from workbench.records.sampling.sight import SLOW
 from workbench.toml.units import QuantityError, factor
 
 SENSORS = ("position", "pressure_1", "pressure_2")
@@ -43,11 +44,16 @@ class Fit(NamedTuple):
 
 
 def plant_for(
-    found: Mapping[str, Found], model: str | None, values: Mapping[str, float] | None = None, ask: Ask | None = None
+    found: Mapping[str, Found],
+    model: str | None,
+    values: Mapping[str, float] | None = None,
+    sample_time: float = 0.0,
+    ask: Ask | None = None,
 ) -> tuple[Plant, Line]:
     """The plant, and its line of the file: as asked for, or what fits best; with what else would, for a user to choose.
 
-    Where a parameter set's `values` (SI) are known, it is one that they serve, if any is.
+    Where a parameter set's `values` (SI) are known, it is one that they serve, if any is. Of a log whose `sample_time`
+    (s) is slow it is rather one that is known by how fast it goes than by a force, which does not show there.
 
     Raises:
         UserError: there is no such plant, or none fits.
@@ -57,17 +63,21 @@ def plant_for(
         if model not in known:
             raise UserError(f'--plant "{model}": unknown plant; {nearest(model, known)}')
         return known[model], Line("model", {"": model}, "as asked for")
+    slow = sample_time > SLOW
     served = set(known) if values is None else {name for name, plant in known.items() if lacks(plant, values) is None}
     fits = sorted(
         filter(None, (_fit(plant, found) for name, plant in known.items() if name in served or not served)),
-        key=lambda fit: (-fit.score, not fit.plant.friction, len(fields(fit.plant.Parameters))),
+        key=lambda fit: (-fit.score, bool(fit.plant.friction) == slow, len(fields(fit.plant.Parameters))),
     )
     names = ", ".join(name for name in found if name != "time") or "none but the time"
     if not fits:
         raise UserError(f"no plant fits these channels: {names}; name one with --plant, and its command by hand")
     best, others = fits[0], [fit.plant.name for fit in fits[1:] if fit.score >= fits[0].score - NOT_SHOWN]
-    asked = Question("which plant is it? What fits as well: " + ", ".join(others[:4]))
+    another = "" if ask is not None else " (another one needs other values: import again with --plant)"
+    asked = Question(f"which plant is it? What fits as well: {', '.join(others[:4])}{another}")
     reason = f"its command and sensors are those of the log: {names}"
+    if slow and not best.plant.friction:
+        reason += f"; at {1.0 / sample_time:.3g} Hz no force shows"
     line = Line("model", {"": best.plant.name}, reason, (asked,) if others else ()).asked(ask)
     chosen = str(line.values[""])
     if chosen not in known:

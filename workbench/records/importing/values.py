@@ -1,5 +1,6 @@
 """Parameters to begin with where nobody gives a set: what a log tells of them roughly, and what has to be asked."""
 
+import functools
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -11,7 +12,7 @@ from plants.interface import Plant
 from workbench.parameters.sets import FLOW_SHARE, axis_of, known_units, named_sets, read_parameters
 from workbench.records.channels import unit_of
 from workbench.records.importing.channels import Found
-from workbench.records.importing.columns import Motion, rounded_up
+from workbench.records.importing.columns import Motion, correlation, rounded_up
 from workbench.records.importing.plants import given
 from workbench.records.importing.proposal import Line, Question
 from workbench.toml.units import factor
@@ -30,6 +31,13 @@ PRESLIDING = 1e-4
 
 SHARE = 1e-3
 """The same as a share of the way."""
+
+LONGEST_DELAY = 1.0
+"""s by which a command may come late."""
+
+SHARE_OF_FASTEST, FEWEST_MOVES, LEAST_BAND = 0.1, 20, 0.01
+"""Of the fastest motion, what counts as one; samples of a side that a line is drawn through; of the largest command,
+the least dead band to begin with: a fit finds that there is none."""
 
 ZERO = {
     "stribeck": "none to begin with; a diagnosis says whether there is any",
@@ -62,6 +70,15 @@ class Rough:
         scale = factor(one.unit, unit_of(own, self.plant)) if own != "time" else 1.0
         return np.asarray(scale * one.scale * self.motion.smooth(one.column))
 
+    @functools.cached_property
+    def delay(self) -> int:
+        """Samples by which the velocity comes after the command, up to `LONGEST_DELAY`."""
+        most = min(round(LONGEST_DELAY / self.motion.step), self.drive.size // 2)
+        return max(
+            range(most + 1),
+            key=lambda late: correlation(self.velocity[late:], self.drive[: self.drive.size - late]),
+        )
+
     def _drive(self) -> np.ndarray:
         """What drives the axis (N, N m, or the command itself through a gain of 1)."""
         if "pressure_1" in self.found and "pressure_2" in self.found:
@@ -89,9 +106,9 @@ class Rough:
 def values_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[Line]:
     """The parameters that a plant cannot do without, each with a value, its reason, and a question where it is none."""
     rough = Rough(plant, found, motion)
-    names = [item.name for item in fields(plant.Parameters) if item.default is None]
-    needed = [name for name in names if not name.endswith(f"_{NEGATIVE}") and name != FLOW_SHARE]
-    return [_line(name, rough) for name in needed]
+    names = [item.name for item in fields(plant.Parameters) if item.default is None and item.name != FLOW_SHARE]
+    apart = {f"{name}_{NEGATIVE}" for name in plant.unknown}  # found for each direction
+    return [_line(name, rough) for name in names if name in apart or not name.endswith(f"_{NEGATIVE}")]
 
 
 def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[str]:
@@ -167,6 +184,26 @@ def _of_gain(rough: Rough) -> tuple[float, str, str]:
     return 1.0, "no log tells it: mass and friction are known in proportion to it", "how much drives for each V or A?"
 
 
+def _of_valve(name: str, way: float, rough: Rough) -> tuple[float, str, str]:
+    """Gain, dead band and delay of a side of a valve, by a line through what a command of that sign makes move."""
+    command, delay = rough.drive, rough.delay
+    late = command[: command.size - delay]
+    velocity = rough.velocity[delay:]
+    moves = (way * late > 0.0) & (way * velocity > SHARE_OF_FASTEST * np.max(np.abs(velocity)))
+    why = f"a line through the velocities over the command {1e3 * delay * rough.motion.step:.3g} ms before"
+    if np.sum(moves) < FEWEST_MOVES:
+        value = {"velocity_gain": 0.01, "dead_band": 0.2, "command_delay": 0.1}[name]
+        return value, "a guess: the log hardly moves that way", f"what is it {'forward' if way > 0.0 else 'backward'}?"
+    gain, drift = np.polyfit(way * late[moves], way * velocity[moves], 1)
+    gain = max(float(gain), 1e-9)
+    value = {
+        "velocity_gain": gain,
+        "dead_band": max(-float(drift) / gain, LEAST_BAND * float(np.max(np.abs(command)))),
+        "command_delay": max(delay, 1) * rough.motion.step,
+    }[name]
+    return value, f"{why}; the fit finds it", ""
+
+
 SEEN: Mapping[str, Callable[[Rough], tuple[float, str, str]]] = {
     "stroke": _stroke,
     "supply_pressure": _supply,
@@ -182,6 +219,12 @@ SEEN: Mapping[str, Callable[[Rough], tuple[float, str, str]]] = {
     "hose_volume": lambda rough: (1e-4, "a guess", "oil or air between valve and piston?"),
     "bulk_modulus": lambda rough: (1e9, "oil with some air in it", ""),
     "pump_displacement": _displacement,
+    **{
+        f"{name}{suffix}": functools.partial(_of_valve, name, way)
+        for name in ("velocity_gain", "dead_band", "command_delay")
+        for suffix, way in (("", 1.0), (f"_{NEGATIVE}", -1.0))
+    },
+    "axis_time_constant": lambda rough: (0.1, "a guess; the fit finds it", ""),
     "voltage_limit": lambda rough: (10.0, "the usual amplifier", "the command's limit?"),
 }
 """What a log tells of parameters: value (SI), why, and what is to be asked."""

@@ -8,6 +8,8 @@ WINDOW = 0.06
 FEWEST = 7
 """Points of the shortest window."""
 
+SLOW = 0.02
+"""s between samples beyond which a record does not show its inputs between them, nor what a force does at once."""
 
 LAG = math.sqrt(3.0) / (2.0 * math.pi)
 """Time constant, over the period that a first-order lag halves."""

@@ -241,7 +241,7 @@ class Checks:
                 if message := rotation_warning(case, item):
                     found[str(located(self.study, case, ("plant", "rotation"), message))] = None
                 if message := unheld(item.setup.plant, item.setup.parameters):
-                    found[str(located(self.study, case, ("plant", "parameters"), message))] = None
+                    found[str(located(self.study, case, ("plant",), message))] = None
             name, travel = named(case, "reference"), item.setup.plant.travel(item.setup.parameters)
             point = (name, case.tables["references"].get(name), item.setup.duration, item.transient, travel)
             if item.signal is None or repr(point) in seen:
