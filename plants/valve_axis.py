@@ -165,5 +165,5 @@ VALVE_AXIS = Plant(
     command="valve_voltage",
     balances={"velocity": Balance(("velocity",), "m/s", time_constant)},
     delayed={"arriving_voltage": delay, "arriving_voltage_negative": delay_negative},
-    unknown=("velocity_gain", "dead_band", "command_delay", "axis_time_constant"),
+    unknown=("velocity_gain", "dead_band", "command_delay", "axis_time_constant", "drift_velocity"),
 )

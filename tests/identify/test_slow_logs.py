@@ -88,6 +88,24 @@ def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_pat
     assert values["axis_time_constant"] == pytest.approx(0.033, rel=0.05)
 
 
+def test_a_drift_is_found_and_biases_nothing(tmp_path: Path, png_alone: None) -> None:
+    """A load that pulls at the axis while the valve is closed; nobody declared it."""
+    fitted = found(logged(tmp_path, 45.0, drift_velocity=4e-3))
+    truth = {**read_parameters(AXIS / "machine.toml"), "drift_velocity": 4e-3}
+    for name in ("drift_velocity", *(f"{name}{suffix}" for name in FOUND for suffix in ("", "_negative"))):
+        assert fitted[name]["value"] == pytest.approx(truth[name], rel=0.05)
+
+
+def test_a_dead_band_beyond_the_largest_command_is_told(tmp_path: Path, png_alone: None) -> None:
+    folder = logged(tmp_path, 40.0)
+    believed = (folder / "believed.toml").read_text().replace('value = "2.2 V"', 'value = "20 V"')
+    believed = believed.replace('value = "25 mm/(s V)"', 'value = "1000 mm/(s V)"')  # without the band far too fast
+    (folder / "believed.toml").write_text(believed)
+    answer = workbench("identify", folder / "experiment.toml", "--out", folder / "out")
+    assert answer.code == 2
+    assert "is a dead band declared beyond the largest command" in answer.err
+
+
 def test_windows_begin_anew_and_miss_only_what_a_piece_begins_with(folder: Path) -> None:
     experiment = read_experiment(folder / "experiment.toml")
     for record in read_records(experiment):

@@ -189,6 +189,8 @@ def test_a_slow_log_with_jitter_gaps_and_dates_is_entered_as_it_is(tmp_path: Pat
     assert columns(content) == {"time": "Tempo", "command": "Comando (V)", "position": "Posizione (mm)"}
     assert 'file = "log.csv"  # 18.8' in text
     assert "cut at its gaps into 7 pieces" in text
+    assert content["plant"]["model"] == "valve_axis"  # so slow a log shows no force
+    assert {"velocity_gain", "dead_band_negative"} <= set(content["plant"]["set"])
     records = read_records(read(tmp_path / "log.csv", text))
     assert len(records) == 7
     assert sum(record.time[-1] for record in records) > 590.0

@@ -121,6 +121,11 @@ def identify_by_simulation(
     if experiment.plant.unknown:
         theta = _scanned(problem)
     unidentified = judgement.without_effect(problem, theta)
+    if unidentified and experiment.plant.unknown and experiment.free is None:
+        raise UserError(
+            f"{experiment.path}: the records move, and the plant as it is declared does not: {', '.join(unidentified)} "
+            "change nothing in it; is a dead band declared beyond the largest command, or a channel's unit wrong?"
+        )
     theta = _without(problem, theta, unidentified)
     theta = _solve(problem, theta, rough=True)
     judgement.check_followed(problem, theta)

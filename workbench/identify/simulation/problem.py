@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from plants.axis import LINEAR
-from plants.equation import NEGATIVE
+from plants.equation import NEGATIVE, fields
 from workbench.errors import UserError
 from workbench.fitting.replay import Observed
 from workbench.identify.simulation.nuisance import columns
@@ -248,8 +248,9 @@ def make_problem(experiment: Experiment, observed: Sequence[Observed], free: Seq
         UserError: a free parameter without a declared value, or a plant that diverges on the records.
     """
     start: dict[str, float] = {}
+    defaults = {item.name: item.default for item in fields(experiment.plant.Parameters)}
     for name in free:
-        value = experiment.values.get(name, experiment.values.get(_plain(name)))
+        value = experiment.values.get(name, experiment.values.get(_plain(name), defaults.get(name)))
         if value is None:
             raise UserError(f"{experiment.path}: {name} is free and has no declared value; set it in [plant.set]")
         start[name] = value
