@@ -7,6 +7,7 @@ import pytest
 from thesis_actuator import OF_OTHERS
 from thesis_actuator import along as numbers_along
 
+from plants.effects.attach import meant
 from plants.effects.hydraulic import stiffness
 from plants.effects.interface import Scales
 from plants.effects.registry import effects
@@ -16,7 +17,7 @@ from plants.laws.interface import FrictionLaw
 from plants.laws.maxwell_slip import GMS
 from plants.registry import plants
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.balances import allowed, own_parameters
+from workbench.diagnose.residuals.balances import allowed, diagnosed_plant, own_parameters
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.null import null_motion
 from workbench.diagnose.residuals.shown import balances_shown
@@ -206,6 +207,19 @@ def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:
 def test_what_cannot_be_negative_is_not_fitted_below_0() -> None:
     scales = Scales(force=500.0, travel=0.1, speed=0.1, pressure=1e6, flow=1e-4, spool=1e-3, duration=10.0)
     assert unknown("stribeck_negative", {"stribeck": 0.0}, {}, scales).low == 0.0
+
+
+@pytest.mark.parametrize(("sample_time", "share"), [(1e-3, 0.002), (1e-2, 0.02)])
+def test_a_spool_that_swings_behind_a_play_is_followed(sample_time: float, share: float) -> None:
+    """Nobody looks for them, but a plant that is declared with them has them in its diagnosis."""
+    given = {"valve_hysteresis": 0.05, "valve_natural_frequency": 60.0}
+    values, bare = {**VALUES, **given}, plants()["cylinder"]
+    plant = bare.with_effects(*meant(bare, [*given]))
+    motion = motion_along(plant, values=values, sample_time=sample_time)
+    along = diagnosed_plant(plant, "derived", motion.channels)
+    assert {"valve_hysteresis", "valve_dynamics"} <= set(along.plant.effects)
+    assert left(along, motion, "flow", values) < share
+    assert left(Along(bare, "derived"), motion, "flow") > 0.1
 
 
 def test_friction_of_either_direction_is_fitted_where_it_has_a_value_of_its_own() -> None:
