@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-from scipy.optimize import brentq
-
 HALVINGS = 60
 """Of an interval: to the last bit of a double, whatever its size."""
 
@@ -28,6 +26,8 @@ def zeros(function: Callable[[float], float], low: float, high: float) -> tuple[
 
 def rising(function: Callable[[float], float], low: float, high: float) -> float:
     """Where it crosses 0; the nearer end where it does not."""
+    from scipy.optimize import brentq  # no command waits for it that asks of no machine
+
     if function(low) >= 0.0:
         return low
     if function(high) <= 0.0:

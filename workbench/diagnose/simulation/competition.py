@@ -1,6 +1,6 @@
 """Effects compete for what the simulated plant leaves of the records; idle ones are dropped."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.fit import Fit, fit
@@ -34,10 +34,15 @@ Effects = Mapping[str, tuple[str, ...]]
 
 
 def add_effects(
-    start: Fit, effects: Effects, declared: Values, bounds: Mapping[str, tuple[float, float]], progress: Progress
+    start: Fit,
+    effects: Effects,
+    declared: Values,
+    free: Sequence[str],
+    bounds: Mapping[str, tuple[float, float]],
+    progress: Progress,
 ) -> tuple[Fit, Effects, list[Step]]:
-    """Add effects one by one until none passes, from the plant as it is `declared`."""
-    own = {name: declared[name] for name in start.balance.free}
+    """Add effects one by one until none passes, from the plant as it is `declared`, with its own parameters `free`."""
+    own = {name: declared[name] for name in free}
     current, named, steps, anew = start, dict(effects), list[Step](), 0
     while current.rms > AT_FLOOR and len(named) < MOST:
         progress(f"what the simulated plant lacks, round {len(steps) + 1}", 0.85 - 0.35 * 0.5 ** len(steps))

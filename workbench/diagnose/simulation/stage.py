@@ -139,7 +139,7 @@ def _along(
             dropped = list(given)
     named, first, steps = current, effects, list[Step]()
     if how.along.plant.command == VALVE:  # elsewhere nobody has asked yet what a simulation adds
-        current, effects, steps = add_effects(current, effects, start.declared, bounds, progress)
+        current, effects, steps = add_effects(current, effects, start.declared, start.free, bounds, progress)
         named = steps[0].before if steps else named
         before = before if first else named
         current, effects, idle = without_idle(current, effects, start.declared, bounds, progress)

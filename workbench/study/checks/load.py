@@ -25,7 +25,7 @@ def unheld(plant: Plant, parameters: Any) -> str | None:
     rates = plant.derivatives(0.0, state, inputs, parameters)
     name, unit = name_along("load_force", plant.axis), unit_along("N", plant.axis)
     lacking = abs(body.mass * rates.velocity)
-    if abs(rates.velocity) > STANDS and lacking > HELD * abs(body.load_force):
+    if body.load_force and abs(rates.velocity) > STANDS and lacking > HELD * abs(body.load_force):
         return (
             f"{name} = {body.load_force:.4g} {unit} is {lacking:.4g} {unit} more than the actuator holds: the run "
             "begins with all the pressure that there is; expected less load, or more supply_pressure or area"
