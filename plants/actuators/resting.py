@@ -61,5 +61,5 @@ def at_rest(
     lowest, highest = zeros(apart, least, most)
     pressure_1 = min(max(pressure_1, lowest), highest)
     (low_1, high_1), (low_2, high_2) = spools_for(0, pressure_1), spools_for(1, pressure_1)
-    spool = min(max(0.0, low_1, low_2), max(min(high_1, high_2), max(low_1, low_2)))
-    return pressure_1, other(pressure_1), spool
+    low, high = max(low_1, low_2), min(high_1, high_2)
+    return pressure_1, other(pressure_1), max(low, min(high, 0.0))

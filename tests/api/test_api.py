@@ -1,6 +1,5 @@
 """The Python interface: the same numbers and the same mistakes as the command line, in objects."""
 
-import json
 import os
 import subprocess
 import sys
@@ -9,17 +8,15 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
-import control
 import numpy as np
 import pandas as pd
 import pytest
-from command import ROOT, STUDIES, STUDY, changed, workbench, write
+from command import ROOT, STUDY, changed, workbench, write
 from plugin_site import site
+from short_loop import small
 
 import workbench as wb
 from controllers.registry import controllers
-from plants.equation import fields, members
-from plants.registry import plants
 from workbench import api
 from workbench.study.store import read_results
 
@@ -40,12 +37,6 @@ set = { coulomb = "350 N" }
 noise = "5 um"
 resolution = "2 um"
 """
-
-
-def small(**changes: object) -> wb.LoopSetup:
-    """A short run of the standing rod, with changes of it."""
-    options = {"controller": wb.pid(kp=500), "reference": wb.sine("5 mm", "2 Hz"), "duration": "0.5 s", **changes}
-    return wb.setup("non_rotating", "owen2001_simulation", **options)
 
 
 def same(row: pd.Series, other: pd.Series) -> None:
@@ -218,190 +209,3 @@ def test_a_plot_has_a_panel_for_each_unit() -> None:
     assert figure._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(wb.UserError, match='no signal "axial_frction"; did you mean "axial_friction"'):
         run.plot("axial_frction")
-
-
-# --- linear analysis ---
-
-
-SET_OF = {"hydraulics": "owen2001_simulation", "pneumatics": "guenther2006"}
-"""Of a cylinder that a valve feeds."""
-
-FED = [
-    (name, SET_OF[fluid]) for name, plant in plants().items() for fluid in SET_OF if fluid in members(plant.Parameters)
-]
-
-
-@pytest.mark.parametrize(("name", "parameters"), FED)
-def test_the_rod_at_rest_is_an_equilibrium_of_every_cylinder_with_a_valve(name: str, parameters: str) -> None:
-    rpm = {"rpm": 120} if plants()[name].rotary_command else {}
-    rotation = {"plant": {"rotation": "ideal"}} if name.endswith("ideal") else {}
-    gain = 500 if parameters == "owen2001_simulation" else 10
-    loop = wb.setup(name, parameters, controller=wb.pid(kp=gain), **rpm, **rotation)
-    model = wb.linearise(loop, outputs=["position", "axial_friction"])
-    assert model.state_labels == [item.name for item in fields(loop.plant.State)]
-    assert wb.linearise(loop, speed="20 mm/s").nstates == model.nstates
-
-
-def test_a_point_that_is_no_equilibrium_is_told() -> None:
-    loop = small()
-    rest, holding = loop.plant.equilibrium(loop.parameters, 0.0)
-    with pytest.raises(wb.UserError, match="no equilibrium of non_rotating: velocity changes at"):
-        wb.linearise(loop, state=rest._replace(load_pressure=1e6))
-    with pytest.raises(wb.UserError, match="spool_position changes at"):
-        wb.linearise(loop, state=rest, inputs=holding._replace(valve_voltage=1.0))
-    with pytest.raises(wb.UserError, match="got a speed and a point"):
-        wb.linearise(loop, state=rest, speed=0.01)
-    with pytest.raises(wb.UserError, match=r"speed: got \"3 mm\", expected a quantity in m/s"):
-        wb.linearise(loop, speed="3 mm")
-
-
-def test_margins_are_those_of_python_control() -> None:
-    loop = small(controller=wb.pid(kp=2000))
-    margins, gain = wb.margins(loop, speed="30 mm/s"), wb.loop_gain(loop, speed=0.03)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that it interpolates
-        factor, phase, *_ = control.margin(gain)
-    assert margins.stable
-    assert margins.gain_dB == pytest.approx(20.0 * np.log10(factor), abs=1e-3)
-    assert margins.phase_deg == pytest.approx(phase, abs=1e-3)
-
-
-# --- studies ---
-
-FIGURES = """
-[[tables]]
-name = "lag"
-title = "Phase lag"
-index = "rpm"
-columns = [{ result = "phase_lag_deg", label = "lag", unit = "deg" }]
-[[figures]]
-name = "friction"
-title = "Friction"
-[[figures.panels]]
-x = "velocity"
-x_label = "velocity"
-y_label = "friction"
-curves = [{ y = "axial_friction", where = { rpm = 460 } }]
-"""
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> api.StudyResults:
-    """Of the tests' small study, with a table and a figure."""
-    folder = tmp_path_factory.mktemp("api")
-    return wb.Study(write(folder, STUDY + FIGURES)).run(folder / "out", jobs=2)
-
-
-def test_tables_figures_and_columns_by_name(results: api.StudyResults) -> None:
-    assert (results.tables, results.figures) == (["lag"], ["friction"])
-    assert list(results.table("lag").columns) == ["rpm", "lag (deg)"]
-    numbers = results.table("phase_lag")
-    assert numbers["phase_lag_deg"].tolist() == results.frame["phase_lag_deg"].tolist()
-    figure = results.figure("friction")
-    assert figure.axes[0].get_title() == ""
-    assert figure._repr_png_().startswith(b"\x89PNG")  # which a notebook shows
-    with pytest.raises(wb.UserError, match='no table and no column "phase_lg"; did you mean "phase_lag"'):
-        results.table("phase_lg")
-    with pytest.raises(wb.UserError, match='no figure "frction"; did you mean "friction"'):
-        results.figure("frction")
-
-
-def test_signals_of_a_case_where_they_were_kept(results: api.StudyResults) -> None:
-    case = results.case(rpm=460)
-    assert case.kept
-    assert case.frame().attrs["units"]["velocity"] == "m/s"
-    assert case.plot("axial_friction", against="velocity").axes[0].get_xlabel() == "velocity (m/s)"
-    with pytest.raises(wb.UserError, match="the signals of rpm 0 were not kept; run with keep_trajectories=True"):
-        results.case(rpm=0).frame()
-    with pytest.raises(wb.UserError, match="2 cases for no condition, expected one"):
-        results.case()
-
-
-def test_results_are_plain_data_and_can_be_read_again(results: api.StudyResults) -> None:
-    data = json.loads(json.dumps(results.to_json()))
-    assert data["units"]["phase_lag_deg"] == "deg"
-    assert data["rows"][0]["settling_time_s"] is None
-    assert data["rows"][1]["phase_lag_deg"] == pytest.approx(results.case(rpm=460).row["phase_lag_deg"], rel=1e-12)
-    assert api.StudyResults.read(results.folder).to_json() == results.to_json()
-
-
-def test_a_dictionary_is_the_same_study_as_its_file(results: api.StudyResults, tmp_path: Path) -> None:
-    study = wb.Study(
-        {
-            "title": "a study for tests",
-            "plant": {"model": "by_rpm", "parameters": "owen2001_simulation"},
-            "axes": {"rpm": [0, 460]},
-            "controllers": {"p": wb.pid(kp="500 V/m")},
-            "references": {"sine": wb.sine("5 mm", "2 Hz")},
-            "simulation": {"duration": "1 s", "transient": "0.4 s"},
-        }
-    )
-    here = study.run(tmp_path / "out", keep_trajectories=True)
-    pd.testing.assert_frame_equal(here.frame, results.frame)
-    assert workbench("check", tmp_path / "out" / "study.toml").code == 0
-    with pytest.raises(wb.UserError, match="holds results already"):
-        study.run(tmp_path / "out")
-    assert study.run(tmp_path / "out", resume=True).frame.equals(here.frame)
-    with pytest.raises(wb.UserError, match="draws needs a table"):
-        study.run(tmp_path / "other", draws=2)
-
-
-def test_which_case_is_meant(results: api.StudyResults) -> None:
-    study = wb.Study(results.folder / "study.toml")
-    assert study.cases["rpm"].tolist() == [0, 460]
-    with pytest.raises(wb.UserError, match="2 cases with no condition, expected one; the axes are rpm"):
-        study.setup()
-    with pytest.raises(wb.UserError, match="no cases with rpm 50"):
-        study.setup(rpm=50)
-    with pytest.raises(wb.UserError, match="no axis rmp"):
-        study.setup(rmp=460)
-    with pytest.raises(wb.UserError, match=r"has \[tune\] and no \[references\]; use wb.tune"):
-        _ = wb.Study({"title": "t", "tune": {"objective": {"rms_error": 1}}}).plan
-    assert wb.Study(STUDIES / "thesis_chapter3.toml").setup(rpm=460).reference is not None
-
-
-# --- faces ---
-
-
-def test_faces_are_small_and_stand_alone(results: api.StudyResults) -> None:
-    for shown in (wb.simulate(small()), results):
-        html = shown._repr_html_()
-        assert "<table" in html
-        assert "data:image/png;base64," in html
-        assert "http" not in html
-        assert len(html) < 200_000
-    assert "rpm" in wb.Study(results.folder / "study.toml")._repr_html_()
-
-
-# --- questions ---
-
-
-def test_a_tuning_of_a_dictionary_leaves_a_study_and_gains(tmp_path: Path) -> None:
-    content = {
-        "title": "a dictionary that is tuned",
-        "plant": {"model": "non_rotating", "parameters": "owen2001_simulation"},
-        "controllers": {"p": wb.pid(kp=500)},
-        "references": {"sine": wb.sine("5 mm", "2 Hz")},
-        "simulation": {"duration": "1 s"},
-        "tune": {"seeds": 1, "trials": 3, "objective": {"rms_error": 1}},
-    }
-    tuning = wb.tune(content, tmp_path / "out", controllers=["p"])
-    (result,) = tuning.tuned
-    gains = tmp_path / "out" / "tuned" / "p.toml"
-    assert workbench("check", tmp_path / "out" / "study.toml").code == 0
-    loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(gains=str(gains)))
-    assert loop.gains.proportional == pytest.approx(result.best["kp"])
-    assert repr(tuning).startswith("a dictionary that is tuned\np reaches an objective of ")
-    with pytest.raises(wb.UserError, match="holds trials already"):
-        wb.tune(content, tmp_path / "out", controllers=["p"])
-    with pytest.raises(wb.UserError, match="trials: got 0, expected 1 or more"):
-        wb.tune(content, controllers=["p"], trials=0)
-
-
-def test_questions_say_what_is_wrong(tmp_path: Path) -> None:
-    with pytest.raises(wb.UserError, match="no such file"):
-        wb.diagnose(tmp_path / "experiment.toml")
-    with pytest.raises(wb.UserError, match='method "simulated": did you mean "simulation"'):
-        wb.identify(tmp_path / "experiment.toml", method="simulated")
-    with pytest.raises(wb.UserError, match="decide"):
-        wb.decide({"title": "no question", "controllers": {"p": wb.pid(kp=500)}})

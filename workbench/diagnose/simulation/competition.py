@@ -47,7 +47,7 @@ def add_effects(
     while current.rms > AT_FLOOR and len(named) < MOST:
         progress(f"what the simulated plant lacks, round {len(steps) + 1}", 0.85 - 0.35 * 0.5 ** len(steps))
         candidates = promising(current, named, bounds)
-        passing = [one for one in candidates if _passes(current, one, named) and _is_new(one, declared)]
+        passing = [one for one in candidates if _passes(current, one, named) and _is_sized_anew(one, declared)]
         if passing and anew < ANEW and (better := beside(current, passing[0].fit, bounds, QUICK)) is not current:
             current, anew = better, anew + 1
             continue
@@ -92,7 +92,7 @@ def _passes(before: Fit, candidate: Candidate, named: Effects) -> bool:
     return share > LEAST_GAIN and sure > SURE and enough and estimated
 
 
-def _is_new(candidate: Candidate, declared: Values) -> bool:
+def _is_sized_anew(candidate: Candidate, declared: Values) -> bool:
     """Whether the plant is declared without an effect, or with another size of it."""
     sizes = {name: declared.get(name, 0.0) for name in candidate.variant}
     return any(
