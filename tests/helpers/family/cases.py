@@ -121,7 +121,7 @@ def make_cases(chosen: str, only: Sequence[str] = (), first: int | None = None) 
     names, others = list(EFFECTS), list(UNLISTED)
     turned = np.random.default_rng(crc32(b"order")).permutation(names).tolist()
     taken: Counter[str] = Counter()
-    groups = {
+    groups: dict[str, list[tuple[str, ...]]] = {
         NONE: [()] * SILENT,
         THREE: [*((name,) for _ in range(REPETITIONS) for name in turned), *((name,) for name in turned[:MORE])],
         LIMIT: [(turned[i % len(names)],) for i in range(AT_LIMIT)],

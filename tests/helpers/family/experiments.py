@@ -1,4 +1,4 @@
-"""Experiment folders: records, the file that says what is believed of the rig, and the truth, which no program reads."""
+"""Experiment folders: records, the file that says what is believed of the rig, and the truth that no program reads."""
 
 import json
 import tomllib

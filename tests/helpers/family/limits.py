@@ -2,9 +2,9 @@
 
     d^2 = (y1 - y0)' Sigma^-1 (y1 - y0)
 
-y0 and y1 are what the sensors show without noise under one and the same input, without the effect and with it. A test
-that knows machine, initial state and form has at false alarms of 1 % a power of 50 % where d = 2.326: that is the limit.
-Of a record by hand, whose input is noisy, y is the force that the motion takes.
+y0 and y1 are what the sensors show without noise under one input, without the effect and with it. A test that knows
+machine, initial state and form has at false alarms of 1 % a power of 50 % where d = 2.326: that is the limit. Of a
+record by hand, whose input is noisy, y is the force that the motion takes.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .effects import EFFECTS, Column, Form
+from .effects import EFFECTS
+from .forms import Column, Form
 from .machines import HAND, Rig, resting, stream
 from .parameters import DRIVE, HYDRAULIC, Machine
 from .physics import P1, P2, SHOWN, SPOOL, X, Z

@@ -28,9 +28,9 @@ FASTEST_RATE = 1.2e4
 class Rig:
     """A machine in its laboratory: what it is declared as, how it is sampled, moved and measured.
 
-    `speed` (m/s) and `travel` (m) are the largest wanted, `pace` (1/s) their ratio; `force` (N) is what is available,
-    `bandwidth` (1/s) that of a position loop that it stands. `noises` are by channel; `fineness` multiplies the steps of
-    the integrator.
+    `speed` (m/s) and `travel` (m) are the largest wanted, `pace` (1/s) their ratio; `force` (N) is what is
+    available, `bandwidth` (1/s) that of a position loop that it stands. `noises` are by channel; `fineness`
+    multiplies the steps of the integrator.
     """
 
     kind: str

@@ -91,7 +91,7 @@ def make(case: Case, folder: Path) -> Path:
             name: {
                 "strength": acting.strength,
                 "changes": acting.form.changes(acting.strength),
-                "parameters": true_parameters(name, machine) if name in EFFECTS else {},
+                "parameters": true_parameters(name, machine, made.rig.machine) if name in EFFECTS else {},
                 **_about(apart[name], named=case.kind != OTHER),
             }
             for name, acting in made.effects.items()

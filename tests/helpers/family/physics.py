@@ -13,7 +13,6 @@ atmosphere. RK4 with fixed steps; the command holds over each sample.
 """
 
 import math
-
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -255,7 +254,7 @@ def _shown(y: np.ndarray, rider: float, p: Numbers) -> float:
 def _arriving(u: np.ndarray, at: float, step: float, sample_time: float) -> float:
     """The held command, as it was `at` a time (s) on: its mean over one step (0 before the record)."""
     first, last = at / sample_time, (at + step) / sample_time
-    k = int(math.floor(first + 1e-9))
+    k = math.floor(first + 1e-9)
     if k + 1 >= last - 1e-9:
         return u[k] if k >= 0 else 0.0
     share = (k + 1 - first) / (last - first)
@@ -341,7 +340,7 @@ def _run(
                 y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
             if p.backlash > 0.0:
                 rider = min(max(rider, y[X] - 0.5 * p.backlash), y[X] + 0.5 * p.backlash)
-        if not (abs(y[X]) < 1e6 and abs(y[Z]) < 1e6):
+        if not (abs(y[X]) < 1e6 and abs(y[Z]) < 1e6 and abs(y[P1]) < 1e12 and abs(y[P2]) < 1e12):
             shown[k:] = np.nan
             return shown
     return shown
