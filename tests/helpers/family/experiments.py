@@ -14,6 +14,8 @@ from .machines import HAND, ROTARY, Rig, stream
 from .parameters import DRIVE, HYDRAULIC
 from .records import USES, Record
 
+TRUTH = "truth.json"
+
 SPREAD = 3.0
 """Largest factor between what is true of a free parameter and what is declared."""
 
@@ -204,7 +206,7 @@ def write_experiment(folder: Path, rig: Rig, records: Mapping[str, Record], trut
         "noise": {name: noise.std for name, noise in rig.noises.items()},
     }
     text = json.dumps({**about, **truth}, indent=2, default=float)
-    (folder / "truth.json").write_text(text + "\n", encoding="utf-8")
+    (folder / TRUTH).write_text(text + "\n", encoding="utf-8")
     path = folder / "experiment.toml"
     path.write_text(experiment_text(rig, names), encoding="utf-8")
     return path

@@ -3,12 +3,13 @@
 import json
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .cases import OTHER, STRONG, Case
 from .effects import EFFECTS, true_parameters
-from .experiments import write_experiment
+from .experiments import TRUTH, write_experiment
 from .limits import LIMIT, Acting, Distances, distances, drawn_form, strength_at, with_all
 from .machines import Rig, draw_rig, stream
 from .records import USES, ImplausibleError, Record, check_physical, record, refined
@@ -111,7 +112,7 @@ def _about(apart: Distances, named: bool) -> dict[str, object]:
     }
 
 
-def truth_of(folder: Path) -> dict[str, object]:
+def truth_of(folder: Path) -> dict[str, Any]:
     """What stands in a case's truth.json."""
-    truth: dict[str, object] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    truth: dict[str, Any] = json.loads((folder / TRUTH).read_text(encoding="utf-8"))
     return truth

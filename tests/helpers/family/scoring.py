@@ -5,10 +5,9 @@ from collections.abc import Mapping, Sequence
 from itertools import permutations
 from typing import Any
 
-import pandas as pd
 from scipy.stats import norm
 
-from .cases import NONE, OTHER, Case
+from .cases import OTHER, Case
 from .effects import EFFECTS
 from .limits import LIMIT
 from .unlisted import UNLISTED
@@ -178,8 +177,3 @@ def _position_ratio(report: Mapping[str, Any], truth: Mapping[str, Any]) -> floa
     if not before > SHOWN_ABOVE_NOISE * noise:
         return math.nan
     return math.sqrt(max(after, 0.0) / before)
-
-
-def is_silent(case: Case) -> bool:
-    """Whether nothing is to be named."""
-    return case.kind in (NONE, OTHER)

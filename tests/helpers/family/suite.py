@@ -26,8 +26,10 @@ import pandas as pd
 from workbench.diagnose.result import Diagnosis
 
 from .cases import SETS, Case, make_cases
-from .making import make
+from .making import TRUTH, make, truth_of
 from .records import USES
+from .scoring import score
+from .summary import summary
 
 DIAGNOSE = "workbench.diagnose.diagnose:diagnose"
 """module:function; called with the experiment's path, returns a diagnosis."""
@@ -137,6 +139,15 @@ def times_table(cases: Iterable[Case], results: dict[str, Result]) -> pd.DataFra
     return pd.DataFrame([{"case": c.name, **{k: results[c.name][k] for k in ("make_s", "diagnose_s")}} for c in cases])
 
 
+def scores_table(cases: Iterable[Case], results: dict[str, Result], out: Path) -> pd.DataFrame:
+    """Scores, one row each; a case that could not be made has no truth, and no right answer."""
+    rows = []
+    for case in cases:
+        truth = truth_of(out / case.name) if (out / case.name / TRUTH).exists() else {}
+        rows.append(score(case, results[case.name]["report"], truth))
+    return pd.DataFrame(rows)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m family.suite", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -165,7 +176,17 @@ def main(arguments: list[str] | None = None) -> None:
         os.environ.setdefault(name, "1")  # the jobs share the processors
     options = Options(None if given.make_only else given.diagnose, given.resume, given.keep_records or given.make_only)
     given.out.mkdir(parents=True, exist_ok=True)
-    run_cases(cases, given.out, options, jobs=given.jobs, tell=lambda line: print(line, file=sys.stderr, flush=True))
+    results = run_cases(
+        cases, given.out, options, jobs=given.jobs, tell=lambda line: print(line, file=sys.stderr, flush=True)
+    )
+    if given.make_only:
+        return
+    scores, times = scores_table(cases, results, given.out), times_table(cases, results)
+    scores.to_csv(given.out / "results.csv", index=False)
+    times.to_csv(given.out / "times.csv", index=False)
+    text = summary(f"Diagnosis, set {given.chosen}", scores, times)
+    (given.out / "summary.md").write_text(text, encoding="utf-8")
+    print(text)
 
 
 if __name__ == "__main__":
