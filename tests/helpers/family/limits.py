@@ -8,7 +8,7 @@ record by hand, whose input is noisy, y is the force that the motion takes.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -59,6 +59,11 @@ def with_form(machine: Machine, form: Form, strength: float) -> Machine:
     return machine._replace(**form.changes(strength))
 
 
+def coarse(rig: Rig) -> Rig:
+    """The rig with steps that are stable alone: what they are off is the same with an effect and without."""
+    return replace(rig, fineness=1)
+
+
 def distance(rig: Rig, form: Form, strength: float, base: Machine | None = None) -> tuple[float, Record]:
     """d of a strength on the fit record that the machine with the effect makes, and that record."""
     without = base or rig.machine
@@ -73,11 +78,12 @@ def distance(rig: Rig, form: Form, strength: float, base: Machine | None = None)
 def strength_at(rig: Rig, form: Form, wanted: float) -> tuple[float, float]:
     """Strength (at most 1) at which the distance is `wanted`, and the distance that it has.
 
-    A secant over the logarithms of both, held within what is known to be too little and too much.
+    A secant over the logarithms of both, held within what is known to be too little and too much, on coarse steps.
 
     Raises:
         ImplausibleError: the strength would be more than anybody would believe, or no record is physical.
     """
+    rig = coarse(rig)
     low, high = SMALLEST, 1.0
     strength = 1e-3
     last: tuple[float, float] | None = None
@@ -208,9 +214,9 @@ def distances(rig: Rig, true: Mapping[str, Acting], name: str, candidates: Seque
     rest = {other: acting for other, acting in true.items() if other != name}
     without = with_all(rig.machine, rest.values())
     made = record(rig, with_all(rig.machine, true.values()), FIT)
+    made = replace(made, rig=coarse(rig))
     base = outputs(made, without)
-    seen = outputs(made, made.machine) if rig.motion == HAND else whitened(made, made.clean)
-    apart = seen - base
+    apart = outputs(made, made.machine) - base
     own = own_columns(made, without, base)
     for acting in rest.values():
         own += effect_columns(made, without, base, *acting)
