@@ -78,8 +78,8 @@ def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> di
         "right_first": first in anyone,
         "right_or_alternative": bool({first, *alternatives} & anyone),
         "wrong_named": any(name not in anyone for name in named),
-        "exactly_right": sorted(named) == sorted(case.effects),
-        "set_right": matches(named, classes),
+        "exactly_right": first != FAILED and sorted(named) == sorted(case.effects),
+        "set_right": first != FAILED and matches(named, classes),
         "none_named": not named and first != FAILED,
         "unexplained_balance": unexplained.get("balance", ""),
         "unexplained_signals": " ".join(unexplained.get("depends_on", [])),
@@ -120,11 +120,9 @@ def _right_unexplained(case: Case, unexplained: Mapping[str, Any]) -> bool:
 
 
 def _floors(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Residual over floor of each balance, and whether all are within `FLOOR_RANGE`."""
-    ratios = {}
-    for name, one in (report.get("floor") or {}).items():
-        if one["after"] is not None and one["value"]:
-            ratios[ALONG.get(name, name)] = one["after"] / one["value"]
+    """Residual of each balance, which a report gives in floors, and whether all are within `FLOOR_RANGE`."""
+    balances = (report.get("floor") or {}).items()
+    ratios = {ALONG.get(name, name): one["after"] for name, one in balances if one["after"] is not None}
     low, high = FLOOR_RANGE
     at_floor = bool(ratios) and all(low <= ratio <= high for ratio in ratios.values())
     return {

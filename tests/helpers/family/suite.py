@@ -19,11 +19,9 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import pandas as pd
-
-from workbench.diagnose.result import Diagnosis
 
 from .cases import SETS, Case, make_cases
 from .making import TRUTH, make, truth_of
@@ -49,10 +47,17 @@ class Options:
     keep_records: bool = False
 
 
-def load(target: str) -> Callable[[Path], Diagnosis]:
+class Answer(Protocol):
+    """What a diagnosis gives."""
+
+    def to_json(self) -> dict[str, object]:
+        """As report.json holds it."""
+
+
+def load(target: str) -> Callable[[Path], Answer]:
     """The function behind "module:function"."""
     module, _, name = target.partition(":")
-    diagnose: Callable[[Path], Diagnosis] = getattr(importlib.import_module(module), name)
+    diagnose: Callable[[Path], Answer] = getattr(importlib.import_module(module), name)
     return diagnose
 
 
@@ -60,7 +65,8 @@ def run_case(case: Case, folder: Path, options: Options) -> Result:
     """Make and diagnose one case; its result is written to `folder` as it ends. A failure is a result, too."""
     folder.mkdir(parents=True, exist_ok=True)
     started = time.perf_counter()
-    made, report = started, {}
+    made = started
+    report: dict[str, Any] = {}
     try:
         path = folder / "experiment.toml"
         if not (options.resume and _is_made(folder)):
