@@ -12,7 +12,7 @@ from .effects import EFFECTS, true_parameters
 from .experiments import TRUTH, write_experiment
 from .limits import LIMIT, Acting, Distances, distances, drawn_form, strength_at, with_all
 from .machines import Rig, draw_rig, stream
-from .records import USES, ImplausibleError, Record, check_physical, record, refined
+from .records import FIT, USES, ImplausibleError, Record, check_physical, record, refined, unsolved
 from .unlisted import UNLISTED
 
 DRAWS = 60
@@ -98,6 +98,7 @@ def make(case: Case, folder: Path) -> Path:
             for name, acting in made.effects.items()
         },
         "candidates": candidates(case),
+        "unsolved": unsolved(made.records[FIT]),
         "machine": machine._asdict(),
     }
     return write_experiment(folder, made.rig, made.records, truth)

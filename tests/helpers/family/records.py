@@ -149,6 +149,12 @@ def outputs(of: Record, machine: Machine, start: np.ndarray | None = None, bent:
     return whitened(of, replayed(of, machine, start))
 
 
+def unsolved(of: Record) -> float:
+    """By how much a record moves where the integrator's steps are halved, as a distance in the sense of `limits`."""
+    finer = replace(of, rig=replace(of.rig, fineness=2 * of.rig.fineness))
+    return float(np.linalg.norm(outputs(finer, of.machine) - outputs(of, of.machine)))
+
+
 def refined(rig: Rig) -> Rig:
     """The rig with so many steps that halving them changes its record, without effects, by less than `SOLVED`.
 
@@ -158,11 +164,9 @@ def refined(rig: Rig) -> Rig:
     made = record(rig, rig.machine, FIT)
     check_physical(made)
     while rig.fineness <= FINEST:
-        finer = replace(rig, fineness=2 * rig.fineness)
-        coarse, fine = (outputs(replace(made, rig=one), rig.machine) for one in (rig, finer))
-        if np.linalg.norm(fine - coarse) < SOLVED:
+        if unsolved(replace(made, rig=rig)) < SOLVED:
             return rig
-        rig = finer
+        rig = replace(rig, fineness=2 * rig.fineness)
     raise ImplausibleError("no fixed step follows this machine to the accuracy of its sensors")
 
 
