@@ -29,7 +29,7 @@ NEAR, TRIES = 0.03, 14
 SMALLEST = 1e-11
 """Strength at which a search begins at the lowest."""
 
-LINEAR_SIZE = (0.3, 10.0)
+LINEAR_SIZE = (0.3, 50.0)
 """Distances between which a difference quotient is taken: above the integrator's own error, below what bends."""
 
 FRICTION = (
@@ -209,7 +209,8 @@ def distances(rig: Rig, true: Mapping[str, Acting], name: str, candidates: Seque
     """Distances of a machine with its `true` effects from one that lacks `name` of them, on the fit record, to first
     order.
 
-    What else is true is fitted with the plant's parameters. `candidates` are those that may stand in for it.
+    What else is true is fitted with the plant's parameters. `candidates` are those that may stand in for it; where the
+    plant's parameters alone leave less than the limit, so do they with any of these, and it is not computed how little.
     """
     rest = {other: acting for other, acting in true.items() if other != name}
     without = with_all(rig.machine, rest.values())
@@ -220,9 +221,9 @@ def distances(rig: Rig, true: Mapping[str, Acting], name: str, candidates: Seque
     own = own_columns(made, without, base)
     for acting in rest.values():
         own += effect_columns(made, without, base, *acting)
-    others = {
-        other: left(apart, [*own, *effect_columns(made, without, base, drawn_form(rig, other))])
-        for other in candidates
-        if other not in true
-    }
-    return Distances(float(np.linalg.norm(apart)), left(apart, own), others)
+    profiled = left(apart, own)
+    others = {other: profiled for other in candidates if other not in true}
+    if profiled >= LIMIT:
+        for other in others:
+            others[other] = left(apart, [*own, *effect_columns(made, without, base, drawn_form(rig, other))])
+    return Distances(float(np.linalg.norm(apart)), profiled, others)

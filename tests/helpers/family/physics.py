@@ -10,6 +10,8 @@
 
 Canudas de Wit, Olsson, Astrom and Lischinsky 1995; Dahl 1968; Merritt 1967; Beater 2007. Pressures are relative to the
 atmosphere. RK4 with fixed steps; the command holds over each sample.
+
+All in one file: numba keeps compiled code on disk, and does not notice an edit in another file that it calls.
 """
 
 import math

@@ -92,7 +92,9 @@ def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> di
 
 
 def _limits(case: Case, truth: Mapping[str, Any], classes: Sequence[set[str]]) -> dict[str, Any]:
-    """Distances of the weakest effect, the power that a test of each has, and how many stand in its class."""
+    """Distances of the weakest effect, the power that a test of each has, how many stand in its class; and of one that
+    no list has, whether a listed one can stand for it.
+    """
     inside = (truth.get("effects") or {}).values()
     known = min((one["d_known"] for one in inside), default=math.nan)
     profiled = min((one["d_profiled"] for one in inside), default=math.nan)
@@ -106,6 +108,8 @@ def _limits(case: Case, truth: Mapping[str, Any], classes: Sequence[set[str]]) -
         "detectable": profiled >= LIMIT,
         "attainable": power,
         "class_size": max((len(one) for one in classes), default=0),
+        "stood_for": case.kind == OTHER
+        and any(rest < LIMIT for one in inside for rest in one["d_free_class"].values()),
     }
 
 

@@ -50,6 +50,7 @@ def shares(table: pd.DataFrame) -> str:
     """Markdown: every share that is asked of the suite."""
     by = {kind: table[table["kind"] == kind] for kind in (NONE, THREE, LIMIT, STRONG, SEVERAL, OTHER)}
     found = table.assign(some_named=~table["none_named"] & (table["first"] != FAILED))
+    alone = by[OTHER][~by[OTHER]["stood_for"].astype(bool)]
     low, high = FLOOR_RANGE
     rows = [
         _row("no effect: one named (wrongly)", found[found["kind"] == NONE], "some_named"),
@@ -73,6 +74,7 @@ def shares(table: pd.DataFrame) -> str:
         _row("two or three: a wrong one named", by[SEVERAL], "wrong_named"),
         _row("unlisted: unexplained, right balance and signal", by[OTHER], "right_unexplained", power="attainable"),
         _row("unlisted: none named", by[OTHER], "none_named"),
+        _row("unlisted: none named, where no listed one can stand for it", alone, "none_named"),
     ]
     right = table[table["set_right"]]
     covers = f"90 % intervals (value +- {COVERING} std) that hold the true value"
