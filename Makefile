@@ -12,7 +12,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations lint docs benchmark diagnosis family clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -79,6 +79,10 @@ benchmark: $(ENVIRONMENT)/ready-for-tests
 SET ?= tuning
 diagnosis: $(ENVIRONMENT)/ready-for-tests
 	PYTHONPATH=tests/helpers $(BIN)/python -m diagnosis.suite --set $(SET) --out results/diagnosis_$(SET)
+
+# The same over machines of all kinds and sizes, beside what can be found at all. Takes hours; what is done is kept.
+family: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m family.suite --set $(SET) --resume --out results/family_$(SET)
 
 clean:
 	rm -rf $(ENVIRONMENT) results
