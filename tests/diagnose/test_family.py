@@ -37,7 +37,7 @@ from family.noise import KINDS as NOISES
 from family.noise import draw_noise
 from family.physics import PRESSURE_1
 from family.records import CHANNELS, USES, outputs, record
-from family.scoring import attainable, matches
+from family.scoring import attainable, matches, offered
 from family.suite import Options, run_cases, scores_table, times_table
 from family.summary import summary, wilson
 from family.unlisted import UNLISTED, Unlisted
@@ -295,6 +295,12 @@ def test_effects_that_no_record_tells_apart_stand_for_each_other() -> None:
     assert not matches(["b", "b"], classes)
     assert not matches(["a"], classes)
     assert not matches(["a", "a", "b"], classes)
+
+
+def test_alternatives_may_be_sets() -> None:
+    found = [{"name": "a", "alternatives": ["b", "c + d"]}, {"name": "e", "alternatives": []}]
+    assert offered(found) == [["a", "e"], ["b", "e"], ["c", "d", "e"], ["c", "d"]]
+    assert offered([]) == [[]]
 
 
 def test_shares_and_powers() -> None:

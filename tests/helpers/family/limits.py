@@ -70,8 +70,9 @@ def distance(rig: Rig, form: Form, strength: float, base: Machine | None = None)
     made = record(rig, with_form(without, form, strength), FIT)
     if not np.all(np.isfinite(made.clean)):
         return np.inf, made
-    seen = outputs(made, made.machine) if rig.motion == HAND else whitened(made, made.clean)
-    apart = seen - outputs(made, without)
+    with np.errstate(over="ignore", invalid="ignore"):  # what runs away is infinitely far
+        seen = outputs(made, made.machine) if rig.motion == HAND else whitened(made, made.clean)
+        apart = seen - outputs(made, without)
     return float(np.linalg.norm(apart)) if np.all(np.isfinite(apart)) else np.inf, made
 
 

@@ -51,12 +51,29 @@ def matches(named: Sequence[str], classes: Sequence[set[str]]) -> bool:
     return any(all(name in one for name, one in zip(order, classes, strict=True)) for order in permutations(named))
 
 
+def offered(found: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    """The sets of effects that a report leaves open, the one that it names first.
+
+    An alternative stands for the effect that has it, or where it is a set, "a + b", for that effect or for all.
+    """
+    named = [effect["name"] for effect in found]
+    sets = [named]
+    for place, effect in enumerate(found):
+        for alternative in effect.get("alternatives") or []:
+            names = [name.strip() for name in alternative.split("+")]
+            sets.append([*named[:place], *names, *named[place + 1 :]])
+            if len(names) > 1:
+                sets.append(names)
+    return sets
+
+
 def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> dict[str, Any]:
     """One row: what was named, whether it is right, how far errors went down, and which intervals cover."""
     found = report.get("effects") or []
     named = [effect["name"] for effect in found]
     first = FAILED if "failure" in report else (named[0] if named else NOTHING)
     alternatives = list(found[0].get("alternatives") or []) if found else []
+    single = {name.strip() for one in alternatives for name in one.split("+")}
     inside = truth.get("effects") or {}
     classes = [{name, *inside.get(name, {}).get("class", [])} for name in case.effects]
     anyone = set().union(*classes)
@@ -72,14 +89,15 @@ def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> di
         "verdict": report.get("verdict", ""),
         "first": first,
         "named": " ".join(named),
-        "alternatives": " ".join(alternatives),
+        "alternatives": " | ".join(alternatives),
         **_limits(case, truth, classes),
         "exactly_first": first in case.effects,
         "right_first": first in anyone,
-        "right_or_alternative": bool({first, *alternatives} & anyone),
+        "right_or_alternative": bool({first, *single} & anyone),
         "wrong_named": any(name not in anyone for name in named),
         "exactly_right": first != FAILED and sorted(named) == sorted(case.effects),
         "set_right": first != FAILED and matches(named, classes),
+        "set_right_or_alternative": first != FAILED and any(matches(one, classes) for one in offered(found)),
         "none_named": not named and first != FAILED,
         "unexplained_balance": unexplained.get("balance", ""),
         "unexplained_signals": " ".join(unexplained.get("depends_on", [])),

@@ -70,6 +70,7 @@ def shares(table: pd.DataFrame) -> str:
         ]
     rows += [
         _row("two or three: set right", by[SEVERAL], "set_right", power="attainable"),
+        _row("two or three: set right, or an alternative", by[SEVERAL], "set_right_or_alternative", power="attainable"),
         _row("two or three: very set", by[SEVERAL], "exactly_right", power="attainable"),
         _row("two or three: a wrong one named", by[SEVERAL], "wrong_named"),
         _row("unlisted: unexplained, right balance and signal", by[OTHER], "right_unexplained", power="attainable"),
