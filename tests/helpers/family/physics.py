@@ -179,7 +179,7 @@ def _flows(y: np.ndarray, out: np.ndarray, time: float, p: Numbers) -> float:
         supply += p.ripple * math.sin(p.ripple_frequency * time + p.ripple_phase)
     shape = 1.0 + p.area_gradient * 2.0 * x / p.stroke
     area_1, area_2 = p.area_1 * shape, p.area_2 * shape
-    way = p.following * x
+    way = p.following * (x + p.area_gradient * x * x / p.stroke)  # what both areas sweep: dV/dt is A(x) v
     volume_1 = p.dead_volume_1 + p.area_1 * (0.5 * p.stroke + way)
     volume_2 = p.dead_volume_2 + p.area_2 * (0.5 * p.stroke - way)
     lost = 0.0
