@@ -260,6 +260,7 @@ def test_a_perfect_diagnosis(made: Path) -> None:
     assert not table["wrong_named"].any()
     assert table["at_floor"].all()
     assert (table["position_ratio"] == 0.0).all()
+    assert not table["made_worse"].any()
     assert (table["friction_covered"] == 6).all()
     assert (table["friction_intervals"] == 6).all()
     assert (table["effect_covered"] == table["effect_intervals"]).all()

@@ -20,6 +20,9 @@ FAMILY_ALARM = 0.03
 FLOOR_RANGE = (0.9, 1.15)
 """Residual over its floor where nothing is left."""
 
+WORSE, REJECTED = 1.02, "rejected_on_held_out"
+"""Error of position on held-out records, after over before, beyond which a diagnosis does harm; unless it says so."""
+
 COVERING = 1.645
 """Standard deviations either side of 90 % intervals."""
 
@@ -104,7 +107,8 @@ def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> di
         "right_unexplained": _right_unexplained(case, unexplained),
         **_floors(report),
         **_coverage(case, report, truth),
-        "position_ratio": _position_ratio(report, truth),
+        "position_ratio": (ratio := _position_ratio(report, truth)),
+        "made_worse": ratio > WORSE and report.get("verdict") != REJECTED,
         "error": report.get("failure", ""),
     }
 

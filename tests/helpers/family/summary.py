@@ -7,7 +7,7 @@ import pandas as pd
 
 from .cases import LIMIT, NONE, OTHER, SEVERAL, STRONG, THREE
 from .machines import KINDS
-from .scoring import COVERING, FAILED, FLOOR_RANGE, NOTHING
+from .scoring import COVERING, FAILED, FLOOR_RANGE, NOTHING, WORSE
 
 DEVIATES = 1.96
 """Of 95 % intervals."""
@@ -83,6 +83,11 @@ def shares(table: pd.DataFrame) -> str:
         _row(f"effects: {covers}", table, "effect_covered", "effect_intervals"),
         _row(f"friction: {covers}", table, "friction_covered", "friction_intervals"),
         _row(f"friction, where the set is right: {covers}", right, "friction_covered", "friction_intervals"),
+        _row(
+            f"position error of the held-out free run more than {WORSE} times that before, and not rejected",
+            table[table["position_ratio"].notna()],
+            "made_worse",
+        ),
         _row("failed", table.assign(failed=table["first"] == FAILED), "failed"),
     ]
     return _markdown(["", "cases", "share", "95 % interval", "attainable", *KINDS], [row for row in rows if row[1]])
