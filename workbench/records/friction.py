@@ -71,6 +71,7 @@ def friction_of(record: Record, experiment: Experiment) -> Slow:
     channels = record.channels
     values = experiment.known_values()
     if all(name in channels for name in AXIAL):
+        _check_known(record, values, "friction from pressures", ("piston_area_1", "piston_area_2"))
         force = pressure_force(
             channels["pressure_1"], channels["pressure_2"], values["piston_area_1"], values["piston_area_2"]
         )
@@ -85,10 +86,14 @@ def friction_of(record: Record, experiment: Experiment) -> Slow:
     )
 
 
-def _rotary(record: Record, values: dict[str, float]) -> Slow:
-    for name in ("torque_constant", "piston_radius"):
+def _check_known(record: Record, values: dict[str, float], what: str, names: tuple[str, ...]) -> None:
+    for name in names:
         if name not in values:
-            raise UserError(f"{record.path}: rotary friction needs the parameter {name}; set it in [plant.set]")
+            raise UserError(f"{record.path}: {what} needs the parameter {name}; set it in [plant.set]")
+
+
+def _rotary(record: Record, values: dict[str, float]) -> Slow:
+    _check_known(record, values, "rotary friction", ("torque_constant", "piston_radius"))
     radius = values["piston_radius"]
     force = motor_force(record.channels["motor_current"], values["torque_constant"], radius)
     return from_speed(record.time, radius * record.channels["rotation_speed"], force)

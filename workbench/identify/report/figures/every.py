@@ -14,6 +14,8 @@ from workbench.records.friction import shows_friction
 def figures_of(identification: Identification) -> dict[str, Figure]:
     """Those that the experiment names, records against their simulation, and the correlation of several estimates.
 
+    One of friction is left out where no record shows friction and no curve is known.
+
     Raises:
         UserError: a figure at a speed of rotation that no record has.
     """
@@ -31,7 +33,8 @@ def _requested(identification: Identification) -> dict[str, Figure]:
     if not specs:
         if not all(map(shows_friction, identification.records)):
             return {}
-        return {"friction_velocity": draw_friction(friction_data(identification, None), "Friction over velocity")}
+        data = friction_data(identification, None)
+        return {"friction_velocity": draw_friction(data, "Friction over velocity")} if data.measured else {}
     figures = {}
     for spec in specs:
         if spec.parameter:
@@ -44,7 +47,9 @@ def _requested(identification: Identification) -> dict[str, Figure]:
                 f"{identification.experiment.path}: figures: {spec.name}: no record at {spec.rpm:g} rpm, "
                 f"expected one of {shown}"
             )
-        figures[spec.name] = draw_friction(friction_data(identification, spec.rpm), spec.title)
+        data = friction_data(identification, spec.rpm)
+        if data.measured or data.curves:
+            figures[spec.name] = draw_friction(data, spec.title)
     return figures
 
 

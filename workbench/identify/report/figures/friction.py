@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from workbench.errors import UserError
 from workbench.identify.report.figures.frame import panels_of
 from workbench.identify.result import Identification
 from workbench.identify.thesis.method import STATIC as STEADY
@@ -52,7 +53,8 @@ def friction_data(identification: Identification, rpm: float | None) -> Friction
     """The numbers of the figure, of the records at one speed of rotation or (None) of all."""
     records = [record for record in identification.records if rpm is None or record.rpm == rpm]
     axis, rotary = identification.experiment.plant.axis, all(is_rotary(record) for record in records)
-    measured = [_measured(identification, record) for record in records if shows_friction(record)]
+    found = [_measured(identification, record) for record in records if shows_friction(record)]
+    measured = [data for data in found if data is not None]
     forward, backward = (
         max((float(np.nanmax(sign * data.velocity)) for data in measured), default=0.0) for sign in (1.0, -1.0)
     )
@@ -83,9 +85,13 @@ def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
     return figure
 
 
-def _measured(identification: Identification, record: Record) -> Slow:
+def _measured(identification: Identification, record: Record) -> Slow | None:
+    """What a record shows; None where a parameter is not declared without which channels are no friction."""
     known = identification.thesis.curves.get(record) if identification.thesis is not None else None
-    return known or slower(friction_of(record, identification.experiment))
+    try:
+        return known or slower(friction_of(record, identification.experiment))
+    except UserError:
+        return None
 
 
 def _sets(identification: Identification, rpm: float | None) -> dict[str, dict[str, float]]:
