@@ -1,4 +1,6 @@
-"""Uncertainty of a least-squares fit whose residuals are not white: sensors quantise, and are calibrated to a point."""
+"""Uncertainty of a least-squares fit: residuals are not white, models lack something, and what is held is not known
+exactly.
+"""
 
 import numpy as np
 
@@ -72,3 +74,45 @@ def sandwich(
         windows = full[length:] - full[:-length]
         meat += windows.T @ windows / length
     return np.asarray(curved @ meat @ curved)
+
+
+def by_blocks(jacobian: np.ndarray, residuals: np.ndarray, blocks: np.ndarray, priors: np.ndarray) -> np.ndarray:
+    """Covariance of the same estimate from how far it moves when a part of the record is left out (jackknife).
+
+        d_b = -(H - J_b'J_b)^-1 J_b' r_b,   cov = (B - 1)/B sum_b (d_b - mean d)(d_b - mean d)'
+
+    to first order. What a model lacks stays in the residual over a whole motion, and a part of the record then wants
+    other numbers than the next: no memory of a few samples shows that.
+
+    Args:
+        jacobian: of the weighted residuals, shape (samples, unknowns).
+        residuals: weighted, shape (samples,).
+        blocks: the number of the part of the record to which each sample belongs, shape (samples,); -1 to none.
+        priors: 1 for an unknown with a prior of unit standard deviation, else 0, shape (unknowns,).
+    """
+    normal = jacobian.T @ jacobian + np.diag(priors)
+    moved = []
+    for block in range(int(np.max(blocks)) + 1):
+        own = blocks == block
+        part = jacobian[own]
+        moved.append(inverse(normal - part.T @ part) @ (part.T @ residuals[own]))
+    if len(moved) < 2:
+        return np.zeros_like(normal)
+    away = np.array(moved) - np.mean(moved, axis=0)
+    return np.asarray(away.T @ away * (len(moved) - 1) / len(moved))
+
+
+def of_uncertain(jacobian: np.ndarray, held: np.ndarray, deviations: np.ndarray, priors: np.ndarray) -> np.ndarray:
+    """What parameters that are held, and known to a standard deviation, add to the covariance of those that are fitted.
+
+        dx/dp = -H^-1 J' dr/dp,   H = J'J + diag(priors),   cov = sum_p (dx/dp)(dx/dp)' std_p^2
+
+    Args:
+        jacobian: dr/dx of the weighted residuals r by the fitted unknowns x, shape (samples, unknowns).
+        held: dr/dp of the same residuals by the held parameters p, shape (samples, held).
+        deviations: std_p, in the units of p, shape (held,).
+        priors: 1 for an unknown with a prior of unit standard deviation, else 0, shape (unknowns,).
+    """
+    normal = jacobian.T @ jacobian + np.diag(priors)
+    moved = inverse(normal) @ (jacobian.T @ (held * deviations))
+    return np.asarray(moved @ moved.T)

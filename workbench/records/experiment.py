@@ -21,6 +21,7 @@ from workbench.parameters.sets import (
     parameter_path,
     parameter_value,
     plain_name,
+    read_deviations,
     read_parameters,
 )
 from workbench.records.channels import ChannelSpec, channels_of, quantity
@@ -67,7 +68,8 @@ class Experiment:
 
     `values` are the declared parameters by canonical name: where a parameter's two directions have one value there is
     no `_negative` name. The plant has those effects of which a parameter is not neutral, or is named in [fit]. `free`
-    is None where the file says nothing. `accuracies` are the standard deviations of the
+    is None where the file says nothing. `deviations` are the standard deviations of declared values, of those that have
+    one. `accuracies` are the standard deviations of the
     sensors' systematic errors (`NUISANCES`) that a fit may find.
     """
 
@@ -88,6 +90,7 @@ class Experiment:
     published: tuple[PublishedTable, ...] = ()
     figures: tuple[FigureTable, ...] = ()
     true_sensors: Mapping[str, float] = field(default_factory=dict)
+    deviations: Mapping[str, float] = field(default_factory=dict)
 
     def parameters(self, changes: Mapping[str, float] | None = None) -> NamedTuple:
         """The plant's parameters, declared or with `changes` by canonical name.
@@ -167,6 +170,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         tuple(content.published),
         tuple(content.figures),
         {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors"), plant.axis),
+        _deviations(content.plant, path.parent, bare.axis, values),
     )
 
 
@@ -211,6 +215,17 @@ def _declared(table: PlantTable, folder: Path, axis: str) -> dict[str, float]:
             raise files.SchemaError(("plant", "scale", name), f"unknown parameter; {nearby(name, values)}")
         values |= {each: values[each] * ratio for each in (name, f"{name}_{NEGATIVE}") if each in values}
     return values
+
+
+def _deviations(table: PlantTable, folder: Path, axis: str, values: Mapping[str, float]) -> dict[str, float]:
+    """Standard deviations of the declared values: those of the set; none of what [plant.set] says."""
+    if not table.parameters:
+        return {}
+    found = dict(read_deviations(parameter_path(table.parameters, folder), axis))
+    for name, ratio in table.scale.items():
+        found |= {each: found[each] * ratio for each in (name, f"{name}_{NEGATIVE}") if each in found}
+    known = {name: std for name, std in found.items() if name in values and std > 0.0}
+    return {name: std for name, std in known.items() if not {name, plain_name(name)} & table.set.keys()}
 
 
 def _free(free: list[str], names: list[str], values: Mapping[str, float]) -> tuple[str, ...]:
