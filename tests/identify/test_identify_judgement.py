@@ -98,7 +98,7 @@ def test_an_offset_that_nobody_believes_is_told(tmp_path: Path) -> None:
     answer = identify(tmp_path, text.replace("[[records]]", f"{sensors}[[records]]"), "simulation")
     assert answer.code == 0
     assert "pressure_1_offset is 10 times the standard deviation that [sensors] gives it (2e+04 Pa)" in answer.out
-    assert "take for right all that was declared and not fitted" in answer.out
+    assert "take for right what was declared without a deviation" in answer.out
 
 
 # --- the thesis's method ---

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from workbench.identify.simulation.method import Fitted, SimulationFit
+from workbench.identify.simulation.found import Fitted, SimulationFit
 from workbench.identify.thesis.method import Estimate
 from workbench.identify.thesis.records import ThesisFit
 from workbench.parameters.sets import known_units
@@ -25,7 +25,8 @@ class Corrected:
 class IdentifiedParameter:
     """A parameter (SI, `unit`) as declared, as it is in truth where that is known, and by each method.
 
-    `bound` is its value where the fit by simulation stopped at a bound of the experiment.
+    `bound` is its value where the fit by simulation stopped at a bound of the experiment; `refuted`: the records refute
+    that fit, and of its values none is identified.
     """
 
     unit: str
@@ -34,6 +35,7 @@ class IdentifiedParameter:
     thesis: Estimate | None
     simulation: Fitted | None
     bound: float | None
+    refuted: bool = False
 
     def to_json(self, *, has_truth: bool) -> dict[str, object]:
         """As identified.json holds it; `has_truth`: the experiment names a truth, though maybe not of this."""
@@ -44,6 +46,8 @@ class IdentifiedParameter:
             data["thesis"] = self.thesis.to_json()
         if self.bound is not None:
             data["simulation"] = {"value": self.bound, "at_bound": True}
+        elif self.simulation is not None and self.refuted:
+            data["simulation"] = {"value": self.simulation.value, "refuted": True}
         elif self.simulation is not None:
             data["simulation"] = asdict(self.simulation)
         return data
@@ -72,6 +76,11 @@ class Identification:
         )
 
     @property
+    def refuted(self) -> str:
+        """How much more than noise the fit by simulation leaves, where the records refute it; else ""."""
+        return "" if self.simulation is None else self.simulation.refuted
+
+    @property
     def parameters(self) -> dict[str, IdentifiedParameter]:
         """All of `names` with what is known of each."""
         return {name: self._parameter(name) for name in self.names}
@@ -88,6 +97,7 @@ class Identification:
             thesis=None if thesis is None else thesis.estimates.get(name),
             simulation=None if simulation is None else simulation.estimates.get(name),
             bound=None if bound is None else bound[0],
+            refuted=bool(self.refuted),
         )
 
     @property
@@ -97,6 +107,8 @@ class Identification:
         where = f"identified from {count} record{'s' * (count > 1)} of {self.experiment.path.name}"
         if self.simulation is not None:
             by = f"{where}, by simulation error"
+            if self.refuted:
+                by = f"not identified: {self.refuted}; {by.removeprefix('identified ')}"
             fitted = {name: Corrected(fit.value, fit.std, by) for name, fit in self.simulation.estimates.items()}
             bounded = self.simulation.bounded.items()
             return fitted | {name: Corrected(value, None, f"{by}: {why}") for name, (value, why) in bounded}

@@ -32,8 +32,14 @@ DIGITS = 4
 
 STAYS = " and stays as declared"
 TAKEN_FOR_RIGHT = (
-    "Simulation: standard deviations are those of noise and sensors; they take for right all that was declared and not "
-    "fitted."
+    "Simulation: standard deviations are those of noise and sensors; they take for right what was declared without a "
+    "deviation and not fitted."
+)
+
+LACKING = (
+    "The plant lacks something that the records show, or the search did not find it: what stands under simulation fits "
+    "best, is not what the machine has, and is in plant.toml without a deviation. workbench diagnose looks for what "
+    "is missing"
 )
 
 
@@ -51,7 +57,16 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     experiment, thesis = identification.experiment, identification.thesis
     frame, notes = table_of(identification), notes_of(identification)
     figures = figures_of(identification)
-    paths = [write_frame("identified", Table(experiment.title, frame, notes), folder / "tables")[1]]
+    notes += [
+        f"Figure {spec.name} is left out: no record shows friction, which takes both pressures or a force beside the "
+        "position."
+        for spec in experiment.figures
+        if spec.name not in figures
+    ]
+    title = experiment.title
+    if identification.refuted:
+        title = f"Not identified: {identification.refuted}. {title}"
+    paths = [write_frame("identified", Table(title, frame, notes), folder / "tables")[1]]
     for spec in experiment.published:
         if thesis is None:
             break
@@ -116,11 +131,15 @@ def _line(identification: Identification, name: str, parameter: IdentifiedParame
     if parameter.bound is not None:
         line |= {"simulation": f"{shown(parameter.bound)}, at its bound"}
         simulation = None
+    elif simulation is not None and parameter.refuted:
+        line |= {"simulation": f"{shown(simulation.value)}, not identified"}
     elif simulation is not None:
         line |= {
             "simulation": shown(simulation.value),
             "simulation std": shown(simulation.std),
-            "95 % interval": shown_interval(scale * simulation.low, scale * simulation.high, DIGITS),
+            "95 % interval": ""
+            if simulation.low is None or simulation.high is None
+            else shown_interval(scale * simulation.low, scale * simulation.high, DIGITS),
         }
     elif identification.simulation is not None and name in identification.simulation.unidentified:
         line |= {"simulation": "not identified"}
@@ -136,8 +155,8 @@ def _line(identification: Identification, name: str, parameter: IdentifiedParame
 
 def notes_of(identification: Identification) -> list[str]:
     """What a reader of the table must know."""
-    notes = []
     fit = identification.simulation
+    notes = [f"{LACKING}."] * bool(identification.refuted)
     for record in identification.records:
         notes += [f"{record.name}, {record.path.name}: {note}." for note in record.notes]
     if identification.thesis is not None:
@@ -152,7 +171,8 @@ def notes_of(identification: Identification) -> list[str]:
             for name, why in identification.thesis.unidentified.items()
         ]
     if fit is not None:
-        notes.append(TAKEN_FOR_RIGHT)
+        if not fit.refuted:
+            notes.append(TAKEN_FOR_RIGHT)
         notes += [f"{name} is {why}, and has no deviation there." for name, (_, why) in fit.bounded.items()]
         notes += [
             f"{name} cannot be identified from these records and stays as declared: {why}."
@@ -166,10 +186,15 @@ def notes_of(identification: Identification) -> list[str]:
         for name, sensor in fit.sensors.items():
             unit = unit_along(NUISANCES[name], identification.experiment.plant.axis)
             shown = SHOWN.get(unit, unit)
-            texts = [shown_number(factor(unit, shown) * value, 3) for value in (sensor.value, sensor.std)]
             true = identification.experiment.true_sensors.get(name)
-            truth = "" if true is None else f"; truth {shown_number(factor(unit, shown) * true, 3)}"
-            notes.append(f"{name}: {texts[0]} (std {texts[1]}{truth}) {'as a share' if shown == '1' else shown}.")
+            told = {"": sensor.value, "std ": sensor.std, "truth ": true}
+            value, *others = [
+                f"{what}{shown_number(factor(unit, shown) * number, 3)}"
+                for what, number in told.items()
+                if number is not None
+            ]
+            brackets = f" ({'; '.join(others)})" if others else ""
+            notes.append(f"{name}: {value}{brackets} {'as a share' if shown == '1' else shown}.")
         notes += [f"{note}." for note in fit.notes]
     return notes
 

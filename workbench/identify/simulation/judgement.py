@@ -41,7 +41,7 @@ FAR = 3.0
 """Standard deviations from which a sensor's error is told to be implausible."""
 
 NOISY = 5.0
-"""Residuals of so many times the noise are told."""
+"""Residuals of so many times the noise that is expected refute the plant: of its numbers none is identified."""
 
 NO_EFFECT = "has no effect on the records"
 
@@ -149,8 +149,17 @@ def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[s
         )
 
 
-def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> tuple[str, ...]:
-    """What is suspicious about a fit: sensors' errors beyond what is declared, residuals far above the noise."""
+def refuted(rms: Mapping[str, float], noise: Mapping[str, float]) -> str:
+    """How much more than noise a fit leaves, in words; "" where that may be noise."""
+    over = {name: rms[name] / noise[name] for name in rms if rms[name] > NOISY * noise[name]}
+    if not over:
+        return ""
+    left = " and ".join(f"{name} {ratio:.0f} times" for name, ratio in sorted(over.items(), key=lambda each: -each[1]))
+    return f"the fit leaves residuals far above the noise, of {left} as much"
+
+
+def remarks(problem: Problem, theta: np.ndarray) -> tuple[str, ...]:
+    """What is suspicious about a fit: sensors' errors beyond what is declared."""
     suspicions = []
     _, numbers = problem.left(theta)
     for name, std in problem.experiment.accuracies.items():
@@ -163,15 +172,12 @@ def remarks(problem: Problem, theta: np.ndarray, after: Mapping[str, float]) -> 
                 f"{name} is {abs(number):.0f} times the standard deviation that [sensors] gives it "
                 f"({given}): the unit or the sign of a channel may be wrong"
             )
-    for output, rms in after.items():
-        places = [place for _, name, place in problem.series() if name == output]
-        noise = float(np.sqrt(np.mean([noise_of(problem.measured[place]) ** 2 for place in places])))
-        if rms > NOISY * noise:
-            suspicions.append(
-                f"{output}: the residuals are {rms / noise:.0f} times the noise: the plant lacks something that the "
-                "records show, and the standard deviations do not know it"
-            )
     return tuple(suspicions)
+
+
+def held_remarks(held: Sequence[str]) -> tuple[str, ...]:
+    """What was not fitted and is in the deviations."""
+    return (f"The deviations include those of what was not fitted: {', '.join(held)}",) if held else ()
 
 
 def _rms(parts: Sequence[np.ndarray]) -> float:

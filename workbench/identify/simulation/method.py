@@ -2,7 +2,6 @@
 follows the record best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -11,8 +10,12 @@ from plants.equation import NEGATIVE
 from workbench.errors import UserError
 from workbench.fitting import covariance
 from workbench.fitting.replay import observe_all
-from workbench.identify.simulation import judgement
+from workbench.identify.simulation import judgement, starts
+from workbench.identify.simulation.expected import expected_noise, rms_of
+from workbench.identify.simulation.found import SimulationFit, result_of
+from workbench.identify.simulation.integration import is_fine
 from workbench.identify.simulation.problem import Problem, make_problem, projected
+from workbench.identify.simulation.uncertain import held_columns, without_held
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, parameter_names
 from workbench.records.friction import directions
@@ -23,9 +26,6 @@ from workbench.records.sliding import check_slides
 FLAT, NEAR, MOST_STEPS = 1e-8, 1e-5, 60
 """A search ends when a step gains less of the sum of squares, or moves the unknowns less, than this."""
 
-LOGARITHMIC_SCAN, LINEAR_SCAN, FARTHEST, MOST_SCANS = (-1.2, -0.4, 0.4, 1.2), (-2.0, -0.5, 0.5, 2.0), 2.4, 6
-"""Steps of the unknowns in a coarse scan, how far it goes (11 times as much), and how often through all of them."""
-
 INSIDE = 1e-9
 """A search starts this far inside its bounds."""
 
@@ -33,54 +33,14 @@ FEW = 4
 """Records below which the sandwich scatters too much to be trusted where it says less than (J'J)^-1, whose errors are
 weighted by their long-run deviation already."""
 
-NORMAL_95 = 1.959964
-"""Half width of a 95 % interval in standard deviations."""
+MISFIT = 1.5
+"""Residuals over the expected noise from which a deviation is no smaller than that over parts of the records."""
 
+BLOCKS = 10
+"""Parts of the records, at least."""
 
-@dataclass(frozen=True)
-class Fitted:
-    """One parameter: value, standard deviation and 95 % interval (SI)."""
-
-    value: float
-    std: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
-class SimulationFit:
-    """What a fit by simulation finds.
-
-    `unidentified` says of each parameter that the records cannot identify why; it is at its declared value. `bounded`
-    are those at a bound of the experiment: value (SI), and which bound, in words; such a number has no deviation.
-    `measured` and `simulated` are by record and output, in SI, over `times`; `rms` the residuals' by output.
-    """
-
-    estimates: Mapping[str, Fitted]
-    correlation: np.ndarray
-    unidentified: Mapping[str, str]
-    sensors: Mapping[str, Fitted]
-    rms: Mapping[str, float]
-    before: Mapping[str, float]
-    times: Mapping[Record, np.ndarray]
-    simulated: Mapping[Record, Mapping[str, np.ndarray]]
-    measured: Mapping[Record, Mapping[str, np.ndarray]]
-    memory: float
-    evaluations: int
-    notes: tuple[str, ...] = ()
-    bounded: Mapping[str, tuple[float, str]] = field(default_factory=dict)
-
-    def to_json(self) -> dict[str, object]:
-        """As identified.json holds it."""
-        return {
-            "unidentified": dict(self.unidentified),
-            "notes": list(self.notes),
-            "correlation": {"names": list(self.estimates), "matrix": self.correlation.tolist()},
-            "sensors": {name: asdict(fitted) for name, fitted in self.sensors.items()},
-            "rms": {"before": dict(self.before), "after": dict(self.rms)},
-            "residual_memory_s": self.memory,
-            "evaluations": self.evaluations,
-        }
+MOST_REFINEMENTS = 2
+"""Times that the step of integration is halved because a fit would take its error for information."""
 
 
 def default_free(experiment: Experiment, records: Sequence[Record]) -> list[str]:
@@ -119,7 +79,7 @@ def identify_by_simulation(
     theta = np.zeros(len(free))
     before = _rms(problem, theta)
     if experiment.plant.unknown:
-        theta = _scanned(problem)
+        theta = starts.scanned(problem)
     unidentified = judgement.without_effect(problem, theta)
     if unidentified and experiment.plant.unknown and experiment.free is None:
         raise UserError(
@@ -127,16 +87,22 @@ def identify_by_simulation(
             "change nothing in it; is a dead band declared beyond the largest command, or a channel's unit wrong?"
         )
     theta = _without(problem, theta, unidentified)
-    theta = _solve(problem, theta, rough=True)
+    theta = _best(problem, _solve(problem, theta, rough=True))
     judgement.check_followed(problem, theta)
     bounded: dict[str, tuple[float, str]] = {}
+    refinements = 0
     while True:
         problem.describe_sensors(theta)
         length = _reweight(problem, theta)
         theta = _solve(problem, theta)
-        jacobian, cov = _covariance(problem, theta, length)
+        jacobian = _whole_jacobian(problem, theta)
+        cov = _covariance(problem, theta, jacobian, problem.left(theta)[0], length)
         if not problem.free:
             break
+        if refinements < MOST_REFINEMENTS and not is_fine(problem, theta, jacobian, cov):
+            problem.refine()
+            refinements += 1
+            continue
         given, astray = judgement.at_bounds(problem, theta)
         worst = {} if given else astray or judgement.not_identified(problem, theta, jacobian, cov)
         if not given and not worst:
@@ -146,8 +112,36 @@ def identify_by_simulation(
         unidentified |= worst
         theta = _without(problem, theta, {**given, **worst})
     judgement.check_followed(problem, theta)
-    judgement.check_better(problem, before, _rms(problem, theta))
-    return _result(problem, theta, cov, length, unidentified, bounded, before)
+    rms = _rms(problem, theta)
+    judgement.check_better(problem, before, rms)
+    noise = expected_noise(problem, theta, jacobian[:, : theta.size])
+    columns, held = held_columns(problem, theta)
+    left = without_held(problem, theta, jacobian, columns)
+    beyond = rms_of(problem, left)
+    refuted = judgement.refuted(beyond, noise)
+    if not refuted:
+        misfit = max(beyond[name] / noise[name] for name in beyond)
+        cov = _covariance(problem, theta, jacobian, left, length, whole=misfit > MISFIT)
+        cov += covariance.of_uncertain(jacobian, columns, np.ones(len(held)), _priors(problem))
+    notes = (*judgement.remarks(problem, theta), *judgement.held_remarks([] if refuted else held))
+    return result_of(problem, theta, cov, length, unidentified, bounded, before, rms, noise, refuted, notes)
+
+
+def _best(problem: Problem, theta: np.ndarray) -> np.ndarray:
+    """The best unknowns of searches from several starts, where the first one ended far from the noise."""
+    if not problem.free:
+        return theta
+    jacobian = problem.jacobian(theta, rough=True)
+    noise = expected_noise(problem, theta, jacobian)
+    if not judgement.refuted(_rms(problem, theta), noise):
+        return theta
+    whole = np.hstack([jacobian, -problem.weighted_nuisance])
+    left = without_held(problem, theta, whole, held_columns(problem, theta)[0])
+    if not judgement.refuted(rms_of(problem, left), noise):
+        return theta
+    found = [theta, *(_solve(problem, start, rough=True) for start in starts.others(problem))]
+    problem.forget()
+    return min(found, key=lambda each: starts.left(problem, each))
 
 
 def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -> np.ndarray:
@@ -155,32 +149,6 @@ def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -
     keep = [i for i, name in enumerate(problem.free) if name not in names]
     problem.free = [problem.free[i] for i in keep]
     return theta[keep]
-
-
-def _scanned(problem: Problem) -> np.ndarray:
-    """The unknowns from which a search starts of which the valleys are narrow: of delays and dead bands.
-
-    Each unknown in turn takes the best of some values far around its own, until none gets better.
-    """
-    theta, q = np.zeros(len(problem.free)), problem.projector()
-    low, high = (np.clip(ends, -FARTHEST, FARTHEST) for ends in problem.limits())
-
-    def left(x: np.ndarray) -> float:
-        return float(np.sum(projected(q, problem.errors(x)) ** 2))
-
-    best = left(theta)
-    for _ in range(MOST_SCANS):
-        before = best
-        for i, name in enumerate(problem.free):
-            steps = LOGARITHMIC_SCAN if problem.logarithmic(name) else LINEAR_SCAN
-            for value in {float(np.clip(theta[i] + step, low[i], high[i])) for step in steps} - {float(theta[i])}:
-                trial = theta.copy()
-                trial[i] = value
-                if (found := left(trial)) < best:
-                    theta, best = trial, found
-        if best == before:
-            break
-    return theta
 
 
 def _solve(problem: Problem, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
@@ -206,93 +174,60 @@ def _reweight(problem: Problem, theta: np.ndarray) -> int:
     """Weight each output by the long-run deviation of its residuals; returns the residuals' memory (samples)."""
     left, _ = problem.left(theta)
     residuals = left / problem.weights
-    series = problem.series()
-    length = covariance.long_run_length([residuals[place] for _, _, place in series])
-    for output in {name for _, name, _ in series}:
-        places = [place for _, name, place in series if name == output]
-        memory = covariance.long_run_length([residuals[place] for place in places])
-        deviation = np.sqrt(np.mean([covariance.long_run_deviation(residuals[place], memory) ** 2 for place in places]))
-        for place in places:
-            problem.weights[place] = 1.0 / max(float(deviation), 1e-12)
+    length = covariance.long_run_length([residuals[place] for _, _, place in problem.series()])
+    problem.weights = 1.0 / np.maximum(_long_run(problem, residuals), 1e-12)
     return length
 
 
-def _covariance(problem: Problem, theta: np.ndarray, length: int) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted Jacobian over all unknowns (parameters, then sensors), and their covariance."""
-    jacobian = np.hstack([problem.jacobian(theta), -problem.weighted_nuisance])
-    left, _ = problem.left(theta)
-    priors = np.concatenate([np.zeros(theta.size), np.ones(problem.nuisance.shape[1])])
-    groups = [place for _, _, place in problem.series()]
-    cov = covariance.sandwich(jacobian, left, groups, length, priors)
+def _whole_jacobian(problem: Problem, theta: np.ndarray) -> np.ndarray:
+    """Weighted Jacobian over all unknowns: parameters, then sensors."""
+    return np.hstack([problem.jacobian(theta), -problem.weighted_nuisance])
+
+
+def _priors(problem: Problem) -> np.ndarray:
+    """Which unknowns have a prior of unit standard deviation: those of the sensors."""
+    return np.concatenate([np.zeros(len(problem.free)), np.ones(problem.nuisance.shape[1])])
+
+
+def _covariance(
+    problem: Problem, theta: np.ndarray, jacobian: np.ndarray, left: np.ndarray, length: int, *, whole: bool = False
+) -> np.ndarray:
+    """Covariance of all unknowns from the weighted errors that are left; `whole`: also from whole parts of records."""
+    priors, series = _priors(problem), problem.series()
+    cov = covariance.sandwich(jacobian, left, [place for _, _, place in series], length, priors)
     if len(problem.observed) < FEW:
         plain = covariance.inverse(jacobian.T @ jacobian + np.diag(priors))
-        cov = covariance.at_least(cov, plain)
-    return jacobian, cov
+        scaled = jacobian * _long_run(problem, left)[:, None]
+        cov = covariance.at_least(cov, plain @ (scaled.T @ scaled + np.diag(priors)) @ plain)
+    if whole:
+        cov = covariance.at_least(cov, covariance.by_blocks(jacobian, left, _blocks(problem), priors))
+    return cov
+
+
+def _long_run(problem: Problem, left: np.ndarray) -> np.ndarray:
+    """The long-run deviation of each output's weighted errors, at each sample."""
+    deviations, series = np.zeros(left.size), problem.series()
+    for output in {name for _, name, _ in series}:
+        parts = [place for _, name, place in series if name == output]
+        memory = covariance.long_run_length([left[place] for place in parts])
+        squares = [covariance.long_run_deviation(left[place], memory) ** 2 for place in parts]
+        for place in parts:
+            deviations[place] = np.sqrt(np.mean(squares))
+    return deviations
+
+
+def _blocks(problem: Problem) -> np.ndarray:
+    """The number of the part of the records in which each sample is: at least `BLOCKS` in all, none in two records."""
+    logs = list(dict.fromkeys(item.of for item in problem.observed))
+    parts = -(-BLOCKS // len(logs))
+    blocks = np.full(problem.measured.size, -1)
+    for item, _, place in problem.series():
+        share = (item.time[: place.stop - place.start] - item.of.time[0]) / item.of.time[-1]
+        blocks[place] = logs.index(item.of) * parts + np.clip((share * parts).astype(int), 0, parts - 1)
+    blocks[~np.isfinite(problem.measured)] = -1
+    return np.unique(blocks, return_inverse=True)[1] - (1 if np.any(blocks < 0) else 0)
 
 
 def _rms(problem: Problem, theta: np.ndarray) -> dict[str, float]:
     """Root mean square (SI) of measured - simulated by output, the sensors' errors taken off."""
-    left, _ = problem.left(theta)
-    squares: dict[str, list[np.ndarray]] = {}
-    for _, name, place in problem.series():
-        known = np.isfinite(problem.measured[place])
-        squares.setdefault(name, []).append(((left / problem.weights)[place][known]) ** 2)
-    return {name: float(np.sqrt(np.mean(np.concatenate(parts)))) for name, parts in squares.items()}
-
-
-def _result(
-    problem: Problem,
-    theta: np.ndarray,
-    cov: np.ndarray,
-    length: int,
-    unidentified: Mapping[str, str],
-    bounded: Mapping[str, tuple[float, str]],
-    before: Mapping[str, float],
-) -> SimulationFit:
-    count = len(problem.free)
-    deviations = np.sqrt(np.diag(cov))
-    estimates = {}
-    for i, name in enumerate(problem.free):
-        ends = [problem.value(name, theta[i] + side * NORMAL_95 * deviations[i]) for side in (-1.0, 1.0)]
-        value = problem.value(name, theta[i])
-        estimates[name] = Fitted(value, abs(problem.slope(name, theta[i])) * deviations[i], ends[0], ends[1])
-    left, numbers = problem.left(theta)
-    residuals = left / problem.weights
-    times, measured, simulated = (dict[Record, dict[str, list[np.ndarray]]]() for _ in range(3))
-    for item, name, place in problem.series():
-        own = slice(place.start + item.warm, place.stop)
-        for table, values in (
-            (times, item.time[item.warm :]),
-            (measured, problem.measured[own]),
-            (simulated, (problem.measured - residuals)[own]),
-        ):
-            table.setdefault(item.of, {}).setdefault(name, []).append(values)
-    scales = np.outer(deviations[:count], deviations[:count])
-    sensors = {}
-    for name, std in problem.experiment.accuracies.items():
-        if name in problem.sensors:
-            column = problem.sensors.index(name)
-            spread = std * deviations[count + column]
-            value = std * float(numbers[column])
-            sensors[name] = Fitted(value, spread, value - NORMAL_95 * spread, value + NORMAL_95 * spread)
-    rms = _rms(problem, theta)
-    return SimulationFit(
-        estimates=estimates,
-        correlation=cov[:count, :count] / np.where(scales > 0.0, scales, 1.0),
-        unidentified=unidentified,
-        sensors=sensors,
-        rms=rms,
-        before=before,
-        times={record: np.concatenate(next(iter(parts.values()))) for record, parts in times.items()},
-        simulated={record: _joined(parts) for record, parts in simulated.items()},
-        measured={record: _joined(parts) for record, parts in measured.items()},
-        memory=length * float(problem.observed[0].count) * problem.observed[0].record.sample_time,
-        evaluations=problem.evaluations,
-        notes=judgement.remarks(problem, theta, rms),
-        bounded=bounded,
-    )
-
-
-def _joined(parts: Mapping[str, Sequence[np.ndarray]]) -> dict[str, np.ndarray]:
-    """The windows of each output one after the other."""
-    return {name: np.concatenate(values) for name, values in parts.items()}
+    return rms_of(problem, problem.left(theta)[0])

@@ -6,8 +6,9 @@ of 0.1 ms (0.2 s with error control) and agree with exact sensitivities to 8e-5;
 of the same equations folded over the samples, take 2.6 s.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -53,6 +54,10 @@ TYPICAL = {
 """Scales (SI) of parameters whose declared value is 0, of an axis that goes straight."""
 
 
+NONE: Mapping[str, float] = MappingProxyType({})
+"""No parameters."""
+
+
 def _plain(name: str) -> str:
     return name.removesuffix(f"_{NEGATIVE}")
 
@@ -78,7 +83,7 @@ class Problem:
     idle: dict[bytes, frozenset[str]] = field(default_factory=dict)
     """Of each kind of record, the parameters of friction that change nothing in it, such as those of the other
     direction. Where a dead band is what keeps a plant from moving, that changes with the band."""
-    known: dict[tuple[bytes, tuple[float, ...]], list[np.ndarray]] = field(default_factory=dict)
+    known: dict[tuple[bytes, tuple[tuple[str, float], ...]], list[np.ndarray]] = field(default_factory=dict)
     held: dict[str, float] = field(default_factory=dict)
     """Parameters (SI) that a fit has driven to their bounds and that stay there."""
     progress: Progress = silent
@@ -158,7 +163,7 @@ class Problem:
     def _outputs(self, item: Observed, changes: dict[str, float]) -> list[np.ndarray]:
         """Predictions of a record; the same numbers where all that matters to it is the same."""
         idle = self.idle.get(item.key, frozenset())
-        key = (item.key, tuple(value for name, value in changes.items() if name not in idle))
+        key = (item.key, tuple(each for each in changes.items() if each[0] not in idle))
         if key not in self.known:
             if len(self.known) > max(KEPT, 20 * len(self.observed)):
                 self.known.clear()
@@ -171,15 +176,19 @@ class Problem:
             ]
         return self.known[key]
 
-    def simulated(self, theta: np.ndarray) -> np.ndarray:
-        """Stacked predictions (SI), NaN where the plant diverges."""
+    def changes(self, theta: np.ndarray) -> dict[str, float]:
+        """Every parameter (SI) that is not as declared."""
         own = {name: self.value(name, x) for name, x in zip(self.free, theta.tolist(), strict=True)}
-        changes = {**self.held, **own}
+        return {**self.held, **own}
+
+    def simulated(self, theta: np.ndarray, others: Mapping[str, float] = NONE) -> np.ndarray:
+        """Stacked predictions (SI), also with `others` of the parameters changed; NaN where the plant diverges."""
+        changes = {**self.changes(theta), **others}
         return np.concatenate([part for item in self.observed for part in self._outputs(item, changes)])
 
-    def errors(self, theta: np.ndarray) -> np.ndarray:
+    def errors(self, theta: np.ndarray, others: Mapping[str, float] = NONE) -> np.ndarray:
         """Weighted measured - simulated, 0 over gaps; `DIVERGED` where the plant diverges."""
-        difference = (self.measured - self.simulated(theta)) * self.weights
+        difference = (self.measured - self.simulated(theta, others)) * self.weights
         difference[~np.isfinite(self.measured)] = 0.0
         return np.nan_to_num(difference, nan=DIVERGED)
 
@@ -199,14 +208,25 @@ class Problem:
                 self.idle[item.key] = frozenset(name for name, any_ in zip(self.free, moved, strict=True) if not any_)
         return jacobian
 
+    def forget(self) -> None:
+        """Nothing of what was simulated holds any longer, nor what had no effect on it."""
+        self.known.clear()
+        self.idle.clear()
+
+    def refine(self) -> None:
+        """Simulate with half the step from now on."""
+        self.observed = [
+            replace(item, integrators=(item.integrators[0].finer(), *item.integrators)) for item in self.observed
+        ]
+        self.forget()
+
     def describe_sensors(self, theta: np.ndarray) -> None:
         """Columns of the sensors' errors about the outputs simulated at `theta`.
 
         Raises:
             UserError: the plant diverges there.
         """
-        self.known.clear()
-        self.idle.clear()
+        self.forget()
         simulated = self.simulated(theta)
         if not np.all(np.isfinite(simulated)):
             raise UserError(

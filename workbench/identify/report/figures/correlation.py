@@ -3,7 +3,7 @@
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.identify.simulation.method import SimulationFit
+from workbench.identify.simulation.found import SimulationFit
 from workbench.publish.style import WIDTH, figure_style
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from workbench.identify.report.figures.frame import panels_of
 from workbench.identify.result import Identification
-from workbench.identify.simulation.method import SimulationFit
+from workbench.identify.simulation.found import SimulationFit
 from workbench.publish.along import SHOWN as ALONG
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
 
