@@ -16,7 +16,9 @@ from workbench.fitting import covariance
 from workbench.fitting.replay import observe_all
 from workbench.identify.simulation import starts, uncertain
 from workbench.identify.simulation.expected import noise_level, resolution, rounding_error
+from workbench.identify.simulation.method import identify_by_simulation
 from workbench.identify.simulation.problem import Problem, make_problem
+from workbench.parameters.corrected import Entry, parameter_file
 from workbench.parameters.sets import build, read_deviations
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -198,6 +200,25 @@ def test_the_step_of_a_rounded_signal_and_its_error() -> None:
 
 
 # --- what is held ---
+
+
+def test_what_is_declared_with_a_deviation_refutes_nothing_and_is_in_the_others(tmp_path: Path) -> None:
+    """A valve's gain off by 2 %, declared to 1 % or for certain: the position is off by many times its noise."""
+    save_record(tmp_path / "record.parquet", moved(valve_flow_gain=1.02 * TRUTH["valve_flow_gain"]), seed=3)
+    for std in (0.01, None):
+        entries = [
+            Entry(name, value, std * value if std and name == "valve_flow_gain" else None, "a test")
+            for name, value in TRUTH.items()
+        ]
+        (tmp_path / "declared.toml").write_text(parameter_file("declared", "a test", entries, THESIS.axis))
+        text = experiment_text({"coulomb": 1.1}, ["coulomb", "viscous"])
+        text = text.replace('parameters = "owen2001_experiment"', 'parameters = "declared.toml"', 1)
+        experiment = read_experiment(write(tmp_path, text, "experiment.toml"))
+        fit = identify_by_simulation(experiment, read_records(experiment))
+        assert fit.rms["position"] > 10.0 * fit.noise["position"]
+        assert bool(fit.refuted) == (std is None)
+        for name, found in fit.estimates.items():
+            assert found.std is None or abs(found.value - TRUTH[name]) < 2.5 * found.std, name
 
 
 def test_what_is_held_and_uncertain_widens_a_deviation_as_linear_algebra_says() -> None:

@@ -75,6 +75,18 @@ def test_gain_dead_band_and_delay_are_found_from_a_guess_off_by_two_and_more(
     assert identified[name + suffix]["value"] == pytest.approx(truth, rel=0.05)
 
 
+@pytest.mark.parametrize("suffix", ["", "_negative"])
+@pytest.mark.parametrize("name", FOUND)
+def test_deviations_know_that_samples_are_old_and_the_way_between_them_is_not(
+    folder: Path, identified: dict[str, dict[str, float]], name: str, suffix: str
+) -> None:
+    """A position that is up to a sample older than its command shows as a delay, by up to 2.4 deviations."""
+    truth, found = read_parameters(folder / "machine.toml")[name + suffix], identified[name + suffix]
+    assert abs(found["value"] - truth) < 2.0 * found["std"]
+    if name == "command_delay":
+        assert found["std"] == pytest.approx(STEP / np.sqrt(6.0), rel=0.05)
+
+
 def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_path: Path, png_alone: None) -> None:
     """They end at 0 or next to it, whatever was guessed, and what is fitted beside them comes out right."""
     absent = {f"{name}{suffix}": 0.0 for name in ("dead_band", "command_delay") for suffix in ("", "_negative")}

@@ -179,6 +179,13 @@ def _input(record: Record, values: np.ndarray) -> Sampled:
     return Sampled(points, PchipInterpolator(time, values)(points))
 
 
+def straight(record: Record, name: str) -> Sampled:
+    """A measured input, or the command in its place, on straight lines between its samples."""
+    values = record.channels[name if name in record.channels else "command"]
+    known = np.isfinite(values)
+    return Sampled(record.time[known], values[known])
+
+
 def _slope(time: np.ndarray, values: np.ndarray) -> float:
     """Rate of a line through the values that are known."""
     known = np.isfinite(values)

@@ -116,9 +116,10 @@ def identify_by_simulation(
     judgement.check_better(problem, before, rms)
     noise = expected_noise(problem, theta, jacobian[:, : theta.size])
     columns, held = held_columns(problem, theta)
-    left = without_held(problem, theta, jacobian, columns)
+    left = _beyond_held(problem, theta, jacobian, columns, held, noise)
     beyond = rms_of(problem, left)
-    refuted = judgement.refuted(beyond, noise)
+    if refuted := judgement.refuted(beyond, noise):
+        refuted = judgement.refuted(rms, noise) or refuted
     if not refuted:
         misfit = max(beyond[name] / noise[name] for name in beyond)
         cov = _covariance(problem, theta, jacobian, left, length, whole=misfit > MISFIT)
@@ -136,12 +137,34 @@ def _best(problem: Problem, theta: np.ndarray) -> np.ndarray:
     if not judgement.refuted(_rms(problem, theta), noise):
         return theta
     whole = np.hstack([jacobian, -problem.weighted_nuisance])
-    left = without_held(problem, theta, whole, held_columns(problem, theta)[0])
+    left = without_held(problem, theta, whole, *held_columns(problem, theta))
     if not judgement.refuted(rms_of(problem, left), noise):
         return theta
     found = [theta, *(_solve(problem, start, rough=True) for start in starts.others(problem))]
     problem.forget()
     return min(found, key=lambda each: starts.left(problem, each))
+
+
+def _beyond_held(
+    problem: Problem,
+    theta: np.ndarray,
+    jacobian: np.ndarray,
+    columns: np.ndarray,
+    held: Sequence[str],
+    noise: Mapping[str, float],
+) -> np.ndarray:
+    """Weighted errors without what is held explains of them, weighed against what is declared by the noise (SI).
+
+    By the weights of the fit, which know a misfit only as noise, what is declared would count for more than it should.
+    """
+    weights = problem.weights
+    problem.weights = np.concatenate(
+        [np.full(place.stop - place.start, 1.0 / noise[name]) for _, name, place in problem.series()]
+    )
+    ratio = (problem.weights / weights)[:, None]
+    left = without_held(problem, theta, ratio * jacobian, ratio * columns, held)
+    problem.weights = weights
+    return np.asarray(left / ratio[:, 0])
 
 
 def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -> np.ndarray:

@@ -247,7 +247,11 @@ class Problem:
 
     def left(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted errors without what the sensors explain, and the sensors' numbers in standard deviations."""
-        errors, nuisance = self.errors(theta), self.weighted_nuisance
+        return self.without_sensors(self.errors(theta))
+
+    def without_sensors(self, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same of any weighted errors."""
+        nuisance = self.weighted_nuisance
         normal = nuisance.T @ nuisance + np.eye(nuisance.shape[1])
         numbers = np.linalg.solve(normal, nuisance.T @ errors)
         return errors - nuisance @ numbers, numbers

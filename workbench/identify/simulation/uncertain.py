@@ -1,15 +1,25 @@
 """What is held and not known exactly: declared parameters with a deviation, and the age of a slow log's samples."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from plants.equation import fields
 from workbench.errors import UserError
 from workbench.fitting.covariance import inverse
-from workbench.identify.simulation.problem import Problem
+from workbench.fitting.replay import straight
+from workbench.identify.simulation.problem import DIVERGED, Problem
 from workbench.records.sampling.sight import SLOW
+
+BOUND = 1.0 / np.sqrt(3.0)
+"""Standard deviation of what is anywhere within a bound, over that."""
 
 SMALLEST = 0.5
 """Share of a parameter's value below which it is not lowered for its derivative."""
+
+STEPS = 3
+"""In which held parameters are looked for that explain what a fit leaves."""
 
 AREAS = ("piston_area_1", "piston_area_2")
 """Of a plant that holds for equal ones alone they change together."""
@@ -31,19 +41,51 @@ def held_columns(problem: Problem, theta: np.ndarray) -> tuple[np.ndarray, list[
         if name in known and name not in problem.free and name not in problem.held
     }
     columns["the age of the samples"] = _by_age(problem, theta)
+    columns["the way of the inputs between samples"] = _by_way(problem, theta)
     moving = {name: column for name, column in columns.items() if np.any(column != 0.0)}
     return (np.column_stack([*moving.values()]) if moving else np.zeros((problem.measured.size, 0))), [*moving]
 
 
-def without_held(problem: Problem, theta: np.ndarray, jacobian: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Weighted errors without what held parameters explain that are not quite as declared, to first order.
+def without_held(
+    problem: Problem, theta: np.ndarray, jacobian: np.ndarray, columns: np.ndarray, names: Sequence[str]
+) -> np.ndarray:
+    """Weighted errors without what held parameters explain that are not quite as declared.
 
-    r + J x + C p with x (fitted, sensors' errors) and p (held, in standard deviations) that make it and p'p least.
+    r(x, p) with x (fitted, sensors' errors) and p (held, in standard deviations) that make r'r + p'p least: some steps
+    of Gauss and Newton with the derivatives at the declared values, as long as they make it less.
     """
-    left, _ = problem.left(theta)
+    count, held = theta.size, jacobian.shape[1]
     both = np.hstack([jacobian, columns])
-    priors = np.concatenate([np.zeros(theta.size), np.ones(both.shape[1] - theta.size)])
-    return np.asarray(left - both @ inverse(both.T @ both + np.diag(priors)) @ (both.T @ left))
+    priors = np.concatenate([np.zeros(count), np.ones(both.shape[1] - count)])
+    back = inverse(both.T @ both + np.diag(priors))
+    moved, left = np.zeros(both.shape[1]), problem.left(theta)[0]
+    step = -back @ (both.T @ left)
+    best = left + both @ step
+    for _ in range(STEPS):
+        trial = moved + step
+        changes = _changed(problem, names, trial[held:])
+        errors = problem.errors(np.clip(theta + trial[:count], *problem.limits()), changes)
+        if not np.all(np.abs(errors) < DIVERGED):
+            break
+        linear = np.array([name not in problem.experiment.deviations for name in names], dtype=bool)
+        errors = problem.without_sensors(errors + columns[:, linear] @ trial[held:][linear])[0]
+        step = -back @ (both.T @ errors + priors * np.where(np.arange(trial.size) < held, 0.0, trial))
+        moved, found = trial, errors + both @ step
+        if found @ found >= best @ best:
+            break
+        best = found
+    return np.asarray(best)
+
+
+def _changed(problem: Problem, names: Sequence[str], deviations: np.ndarray) -> dict[str, float]:
+    """Held parameters (SI) so many standard deviations from what is declared."""
+    changes: dict[str, float] = {}
+    for name, away in zip(names, deviations.tolist(), strict=True):
+        if (std := problem.experiment.deviations.get(name)) is not None:
+            value = problem.experiment.values[name]
+            least = SMALLEST * value if value > 0.0 else -np.inf
+            changes |= _possible(problem, name, max(value + away * std, least)) or {}
+    return changes
 
 
 def _by_parameter(problem: Problem, theta: np.ndarray, name: str, std: float) -> np.ndarray:
@@ -72,6 +114,21 @@ def _possible(problem: Problem, name: str, number: float) -> dict[str, float] | 
         counted = len(changes) > 1 and name == AREAS[1] and AREAS[0] in experiment.deviations
         return None if counted else changes
     return None
+
+
+def _by_way(problem: Problem, theta: np.ndarray) -> np.ndarray:
+    """By the way of slow records' inputs between samples: a straight line in the place of a curve is a bound."""
+    column, changes, parts = np.zeros(problem.measured.size), problem.changes(theta), {}
+    for item, name, place in problem.series():
+        if item.record.sample_time <= SLOW:
+            continue
+        if item not in parts:
+            feeds = tuple(replace(feed, signal=straight(item.record, feed.input)) for feed in item.setup.feeds)
+            parts[item] = replace(item, setup=replace(item.setup, feeds=feeds)).predicted(problem.experiment, changes)
+        if (shown := parts[item]) is not None:
+            column[place] = shown[name]
+    other = np.where(column != 0.0, problem.simulated(theta) - column, 0.0)
+    return np.where(np.isfinite(problem.measured), np.nan_to_num(other) * BOUND * problem.weights, 0.0)
 
 
 def _by_age(problem: Problem, theta: np.ndarray) -> np.ndarray:
