@@ -175,6 +175,7 @@ def believed_rates(
     counted = h.flow_pressure_share * np.maximum(drop, LEAST_DROP * h.supply_pressure)
     opening = np.abs(hyd.valve_opening(spool, h))
     yielding = 0.5 * h.valve_flow_gain * opening * h.flow_pressure_share / np.sqrt(counted)
+    leaking = h.leakage_coefficient + 0.25 * (h.external_leakage_1 + h.external_leakage_2)
     rates = Row(
         (hyd.pressure_force(load_pressure, h) - force - gains.body.load_force) / mass,
         hyd.load_pressure_rate(hyd.load_flow(spool, load_pressure, h), velocity, load_pressure, h),
@@ -182,7 +183,7 @@ def believed_rates(
     )
     jacobian = Matrix(
         scaled(Row(0.0, area / mass, 0.0), -1.0 / mass, force_slopes),
-        Row(-stiffness * area, -stiffness * (yielding + h.leakage_coefficient), 0.0),
+        Row(-stiffness * area, -stiffness * (yielding + leaking), 0.0),
         bristle_slopes,
     )
     return rates, jacobian

@@ -1,7 +1,7 @@
 """Servo valve, flow, pressure, and the forces on the piston: what the rotating and the other actuator share.
 
 The load-pressure form of the thesis: one pressure state, P_L = P1 - P2, equal piston areas. The thesis's valve and
-piston seal are ideal; `valve_overlap` and `leakage_coefficient` are what a real one adds, and 0 by default.
+piston seal are ideal; overlap and leakage are what real ones add, and 0 by default.
 """
 
 from typing import Annotated, NamedTuple, Protocol, runtime_checkable
@@ -24,7 +24,7 @@ LAMINAR_DROP = 1e4
 
 
 class Hydraulics(NamedTuple):
-    """Supply, valve and cylinder."""
+    """Supply, valve and cylinder. `valve_overlap` is that of both directions, unless the negative one has its own."""
 
     piston_area_1: Annotated[float, "m^2"]
     piston_area_2: Annotated[float, "m^2"]
@@ -41,20 +41,9 @@ class Hydraulics(NamedTuple):
     flow_pressure_share: Annotated[float, "1"]
     valve_overlap: Annotated[float, "m"] = 0.0
     leakage_coefficient: Annotated[float, "m^3/(s Pa)"] = 0.0
-
-
-class RatedFlow(NamedTuple):
-    """What a data sheet says of a valve in the place of a flow gain: the flow at full travel, and the pressure drop at
-    which it holds, over one edge: half of that over both.
-    """
-
-    rated_flow: Annotated[float, "m^3/s"]
-    rated_edge_drop: Annotated[float, "Pa"]
-
-
-def flow_gain(rated: RatedFlow, travel: float) -> float:
-    """K (m^2/(s Pa^0.5)) = Q_r / (x_max sqrt(dp)) of an edge that is open by its whole `travel` (m)."""
-    return float(rated.rated_flow / (travel * np.sqrt(rated.rated_edge_drop)))
+    valve_overlap_negative: Annotated[float, "m"] = 0.0
+    external_leakage_1: Annotated[float, "m^3/(s Pa)"] = 0.0
+    external_leakage_2: Annotated[float, "m^3/(s Pa)"] = 0.0
 
 
 LEAST_VOLUME = 1e-3
@@ -99,7 +88,7 @@ class Hydraulic(Protocol):
 
 
 class Spool(Protocol):
-    """Parameters of a valve whose spool follows a voltage."""
+    """Parameters of a valve whose spool follows a voltage, and whose lands cover its ports."""
 
     @property
     def valve_position_gain(self) -> float: ...
@@ -107,6 +96,10 @@ class Spool(Protocol):
     def valve_time_constant(self) -> float: ...
     @property
     def spool_limit(self) -> float: ...
+    @property
+    def valve_overlap(self) -> float: ...
+    @property
+    def valve_overlap_negative(self) -> float: ...
 
 
 class Bored(Protocol):
@@ -168,13 +161,14 @@ def spool_rate(spool: Scalar, voltage: Scalar, p: Spool) -> Scalar:
 
 
 @equation
-def valve_opening(spool: Scalar, p: Hydraulics) -> Scalar:
+def valve_opening(spool: Scalar, p: Spool) -> Scalar:
     """How far (m) the spool at `spool` (m) opens the ports: x_s - sgn(x_s) overlap beyond the overlap, 0 within it.
 
-    `valve_overlap` is the half width of the band in which the lands cover the ports (Merritt 1967). The opening
-    has kinks but no jump; without overlap it is the spool's position.
+    The overlap of either direction is how far the lands cover the ports (Merritt 1967). The opening has kinks but no
+    jump; without overlap it is the spool's position.
     """
-    return select(np.abs(spool) < p.valve_overlap, 0.0, spool - np.sign(spool) * p.valve_overlap)
+    overlap = select(spool >= 0.0, p.valve_overlap, p.valve_overlap_negative)
+    return select(np.abs(spool) < overlap, 0.0, spool - np.sign(spool) * overlap)
 
 
 @equation
@@ -241,9 +235,24 @@ def internal_leakage(load_pressure: Scalar, p: Hydraulics) -> Scalar:
 
 
 @equation
+def external_leakages(pressure_1: Scalar, pressure_2: Scalar, p: Hydraulics) -> tuple[Scalar, Scalar]:
+    """Flows (m^3/s) out of either chamber to the tank, laminar: C_e (P - P_T) (Merritt 1967)."""
+    tank = p.tank_pressure
+    return p.external_leakage_1 * (pressure_1 - tank), p.external_leakage_2 * (pressure_2 - tank)
+
+
+@equation
+def load_leakage(load_pressure: Scalar, p: Hydraulics) -> Scalar:
+    """Flow (m^3/s) that the load flow lacks: past the piston, and half of what chamber 1 loses more than chamber 2."""
+    pressure_1, pressure_2 = chamber_pressures(load_pressure, p)
+    lost_1, lost_2 = external_leakages(pressure_1, pressure_2, p)
+    return internal_leakage(load_pressure, p) + 0.5 * (lost_1 - lost_2)
+
+
+@equation
 def load_pressure_rate(flow: Scalar, velocity: Scalar, load_pressure: Scalar, p: Hydraulics) -> Scalar:
-    """dP_L/dt (Pa/s) = 4 beta / V_t (Q_L - A v - C P_L), held at |P_L| = P_s. Thesis (3.28) and 3.2.3 with leakage."""
-    net = flow - piston_area(p) * velocity - internal_leakage(load_pressure, p)
+    """dP_L/dt (Pa/s) = 4 beta / V_t (Q_L - A v - Q_leak), held at |P_L| = P_s. Thesis (3.28) and 3.2.3 with leakage."""
+    net = flow - piston_area(p) * velocity - load_leakage(load_pressure, p)
     rate = 4.0 * p.bulk_modulus / oil_volume(p) * net
     return select(
         load_pressure >= p.supply_pressure,

@@ -25,7 +25,8 @@ class Pneumatics(NamedTuple):
     """Supply, valve and cylinder.
 
     `sonic_conductance` is that of an edge of the valve at full travel, in proportion to its opening below; an edge to
-    the atmosphere has `exhaust_gain` times as much. `leakage_conductance` is that of the piston's seal.
+    the atmosphere has `exhaust_gain` times as much. `leakage_conductance` is that of the piston's seal, an
+    `external_leakage` that of a leak to the atmosphere.
     """
 
     piston_area_1: Annotated[float, "m^2"]
@@ -46,6 +47,9 @@ class Pneumatics(NamedTuple):
     exhaust_gain: Annotated[float, "1"] = 1.0
     valve_overlap: Annotated[float, "m"] = 0.0
     leakage_conductance: Annotated[float, "m^3/(s Pa)"] = 0.0
+    valve_overlap_negative: Annotated[float, "m"] = 0.0
+    external_leakage_1: Annotated[float, "m^3/(s Pa)"] = 0.0
+    external_leakage_2: Annotated[float, "m^3/(s Pa)"] = 0.0
 
 
 @runtime_checkable

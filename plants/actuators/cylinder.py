@@ -35,21 +35,22 @@ def edge_flows(
     spool: Scalar, pressure_1: Scalar, pressure_2: Scalar, h: Hydraulics, c: Cylinder
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Flows (m^3/s) across the edges, from pump to 1, from 1 to tank, from pump to 2, from 2 to tank."""
-    covered, supply, tank = h.valve_overlap, h.supply_pressure, h.tank_pressure
+    covered, back, supply, tank = h.valve_overlap, h.valve_overlap_negative, h.supply_pressure, h.tank_pressure
     return (
         c.edge_gain_pa * edge_flow(opening(spool, covered, c.edge_overlap_pa), supply - pressure_1, h),
-        c.edge_gain_at * edge_flow(opening(-spool, covered, c.edge_overlap_at), pressure_1 - tank, h),
-        c.edge_gain_pb * edge_flow(opening(-spool, covered, c.edge_overlap_pb), supply - pressure_2, h),
+        c.edge_gain_at * edge_flow(opening(-spool, back, c.edge_overlap_at), pressure_1 - tank, h),
+        c.edge_gain_pb * edge_flow(opening(-spool, back, c.edge_overlap_pb), supply - pressure_2, h),
         c.edge_gain_bt * edge_flow(opening(spool, covered, c.edge_overlap_bt), pressure_2 - tank, h),
     )
 
 
 @equation
 def net_flows(spool: Scalar, pressure_1: Scalar, pressure_2: Scalar, p: Any) -> tuple[Scalar, Scalar]:
-    """Flows (m^3/s) into chamber 1 and out of chamber 2, less what leaks past the piston: they move it."""
+    """Flows (m^3/s) into chamber 1 and out of chamber 2, less what leaks past the piston and outside: they move it."""
     from_pump_1, to_tank_1, from_pump_2, to_tank_2 = edge_flows(spool, pressure_1, pressure_2, p.hydraulics, p.cylinder)
     leakage = hyd.internal_leakage(pressure_1 - pressure_2, p.hydraulics)
-    return from_pump_1 - to_tank_1 - leakage, to_tank_2 - from_pump_2 - leakage
+    lost_1, lost_2 = hyd.external_leakages(pressure_1, pressure_2, p.hydraulics)
+    return from_pump_1 - to_tank_1 - leakage - lost_1, to_tank_2 - from_pump_2 - leakage + lost_2
 
 
 @equation

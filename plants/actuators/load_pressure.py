@@ -89,13 +89,13 @@ def equilibrium(p: Any) -> tuple[tuple[float, float], tuple[float]]:
     by_areas = 0.5 * (h.supply_pressure + h.tank_pressure) * (h.piston_area_1 - h.piston_area_2)
     most = h.supply_pressure - h.tank_pressure
     pressure = min(max(float((p.body.load_force - by_areas) / hyd.piston_area(h)), -most), most)
-    leaking = float(hyd.internal_leakage(pressure, h))
+    leaking = float(hyd.load_leakage(pressure, h))
     if leaking == 0.0:
         return (pressure, 0.0), (0.0,)
-    way = 1.0 if leaking > 0.0 else -1.0
-    flow = float(hyd.load_flow(way * (h.valve_overlap + 1.0), pressure, h))  # of an opening of 1 m
+    way, overlap = (1.0, h.valve_overlap) if leaking > 0.0 else (-1.0, h.valve_overlap_negative)
+    flow = float(hyd.load_flow(way * (overlap + 1.0), pressure, h))  # of an opening of 1 m
     opening = abs(leaking / flow) if flow else h.spool_limit
-    spool = min(max(way * (h.valve_overlap + opening), -h.spool_limit), h.spool_limit)
+    spool = min(max(way * (overlap + opening), -h.spool_limit), h.spool_limit)
     return (pressure, spool), (spool / h.valve_position_gain,)
 
 

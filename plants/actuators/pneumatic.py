@@ -1,6 +1,6 @@
 """Pneumatic cylinder on a proportional directional valve of four edges.
 
-    m'_1 = m'(P_s -> P_1) - m'(P_1 -> atmosphere) - m'(P_1 -> P_2)      mass flows of `plants.pneumatics`
+    m'_1 = m'(P_s -> P_1) - m'(P_1 -> atmosphere) - m'(P_1 -> P_2)      mass flows of `plants.pneumatics`, and leaks
     dP_1/dt = n / V_1 (R T m'_1 - P_1 A_1 v)                            the same of chamber 2, which v makes smaller
 
 Beater 2007; Carneiro and de Almeida 2006.
@@ -43,7 +43,7 @@ def edge_flows(
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Mass flows (kg/s) from supply to 1, from 1 to the atmosphere, from supply to 2, from 2 to the atmosphere."""
     forward = p.sonic_conductance * opening(spool, p.valve_overlap, 0.0) / p.spool_limit
-    backward = p.sonic_conductance * opening(-spool, p.valve_overlap, 0.0) / p.spool_limit
+    backward = p.sonic_conductance * opening(-spool, p.valve_overlap_negative, 0.0) / p.spool_limit
     return (
         mass_flow(forward, p.supply_pressure, pressure_1, p),
         mass_flow(p.exhaust_gain * backward, pressure_1, 0.0, p),
@@ -54,11 +54,13 @@ def edge_flows(
 
 @equation
 def net_flows(spool: Scalar, pressure_1: Scalar, pressure_2: Scalar, p: Any) -> tuple[Scalar, Scalar]:
-    """Mass flows (kg/s) into chamber 1 and out of chamber 2, less what leaks past the piston."""
+    """Mass flows (kg/s) into chamber 1 and out of chamber 2, less what leaks past the piston and outside."""
     air = p.pneumatics
     from_supply_1, exhausted_1, from_supply_2, exhausted_2 = edge_flows(spool, pressure_1, pressure_2, air)
     leakage = mass_flow(air.leakage_conductance, pressure_1, pressure_2, air)
-    return from_supply_1 - exhausted_1 - leakage, exhausted_2 - from_supply_2 - leakage
+    lost_1 = mass_flow(air.external_leakage_1, pressure_1, 0.0, air)
+    lost_2 = mass_flow(air.external_leakage_2, pressure_2, 0.0, air)
+    return from_supply_1 - exhausted_1 - leakage - lost_1, exhausted_2 - from_supply_2 - leakage + lost_2
 
 
 @equation

@@ -126,7 +126,9 @@ CORES = [
 
 @pytest.mark.parametrize("core", CORES)
 def test_jacobian_is_that_of_the_rates(core: tuple[float, ...]) -> None:
-    hydraulics = BELIEF.hydraulics._replace(valve_overlap=2e-5, leakage_coefficient=1e-13)
+    hydraulics = BELIEF.hydraulics._replace(
+        valve_overlap=2e-5, valve_overlap_negative=2e-5, leakage_coefficient=1e-13, external_leakage_1=2e-13
+    )
     gains = design_ekf(BELIEF._replace(hydraulics=hydraulics), EkfSettings(), H)
     expected_rates, expected = symbolic_model(gains)(core[:3], core[3])
     rates, jacobian = believed_rates(*core, gains)

@@ -41,7 +41,8 @@ def test_ideal_valve_and_seal_change_no_bit(plant: Plant) -> None:
 
 
 def test_opening_of_an_overlapped_valve() -> None:
-    h = registered("non_rotating", duration=1.0).parameters.hydraulics._replace(valve_overlap=6e-6)
+    h = registered("non_rotating", duration=1.0).parameters.hydraulics
+    h = h._replace(valve_overlap=6e-6, valve_overlap_negative=6e-6)
     spool = np.array([-1e-4, -6e-6, -5.9e-6, 0.0, 6e-6, 7e-6, 6e-4])
     assert valve_opening(spool, h) == pytest.approx([-9.4e-5, 0.0, 0.0, 0.0, 0.0, 1e-6, 5.94e-4], abs=1e-18)
 

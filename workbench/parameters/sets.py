@@ -16,10 +16,11 @@ from plants.axis import ROTARY as TURNING
 from plants.coupling import PLACES
 from plants.effects.registry import EFFECTS, effects
 from plants.equation import NEGATIVE, ROTARY, NumbersT, fields, from_array
-from plants.hydraulics import FLOW_LAWS, RatedFlow, flow_gain
+from plants.hydraulics import FLOW_LAWS
 from plants.interface import Plant
 from plants.laws.registry import LAWS
 from plants.motor import LIMITS, TurningCylinder
+from plants.rated_flow import RatedFlow, flow_gain
 from plants.registry import PLANTS, plants
 from workbench.errors import UserError, nearest
 from workbench.toml.units import QuantityError, si
@@ -62,6 +63,9 @@ MAY_BE_ZERO = {
     "end_stop_damping",
     "valve_overlap",
     "leakage_coefficient",
+    "leakage_conductance",
+    "external_leakage_1",
+    "external_leakage_2",
     "bearing_viscous",
     "dead_volume_1",
     "dead_volume_2",
