@@ -77,6 +77,7 @@ class Plant:
     `delayed` names the inputs that are the command of a time ago, each with that time: delay(parameters) -> s. Nobody
     feeds them; a simulation does, exactly, whatever its sample time. `unknown` are the parameters, in either direction,
     that an identification frees where an experiment does not say which, of a plant without a friction law.
+    `frozen_volumes` says that the chambers have their volumes at mid-stroke whatever the position.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Plant:
     bare: "Plant | None" = None
     delayed: Mapping[str, Callable[[Any], float]] = field(default_factory=dict)
     unknown: tuple[str, ...] = ()
+    frozen_volumes: bool = False
 
     def with_friction(self, law: "FrictionLaw") -> "Plant":
         """The same plant with another friction law.

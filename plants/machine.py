@@ -107,6 +107,7 @@ def straight(actuator: Actuator, law: FrictionLaw, axis: str = LINEAR) -> Plant:
         balances={name: item._replace(unit=unit_along(item.unit, axis)) for name, item in actuator.balances.items()},
         friction=law.name,
         contact="contact",
+        frozen_volumes=actuator.frozen_volumes,
         refit=lambda other: straight(actuator, other, axis),
         turned=with_turning_rod if axis == LINEAR else None,
     )

@@ -250,5 +250,6 @@ def turned(actuator: Actuator, law: FrictionLaw, bristle: str, imposed: bool) ->
         balances={**actuator.balances, **({} if imposed else TURNED_BY_MOTOR)},
         friction=law.name,
         contact="contact",
+        frozen_volumes=actuator.frozen_volumes,
         refit=other,
     )

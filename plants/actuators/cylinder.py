@@ -140,6 +140,7 @@ def _chambered(name: str, summary: str, counted: Equation) -> Actuator:
         stroke=stroke,
         equilibrium=equilibrium,
         command_limit=voltage_limit,
+        frozen_volumes=counted is frozen,
         balances={
             "force": hyd.FORCE,
             "flow": Balance(("pressure_1", "pressure_2"), "m^3/s", chamber_capacities),

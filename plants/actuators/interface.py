@@ -56,7 +56,7 @@ class Actuator:
 
     The command is the first of its `Inputs`. `Motion` and `Contact` are position and velocity, and LuGre's bristle,
     with the magnitudes that are typical here; `rotation` is what sensors show of the rotation of a rod that does not
-    turn, NaN where nobody has such.
+    turn, NaN where nobody has such. `frozen_volumes` says that chambers have their volumes at mid-stroke always.
     """
 
     name: str
@@ -77,6 +77,7 @@ class Actuator:
     Motion: type[NamedTuple] = Motion
     Contact: type[NamedTuple] = Bristle
     rotation: float = 0.0
+    frozen_volumes: bool = False
 
     @property
     def command(self) -> str:

@@ -123,5 +123,6 @@ LOAD_PRESSURE = Actuator(
     stroke=stroke,
     equilibrium=equilibrium,
     command_limit=voltage_limit,
+    frozen_volumes=True,
     balances={"force": hyd.FORCE, "flow": Balance(("load_pressure",), "m^3/s", capacity), "valve": hyd.VALVE},
 )

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from plants.axis import LINEAR
-from plants.effects.interface import COMMAND, DISTURBANCE, Change, Effect, Moment
-from plants.effects.moment import moment_of, slip_of
+from plants.effects.interface import BRISTLE, COMMAND, DISTURBANCE, FROZEN_VOLUMES, Change, Effect, Moment
+from plants.effects.moment import has_bristle, memory_of, moment_of, slip_of
 from plants.effects.registry import effects as registered
 from plants.equation import (
     Equation,
@@ -48,9 +48,13 @@ def lacks(plant: Plant, effect: Effect) -> str:
         missing = sorted(set(effect.numbers) - {item.name for item in fields(plant.Parameters)})
         return f"parameter {', '.join(missing)}"
     known = {*members(plant.Parameters), *members(plant.State), *members(plant.Inputs), *plant.channels}
-    for name in (*effect.parameters, *effect.requires):
+    known |= {FROZEN_VOLUMES} if plant.frozen_volumes else set()
+    known |= {BRISTLE} if has_bristle(plant) else set()
+    if effect.parameters and not set(effect.parameters) & known:
+        return " or ".join(effect.parameters)
+    for name in effect.requires:
         if name not in known:
-            return name
+            return name.replace("_", " ") if name in (FROZEN_VOLUMES, BRISTLE) else name
     for name in effect.inputs:
         if name not in (COMMAND, *members(plant.Inputs)):
             return f"input {name}"
@@ -105,13 +109,13 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     chained = functools.partial(_chained, plant, effects)
     altered, driven = chained(plant.Parameters, "parameters"), chained(plant.Inputs, "inputs")
     by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
-    remembered, memory_of = _remembered(plant, effects), _memory_of(plant, remembering)
+    remembered, kept_in = _remembered(plant, effects), memory_of(bool(remembering))
     bare_rates, bare_signals, bare_measure = plant.derivatives, plant.signals, plant.measure
 
     @equation
     def rates_of(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the plant's own states."""
-        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
+        moment, memory, own = at(time, state, inputs, p), kept_in(state), p.effects
         into = driven(inputs, moment, memory, p, own)
         return by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
 
@@ -128,15 +132,15 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """The plant's signals, as the effects make them."""
-        moment, memory, own = at(time, state, inputs, p), memory_of(state), p.effects
+        moment, memory, own = at(time, state, inputs, p), kept_in(state), p.effects
         into = driven(inputs, moment, memory, p, own)
         return bare_signals(time, state, into, altered(p, moment, memory, p, own))
 
     @equation
     def measure(state: Any, p: Any) -> Measurement:
         """What the plant's sensors show, and the effects make of it."""
-        moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        return by_readings(bare_measure(state, p), moment, memory_of(state), p, p.effects)
+        moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return by_readings(bare_measure(state, p), moment, kept_in(state), p, p.effects)
 
     def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
         """The state with what the effects remember of a machine that has rested for long."""
@@ -147,7 +151,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
 
     def resting(p: Any, state: Any, inputs: Any) -> Any:
         """The parameters as effects make them of a machine at rest; what disturbs it there is a load."""
-        moment, memory, own = at(0.0, state, inputs, p), memory_of(state), p.effects
+        moment, memory, own = at(0.0, state, inputs, p), kept_in(state), p.effects
         at_rest = altered(p, moment, memory, p, own)
         if "body" not in members(plant.Parameters) or DISTURBANCE not in members(plant.Inputs):
             return at_rest
@@ -171,7 +175,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
 
         def scale(p: Any) -> tuple[float, ...]:
             state, inputs = equilibrium(p, 0.0)
-            moment, memory = at(0.0, state, inputs, p), memory_of(state)
+            moment, memory = at(0.0, state, inputs, p), kept_in(state)
             still, going = (plant.State._make([rate] * len(plant.State._fields)) for rate in (0.0, 1.0))
             none, one = (by_rates(rates, moment, memory, p, p.effects) for rates in (still, going))
             return tuple(
@@ -290,17 +294,3 @@ def _next_memory(before: Equation, place: int, remember: Equation, index: int, a
         return changed(rates, place, remember(slip, arrived, moment, memory[place], p, own[index]))
 
     return chain
-
-
-def _memory_of(plant: Plant, remembering: Sequence[Effect]) -> Equation:
-    """What all effects remember, out of the states of the plant that has them."""
-
-    @equation
-    def nothing(state: Any) -> Any:
-        return Nothing()
-
-    @equation
-    def memory(state: Any) -> Any:
-        return state.effects
-
-    return memory if remembering else nothing

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, NamedTuple
 
 from plants import axis as axes
-from plants.equation import Equation, fields
+from plants.effects.scales import Scales, plain
+from plants.equation import Equation, Scalar, equation, fields, select
 from plants.laws.interface import Nothing
 
 FREE = 1e300
@@ -23,11 +24,22 @@ COMMAND = "command"
 DISTURBANCE = "disturbance_force"
 """The input by which a force on the mass that is no plant's own acts, against the motion."""
 
+FROZEN_VOLUMES = "frozen_volumes"
+"""What an effect may require of a plant: chambers that have their volumes at mid-stroke whatever the position."""
+
+BRISTLE = "bristle"
+"""The same: a contact of LuGre's law, of one level along and around the rod."""
+
+LONGEST_STROKE, UNKNOWN_STROKE = 1e3, 2.0
+"""m. A stroke beyond the first is not known; the second is taken in its place: what changes along the stroke then
+changes with the position in metres."""
+
 
 class Moment(NamedTuple):
     """What the equations of an effect know of an instant.
 
-    Pressures are NaN, spool, its gain and limit and speeds of rotation 0, and the stroke is infinite, for a plant
+    `bend` is the deflection of the bristles in the direction of the motion, negative where they are bent against it.
+    Pressures are NaN, spool, its gain and limit, bend and speeds of rotation 0, and the stroke is infinite, for a plant
     without.
     """
 
@@ -42,39 +54,38 @@ class Moment(NamedTuple):
     stroke: Annotated[float, "m"]
     spool_gain: Annotated[float, "m/V"]
     spool_limit: Annotated[float, "m"]
+    bend: Annotated[float, "m"]
 
 
-class Scales(NamedTuple):
-    """What is large on a machine (SI): by these a search knows which size of an effect is felt.
-
-    The force is that of friction at rest; the travel the stroke, or where that is not known the way of a record;
-    `spool` the valve's travel, `duration` the longest record's.
-    """
-
-    force: float
-    travel: float
-    speed: float
-    pressure: float
-    flow: float
-    spool: float
-    duration: float
-
-
-def plain(scales: Scales) -> float:
-    """The scale of what is the same on every machine: shares, and times of a contact or of a converter."""
-    return 1.0
+@equation
+def stroke_share(moment: Moment) -> Scalar:
+    """xi = 2 x / L (1), x (m) from mid-stroke: -1 and 1 at the ends of the stroke."""
+    return 2.0 * moment.position / select(moment.stroke < LONGEST_STROKE, moment.stroke, UNKNOWN_STROKE)
 
 
 @dataclass(frozen=True)
 class Number:
     """Between which values a parameter of an effect may lie, and a `size` that is felt, where a search starts: in
     multiples of a machine's `scale`. A size of 0 starts from the declared value, of the other direction if need be.
+
+    A number that does not size an effect but shapes it, and does nothing while those that size it are neutral, has no
+    size of its own: a search of it begins from each value of the `grid`, in the same multiples. If it is the period
+    over a signal, "position" or "time", `period_of` names that, and `frequency_of` if it is the frequency: a
+    periodogram of what is left over the signal then tells where to begin.
     """
 
     low: float
     high: float
     size: float
     scale: Callable[[Scales], float] = plain
+    grid: tuple[float, ...] = ()
+    period_of: str = ""
+    frequency_of: str = ""
+
+    @property
+    def shapes(self) -> bool:
+        """Whether it shapes an effect that others size."""
+        return bool(self.grid)
 
 
 Change = Equation
@@ -102,8 +113,8 @@ class Effect:
 
     `slip` (m/s) is the velocity at which the contact slides, its bristles taken off; the `command` is as the effects
     before this one, in the order of the registry, have made it. A plant can have the effect if it
-    has all of the parameters' fields and inputs, and one of the rates, that are named here, and what it `requires`:
-    fields of the parameters, states, or channels that the plant's sensors show.
+    has the inputs, and one of the parameters' fields and of the rates, that are named here, and what it `requires`:
+    fields of the parameters, states, channels that the plant's sensors show, `FROZEN_VOLUMES` or a `BRISTLE`.
     Its memory of a machine at rest is `at_rest(command)`, or the defaults. `axis` is that of the plants that can have
     it, "m" or "rad"; effects are written for "m", and `along` makes the others of them.
     """

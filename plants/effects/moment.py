@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.interface import Moment
-from plants.equation import Equation, Scalar, equation, members
-from plants.friction import length
+from plants.equation import Equation, Scalar, equation, members, select
+from plants.friction import helical_speed, length
 from plants.interface import Plant
+from plants.laws.interface import Nothing
 
 
 def moment_of(plant: Plant) -> Equation:
@@ -16,7 +17,7 @@ def moment_of(plant: Plant) -> Equation:
     surface_speed = _surface_speed_of(plant)
     radius = _path(plant.Parameters, "motor", "piston_radius", otherwise=1.0)
     spool = _path(plant.State, "spool_position", otherwise=0.0)
-    pressures_of = _pressures_of(plant)
+    pressures_of, bend_of = _pressures_of(plant), _bend_of(plant)
     fluid = next((name for name in ("hydraulics", "pneumatics") if name in members(plant.Parameters)), "")
     gain = _path(plant.Parameters, fluid, "valve_position_gain", otherwise=0.0)
     limit = _path(plant.Parameters, fluid, "spool_limit", otherwise=0.0)
@@ -39,6 +40,7 @@ def moment_of(plant: Plant) -> Equation:
             stroke(p),
             gain(p),
             limit(p),
+            bend_of(state, surface),
         )
 
     return moment
@@ -110,6 +112,52 @@ def _pressures_of(plant: Plant) -> Equation:
     return of_input if "pressure_1" in members(plant.Inputs) else of_sensors
 
 
+def has_bristle(plant: Plant) -> bool:
+    """Whether its contact is LuGre's, of one level along and around the rod."""
+    return plant.friction == LUGRE and _contact_fields(plant) in (_ALONG, _PLANE)
+
+
+LUGRE = "lugre"
+_ALONG, _PLANE = ("bristle_deflection",), ("bristle_axial", "bristle_rotary")
+
+
+def _contact_fields(plant: Plant) -> tuple[str, ...]:
+    contact = typing.get_type_hints(plant.State).get(plant.contact)
+    return getattr(contact, "_fields", ())
+
+
+def _bend_of(plant: Plant) -> Equation:
+    """The deflection (m) of LuGre's bristles in the direction of the motion; 0 of other contacts."""
+    scalar = _path(plant.State, plant.contact, "bristle_deflection", otherwise=0.0)
+    axial = _path(plant.State, plant.contact, "bristle_axial", otherwise=0.0)
+    rotary = _path(plant.State, plant.contact, "bristle_rotary", otherwise=0.0)
+    in_plane = _contact_fields(plant) == _PLANE
+    turns = {"surface_speed"} & {*members(plant.State), *members(plant.Inputs)}
+
+    @equation
+    def along(state: Any, surface: Scalar) -> Any:
+        return select(state.velocity >= 0.0, scalar(state), -scalar(state))
+
+    @equation
+    def helical(state: Any, surface: Scalar) -> Any:
+        return scalar(state)
+
+    @equation
+    def plane(state: Any, surface: Scalar) -> Any:
+        speed = helical_speed(state.velocity, surface)
+        return (axial(state) * state.velocity + rotary(state) * surface) / speed
+
+    @equation
+    def none(state: Any, surface: Scalar) -> Any:
+        return 0.0
+
+    if not has_bristle(plant):
+        return none
+    if in_plane:
+        return plane
+    return helical if turns else along
+
+
 def slip_of(plant: Plant) -> Equation:
     """The velocity (m/s) at which the contact slides: that of the surfaces less the rate at which bristles bend."""
     contact = typing.get_type_hints(plant.State).get(plant.contact)
@@ -134,3 +182,17 @@ def slip_of(plant: Plant) -> Equation:
     if in_plane:
         return plane
     return helical if turns else along
+
+
+def memory_of(remembers: bool) -> Equation:
+    """What all effects remember, out of the states of the plant that has them."""
+
+    @equation
+    def nothing(state: Any) -> Any:
+        return Nothing()
+
+    @equation
+    def memory(state: Any) -> Any:
+        return state.effects
+
+    return memory if remembers else nothing

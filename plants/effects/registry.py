@@ -1,26 +1,28 @@
 """The effects by name, in the order in which they act: ours, and those that other packages bring by entry point."""
 
 from plants.axis import LINEAR
-from plants.effects.hydraulic import (
-    COMMAND_DELAY,
-    ENTRAINED_AIR,
-    INTERNAL_LEAKAGE,
-    SUPPLY_DROOP,
-    UNEQUAL_AREAS,
-    VALVE_DEADBAND,
-)
-from plants.effects.interface import Effect
-from plants.effects.loads import CONSTANT_LOAD, QUADRATIC_DRAG, ROTATION_PERIODIC_FORCE, SPRING_LOAD
-from plants.effects.on_friction import (
-    DIRECTION_ASYMMETRY,
+from plants.effects.chambers import ENTRAINED_AIR, POSITION_DEPENDENT_AREA, POSITION_DEPENDENT_VOLUME, UNEQUAL_AREAS
+from plants.effects.command import COMMAND_DELAY
+from plants.effects.compliant import COMPLIANT_LOAD
+from plants.effects.contact import MAXWELL_SLIP, PRESLIDING_CURVE
+from plants.effects.friction_in_time import (
     FRICTIONAL_MEMORY,
-    POSITION_DEPENDENT_FRICTION,
-    PRESSURE_DEPENDENT_FRICTION,
     RISING_STATIC_FRICTION,
     VISCOUS_DRIFT,
+    VISCOUS_WARMING,
 )
-from plants.effects.sensors import BACKLASH, PRESSURE_SENSOR_OFFSET
-from plants.effects.valve import VALVE_DYNAMICS, VALVE_HYSTERESIS
+from plants.effects.friction_levels import (
+    DIRECTION_ASYMMETRY,
+    POSITION_DEPENDENT_FRICTION,
+    PRESSURE_DEPENDENT_FRICTION,
+)
+from plants.effects.interface import Effect
+from plants.effects.leakage import EXTERNAL_LEAKAGE, INTERNAL_AIR_LEAKAGE, INTERNAL_LEAKAGE
+from plants.effects.loads import COGGING, CONSTANT_LOAD, CUSHION, QUADRATIC_DRAG, ROTATION_PERIODIC_FORCE, SPRING_LOAD
+from plants.effects.sensors import BACKLASH, PRESSURE_SENSOR_OFFSET, SENSOR_LAG, SENSOR_NONLINEARITY
+from plants.effects.supply import SUPPLY_DROOP, SUPPLY_RIPPLE
+from plants.effects.valve import SPOOL_STICTION, VALVE_DYNAMICS, VALVE_HYSTERESIS
+from plants.effects.valve_flow import VALVE_DEADBAND, VALVE_GAIN_ASYMMETRY, VALVE_GAIN_CURVE
 from plants.equation import fields, unmarked
 from plants.plugins import Registry
 
@@ -30,20 +32,36 @@ _OURS = (
     PRESSURE_DEPENDENT_FRICTION,
     RISING_STATIC_FRICTION,
     FRICTIONAL_MEMORY,
-    QUADRATIC_DRAG,
     VISCOUS_DRIFT,
+    VISCOUS_WARMING,
+    PRESLIDING_CURVE,
+    MAXWELL_SLIP,
+    QUADRATIC_DRAG,
     CONSTANT_LOAD,
     SPRING_LOAD,
+    CUSHION,
+    COGGING,
     ROTATION_PERIODIC_FORCE,
+    COMPLIANT_LOAD,
     VALVE_DEADBAND,
+    VALVE_GAIN_CURVE,
+    VALVE_GAIN_ASYMMETRY,
     INTERNAL_LEAKAGE,
+    INTERNAL_AIR_LEAKAGE,
+    EXTERNAL_LEAKAGE,
     SUPPLY_DROOP,
+    SUPPLY_RIPPLE,
     ENTRAINED_AIR,
+    POSITION_DEPENDENT_VOLUME,
     UNEQUAL_AREAS,
+    POSITION_DEPENDENT_AREA,
     COMMAND_DELAY,
     VALVE_HYSTERESIS,
+    SPOOL_STICTION,
     VALVE_DYNAMICS,
     BACKLASH,
+    SENSOR_NONLINEARITY,
+    SENSOR_LAG,
     PRESSURE_SENSOR_OFFSET,
 )
 

@@ -1,6 +1,6 @@
-"""What a data sheet says of a valve beyond gain and lag: its resonance and slew, and its hysteresis.
+"""What a spool does beyond gain and lag: its resonance and slew, its hysteresis, and what sticks.
 
-They are given, not sought: no diagnosis looks for them.
+Resonance and slew are given, not sought: a data sheet has them.
 """
 
 from typing import Annotated, Any, NamedTuple
@@ -8,6 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants.effects.interface import COMMAND, Effect, Moment, Number
+from plants.effects.scales import voltage
 from plants.equation import Scalar, equation, select
 
 FOLLOWED = 1e-4
@@ -102,7 +103,9 @@ def carried(command: Scalar, moment: Moment, memory: Carried, p: Any, own: Play)
 def carrying(slip: Scalar, command: Scalar, moment: Moment, memory: Carried, p: Any, own: Play) -> Carried:
     """dV_h/dt (V/s): the nearest value within half the hysteresis of the command is followed with `FOLLOWED`.
 
-    A play of that width (Visintin 1994): friction and magnetic remanence of the spool's drive.
+    A play of that width (Visintin 1994): friction and magnetic remanence of the spool's drive. Looks like flow that
+    goes on, or does not begin, while the command turns back; a dead band is about the middle alone, a delay goes with
+    the command's rate.
     """
     half = 0.5 * own.valve_hysteresis
     near = np.minimum(np.maximum(memory.carried_command, command - half), command + half)
@@ -114,13 +117,84 @@ VALVE_HYSTERESIS = Effect(
     balance="valve",
     words="the spool follows a command that turns back only beyond a play",
     source="Visintin 1994",
-    numbers={"valve_hysteresis": Number(0.0, 5.0, 0.1)},
+    numbers={"valve_hysteresis": Number(0.0, 0.2, 0.005, voltage)},
     needs=(COMMAND,),
-    sought=False,
     requires=("spool_position",),
     Own=Play,
     Memory=Carried,
     inputs={COMMAND: carried},
     remember=carrying,
     at_rest=Carried,
+)
+"""Data sheets state 0.2 % of the rated command for servo valves to 7 % for proportional ones without a spool sensor."""
+
+
+# --- sticking -------------------------------------------------------------------------------------------------
+
+RELEASE = 5e-4
+"""s. Time constant with which a spool comes free, goes, and sticks again: below the lag of any valve [assumed]."""
+
+ARRIVED = 0.02
+"""Share of the stiction within which the spool has come to where it was to go, and sticks again [assumed]."""
+
+
+class Stiction(NamedTuple):
+    """By how much the command has to be away from where the spool sticks before that comes free."""
+
+    spool_stiction: Annotated[float, "V"] = 0.0
+
+
+class Stuck(NamedTuple):
+    """The command at which the spool sticks, and how free it is: 0 stuck, 1 going."""
+
+    stuck_command: Annotated[float, "V", 1.0] = 0.0
+    spool_free: Annotated[float, "1", 1.0] = 0.0
+
+
+@equation
+def stuck(command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction) -> Scalar:
+    """The command (V) where the spool sticks, or to which it goes."""
+    return select(own.spool_stiction > 0.0, memory.stuck_command, command)
+
+
+@equation
+def sticking(slip: Scalar, command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction) -> Stuck:
+    """dV_s/dt = m (V - V_s)/T (V/s),  dr/dt = (w - r)/T (1/s),  m = max(2 r - 1, 0),  T = `RELEASE`.
+
+        w = 1    where |V - V_s| > the stiction
+            0    where |V - V_s| < `ARRIVED` of it
+            1 for r > 1/2, else 0, between                       it goes on, or goes on sticking
+
+    A spool that silt or a bent sleeve holds (Choudhury, Thornhill and Shah 2005): it stays, then jumps. Looks like flow
+    in steps while the command moves slowly; hysteresis follows beyond its play, this jumps as far as its whole band.
+    """
+    sticks = own.spool_stiction > 0.0
+    away = np.abs(command - memory.stuck_command) / select(sticks, own.spool_stiction, 1.0)
+    going = select(memory.spool_free > 0.5, 1.0, 0.0)
+    wanted = select(away > 1.0, 1.0, select(away < ARRIVED, 0.0, going))
+    free = np.maximum(2.0 * memory.spool_free - 1.0, 0.0)
+    return Stuck(
+        select(sticks, free * (command - memory.stuck_command) / RELEASE, 0.0),
+        select(sticks, (wanted - memory.spool_free) / RELEASE, 0.0),
+    )
+
+
+def stuck_at(command: float) -> Stuck:
+    """A spool that has rested for long at a command (V)."""
+    return Stuck(command, 0.0)
+
+
+SPOOL_STICTION = Effect(
+    name="spool_stiction",
+    balance="valve",
+    words="the spool sticks, and jumps when its command is far enough away",
+    source="Choudhury, Thornhill and Shah 2005",
+    numbers={"spool_stiction": Number(0.0, 0.2, 0.005, voltage)},
+    needs=(COMMAND,),
+    requires=("spool_position",),
+    Own=Stiction,
+    Memory=Stuck,
+    inputs={COMMAND: stuck},
+    remember=sticking,
+    at_rest=stuck_at,
 )

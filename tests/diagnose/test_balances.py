@@ -8,7 +8,7 @@ from thesis_actuator import OF_OTHERS
 from thesis_actuator import along as numbers_along
 
 from plants.effects.attach import meant
-from plants.effects.hydraulic import stiffness
+from plants.effects.chambers import stiffness
 from plants.effects.interface import Scales
 from plants.effects.registry import effects
 from plants.interface import Plant
@@ -205,7 +205,10 @@ def test_a_balance_needs_the_channels_that_its_equations_depend_on() -> None:
 
 
 def test_what_cannot_be_negative_is_not_fitted_below_0() -> None:
-    scales = Scales(force=500.0, travel=0.1, speed=0.1, pressure=1e6, flow=1e-4, spool=1e-3, duration=10.0)
+    scales = Scales(
+        **{"force": 500.0, "drive": 2e3, "travel": 0.1, "turn": np.inf, "speed": 0.1, "pressure": 1e6, "flow": 1e-4},
+        **{"spool": 1e-3, "voltage": 10.0, "conductance": 1e-10, "duration": 10.0, "sample_time": 1e-3},
+    )
     assert unknown("stribeck_negative", {"stribeck": 0.0}, {}, scales).low == 0.0
 
 

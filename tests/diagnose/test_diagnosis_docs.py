@@ -62,7 +62,7 @@ def test_list_tells_of_every_effect_its_balance_meaning_and_parameters() -> None
     plain = [" ".join(line.split()) for line in lines]
     told = [
         "internal_leakage flow oil leaks from one chamber into the other",
-        "leakage_coefficient m^3/(s Pa) the plant's own searched from 0 to 50 times the machine's own scale",
+        "leakage_coefficient m^3/(s Pa) the plant's own searched from 0 to 1 times the machine's own scale",
         "unequal_areas flow the second chamber's piston area is not the declared one",
         "The second chamber's piston area over its declared value.",
         "area_ratio 1 default 1 searched from 0.2 to 2",

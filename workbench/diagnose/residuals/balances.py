@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.axis import ROTARY as TURNING
 from plants.axis import name_along
 from plants.effects.attach import lacks, possible
-from plants.effects.interface import COMMAND, Effect, Scales
+from plants.effects.interface import COMMAND, Effect
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE, ROTARY, fields
 from plants.interface import Plant
@@ -18,6 +17,7 @@ from workbench.diagnose.residuals import pump
 from workbench.diagnose.residuals.along import ARRIVES, Along, input_deviation
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.scales import scales_of
 from workbench.diagnose.residuals.shown import balances_shown, dependences, deviation, given_by, shown
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
@@ -46,9 +46,6 @@ KINDS: Mapping[str, tuple[str, ...]] = {FLOW: (FLOW, "valve"), "velocity": ("vel
 
 SHOWS_ON_FLOW = "backlash"
 """An effect of a sensor that hides a part of the flow."""
-
-PRESSURES = ("pressure_1", "pressure_2")
-LEVELS = (("coulomb", "stribeck"), (f"coulomb_{NEGATIVE}", f"stribeck_{NEGATIVE}"))
 
 PUMP_EFFECTS = ("unequal_areas", "internal_leakage")
 """What a pump without a valve may have that shows while its speed is steady."""
@@ -249,27 +246,3 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
 
 def _change(moved: np.ndarray, base: np.ndarray) -> float:
     return float(np.sqrt(np.mean((moved - base) ** 2)))
-
-
-def scales_of(motions: Sequence[Motion], values: Values) -> Scales:
-    """What is large on the machine of these records, by what is declared of it and by how it moves."""
-    speed = max(float(np.max(np.abs(motion.velocity[motion.valid]))) for motion in motions)
-    way = max(float(np.ptp(motion.position[motion.valid])) for motion in motions)
-    stroke = values.get("stroke", np.inf)
-    pressures = [
-        float(np.max(np.abs(motion.channels[name]))) for motion in motions for name in PRESSURES if motion.has(name)
-    ]
-    static = [values.get(name, 0.0) + values.get(other, 0.0) for name, other in LEVELS]
-    return Scales(
-        force=max(
-            *static,
-            values.get("mass", values.get(name_along("mass", TURNING), 1.0))
-            * max(float(np.std(motion.acceleration)) for motion in motions),
-        ),
-        travel=stroke if np.isfinite(stroke) else way,
-        speed=speed,
-        pressure=values.get("supply_pressure", max(pressures, default=1.0)),
-        flow=values.get(AREA, 1.0) * speed,
-        spool=values.get("spool_limit", 1.0),
-        duration=max(float(motion.time[-1]) for motion in motions),
-    )

@@ -1,138 +1,20 @@
-"""Effects that change the friction of a contact: along the stroke, with pressure, time, rest, and the velocity before.
-
-Each takes the contact's LuGre set for both directions and gives another; whatever law the plant has, it takes that.
-"""
+"""Effects on friction that have a time: of rest, of the velocity before, of a record while its oil warms up."""
 
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.interface import FREE, Effect, Moment, Number, Scales
+from plants.effects.friction_levels import with_levels
+from plants.effects.interface import Effect, Moment, Number
+from plants.effects.scales import duration, per_duration, travel
 from plants.equation import Scalar, changed, equation, select, when
 from plants.friction import Friction, LuGre, length, stribeck_level
 from plants.laws.interface import Nothing
 
 VISCOUS = LuGre._fields.index("viscous")
 
-LEAST_FRICTION = 0.05
-"""Share of its friction that a contact keeps along the stroke. With none at all LuGre's bristle would be renewed at
-once, and no solver could follow it."""
-
 SHORTEST_MEMORY = 1e-4
 """s. A memory that is shorter is simulated with this one: the bristle itself is no faster."""
-
-LONGEST_STROKE, UNKNOWN_STROKE = 1e3, 2.0
-"""m. A stroke beyond the first is not known; the second is taken in its place: friction then changes with the position
-in metres."""
-
-
-@equation
-def with_levels(own: LuGre, coulomb: Scalar, stribeck: Scalar) -> LuGre:
-    """The set with other levels (N)."""
-    return LuGre(coulomb, stribeck, own.viscous, own.stribeck_velocity, own.bristle_stiffness, own.bristle_damping)
-
-
-# --- by parameters that every contact has ---------------------------------------------------------------------
-
-DIRECTION_ASYMMETRY = Effect(
-    name="direction_asymmetry",
-    balance="force",
-    words="friction differs between the two directions",
-    source="Owen 2001, tables 5.2 and 5.3",
-    numbers={
-        "coulomb_negative": Number(0.0, FREE, 0.0),
-        "stribeck_negative": Number(0.0, FREE, 0.0),
-        "viscous_negative": Number(0.0, FREE, 0.0),
-    },
-    apart=(
-        ("coulomb_negative",),
-        ("viscous_negative",),
-        ("coulomb_negative", "stribeck_negative"),
-        ("coulomb_negative", "viscous_negative"),
-        ("coulomb_negative", "stribeck_negative", "viscous_negative"),
-    ),
-)
-
-
-# --- along the stroke -----------------------------------------------------------------------------------------
-
-
-class AlongStroke(NamedTuple):
-    """Shares of the friction in mid-stroke that are added at the stroke's ends.
-
-    The gradient's is added at the positive end and taken off at the negative one, the curvature's added at both.
-    """
-
-    friction_gradient: Annotated[float, "1"] = 0.0
-    friction_curvature: Annotated[float, "1"] = 0.0
-
-
-@equation
-def along_stroke(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: AlongStroke) -> Friction:
-    """a0 <- a0 f, a1 <- a1 f with f = 1 + b1 xi + b2 xi^2, xi = 2 x / L, x (m) from mid-stroke.
-
-    Wear and seal fit along the bore (Bonchis, Corke and Rye 1999). Looks like friction that is larger at one end or in
-    the middle; a spring load is the same without changing sign with the velocity.
-    """
-    xi = 2.0 * moment.position / select(moment.stroke < LONGEST_STROKE, moment.stroke, UNKNOWN_STROKE)
-    shape = np.maximum(1.0 + own.friction_gradient * xi + own.friction_curvature * xi**2, LEAST_FRICTION)
-    a, b = friction.positive, friction.negative
-    return Friction(
-        with_levels(a, a.coulomb * shape, a.stribeck * shape), with_levels(b, b.coulomb * shape, b.stribeck * shape)
-    )
-
-
-POSITION_DEPENDENT_FRICTION = Effect(
-    name="position_dependent_friction",
-    balance="force",
-    words="friction changes along the stroke",
-    source="Bonchis, Corke and Rye 1999",
-    numbers={"friction_gradient": Number(-0.9, 0.9, 0.05), "friction_curvature": Number(-0.9, 5.0, 0.05)},
-    apart=(("friction_gradient",), ("friction_curvature",), ("friction_gradient", "friction_curvature")),
-    needs=("position",),
-    Own=AlongStroke,
-    parameters={"friction": along_stroke},
-)
-
-
-# --- with pressure --------------------------------------------------------------------------------------------
-
-
-class ByPressure(NamedTuple):
-    """Friction a load pressure."""
-
-    friction_per_pressure: Annotated[float, "N/Pa"] = 0.0
-
-
-@equation
-def pressed(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: ByPressure) -> Friction:
-    """a0 <- a0 + c |P1 - P2|.
-
-    A seal that is pressed by what it seals (Bonchis et al. 1999). Looks like friction that grows with the load; a
-    poorly fitted bristle leaves a residual that |P_L| sgn(v) explains as well.
-    """
-    rise = own.friction_per_pressure * np.abs(moment.pressure_1 - moment.pressure_2)
-    a, b = friction.positive, friction.negative
-    return Friction(with_levels(a, a.coulomb + rise, a.stribeck), with_levels(b, b.coulomb + rise, b.stribeck))
-
-
-def force_by_pressure(scales: Scales) -> float:
-    """N/Pa."""
-    return scales.force / scales.pressure
-
-
-PRESSURE_DEPENDENT_FRICTION = Effect(
-    name="pressure_dependent_friction",
-    balance="force",
-    words="friction grows with the load pressure, as of a seal that is pressed by it",
-    source="Bonchis, Corke and Rye 1999",
-    numbers={"friction_per_pressure": Number(0.0, 50.0, 0.1, force_by_pressure)},
-    needs=("pressure_1",),
-    circular=True,
-    requires=("pressure_1", "pressure_2"),
-    Own=ByPressure,
-    parameters={"friction": pressed},
-)
 
 
 # --- with time at rest ----------------------------------------------------------------------------------------
@@ -182,8 +64,8 @@ RISING_STATIC_FRICTION = Effect(
     source="Armstrong-Helouvry, Dupont and Canudas de Wit 1994; Dieterich 1979",
     numbers={
         "static_rise": Number(0.0, 10.0, 0.2),
-        "static_rise_time": Number(0.0, FREE, 0.0),
-        "static_rise_distance": Number(0.0, FREE, 0.0),
+        "static_rise_time": Number(0.01, 100.0, 0.0, grid=(0.1, 0.3, 1.0, 3.0, 10.0)),
+        "static_rise_distance": Number(1e-6, 1.0, 0.0, travel, grid=(1e-4, 1e-3, 1e-2, 1e-1)),
     },
     apart=(
         ("static_rise",),
@@ -211,7 +93,8 @@ class Drift(NamedTuple):
 def drifted(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: Drift) -> Friction:
     """a2 <- a2 (1 + d t), t (s) since the record began.
 
-    Oil warms up. Looks like a slope of friction that changes along the record.
+    Oil warms up. Looks like a slope of friction that changes along the record. Where it comes to an end within the
+    record it is `warmed`.
     """
     share = np.maximum(1.0 + own.viscous_drift * moment.time, 0.0)
     return Friction(_thinner(friction.positive, share), _thinner(friction.negative, share))
@@ -222,20 +105,48 @@ def _thinner(own: LuGre, share: Scalar) -> LuGre:
     return changed(own, VISCOUS, own.viscous * share)
 
 
-def per_duration(scales: Scales) -> float:
-    """1/s: by 1 until the end of the record."""
-    return 1.0 / scales.duration
-
-
 VISCOUS_DRIFT = Effect(
     name="viscous_drift",
     balance="force",
     words="viscous friction changes along the record, as of oil that warms up",
     source="oil that warms up",
-    numbers={"viscous_drift": Number(-1.0, 10.0, 0.05, per_duration)},
+    numbers={"viscous_drift": Number(-1.0, 5.0, 0.05, per_duration)},
     Own=Drift,
     parameters={"friction": drifted},
 )
+
+
+class Warming(NamedTuple):
+    """Viscous friction's relative change when the oil has warmed up, and the time constant of that."""
+
+    warming_share: Annotated[float, "1"] = 0.0
+    warming_time: Annotated[float, "s"] = 10.0
+
+
+@equation
+def warmed(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: Warming) -> Friction:
+    """a2 <- a2 (1 + w (1 - exp(-t/T))), t (s) since the record began.
+
+    Oil that comes to a temperature by Newton's law of cooling. Looks like viscous friction that changes along the
+    record; a change that goes on is a drift, friction along the stroke comes back with the position.
+    """
+    share = np.maximum(1.0 + own.warming_share * (1.0 - np.exp(-moment.time / own.warming_time)), 0.0)
+    return Friction(_thinner(friction.positive, share), _thinner(friction.negative, share))
+
+
+VISCOUS_WARMING = Effect(
+    name="viscous_warming",
+    balance="force",
+    words="viscous friction changes until the oil has its temperature",
+    source="Newton's law of cooling",
+    numbers={
+        "warming_share": Number(-0.95, 5.0, 0.05),
+        "warming_time": Number(0.01, 3.0, 0.0, duration, grid=(0.03, 0.1, 0.3, 1.0)),
+    },
+    Own=Warming,
+    parameters={"friction": warmed},
+)
+"""Mineral oil becomes about six times as thin between 20 and 60 degrees Celsius."""
 
 
 # --- with the velocity before ---------------------------------------------------------------------------------
@@ -290,10 +201,11 @@ FRICTIONAL_MEMORY = Effect(
     balance="force",
     words="friction follows the velocity late",
     source="Hess and Soom 1990",
-    numbers={"memory_time": Number(0.0, 0.5, 0.005)},
+    numbers={"memory_time": Number(0.0, 0.1, 0.005)},
     acts_on=("acceleration",),
     Own=Lag,
     Memory=LaggedVelocity,
     parameters={"friction": late},
     remember=following,
 )
+"""Hess and Soom measured 3 to 9 ms in a lubricated line contact."""

@@ -1,0 +1,73 @@
+"""What is large on the machine of some records, by what is declared of it and by how it moves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from plants.axis import ROTARY as TURNING
+from plants.axis import name_along
+from plants.effects.scales import Scales
+from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+
+AREA, FORCE = "piston_area_1", "force"
+PRESSURES = ("pressure_1", "pressure_2")
+LEVELS = (("coulomb", "stribeck"), (f"coulomb_{NEGATIVE}", f"stribeck_{NEGATIVE}"))
+
+LOAD_FRICTIONS = 10.0
+"""Frictions that a machine is taken to move of which nothing tells what drives it [assumed]."""
+
+
+def scales_of(motions: Sequence[Motion], values: Values) -> Scales:
+    """What is large on the machine of these records, by what is declared of it and by how it moves."""
+    speed = max(float(np.max(np.abs(motion.velocity[motion.valid]))) for motion in motions)
+    way = max(float(np.ptp(motion.position[motion.valid])) for motion in motions)
+    stroke = values.get("stroke", np.inf)
+    pressures = [
+        float(np.max(np.abs(motion.channels[name]))) for motion in motions for name in PRESSURES if motion.has(name)
+    ]
+    static = [values.get(name, 0.0) + values.get(other, 0.0) for name, other in LEVELS]
+    turning = name_along("mass", TURNING) in values
+    mass = values.get("mass", values.get(name_along("mass", TURNING), 1.0))
+    force = max(*static, mass * max(float(np.std(motion.acceleration)) for motion in motions))
+    pressure, flow = values.get("supply_pressure", max(pressures, default=1.0)), values.get(AREA, 1.0) * speed
+    return Scales(
+        force=force,
+        drive=_driving(motions, values, pressure, force),
+        travel=stroke if np.isfinite(stroke) else way,
+        turn=2.0 * np.pi if turning else np.inf,
+        speed=speed,
+        pressure=pressure,
+        flow=flow,
+        spool=values.get("spool_limit", 1.0),
+        voltage=_largest(motions, ("valve_voltage", "command"), values.get("voltage_limit", np.inf)),
+        conductance=_conductance(values, flow / pressure),
+        duration=max(float(motion.time[-1]) for motion in motions),
+        sample_time=motions[0].sample_time,
+    )
+
+
+def _driving(motions: Sequence[Motion], values: Values, pressure: float, force: float) -> float:
+    """The largest force (N) that drives: of the pressure on a piston, of a drive's limit, of what a record shows."""
+    if AREA in values:
+        return pressure * max(values[AREA], values.get("piston_area_2", 0.0))
+    limit = values.get("force_limit", values.get("torque_limit", np.inf))
+    return max(_largest(motions, (FORCE,), limit, otherwise=LOAD_FRICTIONS * force), force)
+
+
+def _conductance(values: Values, otherwise: float) -> float:
+    """What a valve lets through at full travel over the supply's pressure (m^3/(s Pa)), or what moves the machine."""
+    oil = ("valve_flow_gain", "spool_limit", "supply_pressure")
+    if all(name in values for name in oil):
+        gain, way, supply = (values[name] for name in oil)
+        return gain * way * float(np.sqrt(0.5 * supply)) / supply
+    return values.get("sonic_conductance", otherwise)
+
+
+def _largest(motions: Sequence[Motion], names: Sequence[str], limit: float, otherwise: float = 1.0) -> float:
+    """A limit where it is known, else the largest value of the channels that records have."""
+    if np.isfinite(limit):
+        return limit
+    shown_here = [float(np.max(np.abs(each.channels[name]))) for each in motions for name in names if each.has(name)]
+    return max([one for one in shown_here if one > 0.0], default=otherwise)
