@@ -9,6 +9,7 @@ import numpy as np
 
 from plants.effects.interface import DISTURBANCE, Effect, Moment, Number
 from plants.effects.scales import PITCHES, drive, drive_by_speed_squared, drive_by_travel, pitch, travel
+from plants.effects.waves import wave
 from plants.equation import Scalar, equation, select
 from plants.laws.interface import Nothing
 
@@ -97,7 +98,7 @@ def cogging(disturbance: Scalar, moment: Moment, memory: Nothing, p: Any, own: C
     force that ripples with the position, whatever the direction; friction along the stroke changes its sign with it.
     """
     angle = 2.0 * np.pi * moment.position / own.cogging_pitch
-    return disturbance + own.cogging_cosine * np.cos(angle) + own.cogging_sine * np.sin(angle)
+    return disturbance + wave(own.cogging_cosine, own.cogging_sine, angle)
 
 
 COGGING = Effect(
@@ -173,8 +174,7 @@ def ripple(disturbance: Scalar, moment: Moment, memory: Angle, p: Any, own: Ripp
 
     A bent rod, a coupling off its axis. Looks like a ripple with the angle theta (rad).
     """
-    angle = memory.rotation_angle
-    return disturbance + own.cosine_force * np.cos(angle) + own.sine_force * np.sin(angle)
+    return disturbance + wave(own.cosine_force, own.sine_force, memory.rotation_angle)
 
 
 @equation

@@ -6,6 +6,7 @@ import numpy as np
 
 from plants.effects.interface import Effect, Moment, Number
 from plants.effects.scales import PITCHES, pitch, pressure, travel
+from plants.effects.waves import wave
 from plants.equation import Scalar, equation, select
 from plants.laws.interface import Nothing
 
@@ -74,7 +75,7 @@ def uneven(position: Scalar, moment: Moment, memory: Nothing, p: Any, own: Nonli
     ripples with the position while nothing pushes; cogging is a force that ripples, and the pressures show it.
     """
     angle = 2.0 * np.pi * position / own.position_ripple_pitch
-    return position + own.position_ripple_cosine * np.cos(angle) + own.position_ripple_sine * np.sin(angle)
+    return position + wave(own.position_ripple_cosine, own.position_ripple_sine, angle)
 
 
 SENSOR_NONLINEARITY = Effect(

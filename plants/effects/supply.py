@@ -6,7 +6,8 @@ import numpy as np
 
 from plants.effects.interface import COMMAND, Effect, Moment, Number
 from plants.effects.scales import pressure, pressure_by_flow, sampling
-from plants.equation import Scalar, changed, equation, select
+from plants.effects.waves import wave
+from plants.equation import Scalar, changed, equation, select, when
 from plants.hydraulics import Hydraulics, edge_flow, valve_opening
 from plants.laws.interface import Nothing
 from plants.pneumatics import Pneumatics
@@ -28,10 +29,16 @@ def drooped(h: Hydraulics, moment: Moment, memory: Nothing, p: Any, own: Droop) 
     A supply line, or a pump at its limit. Looks like flow that saturates with speed; a smaller gain of the valve looks
     alike where speeds vary little.
     """
+    flow = when(own.droop_resistance != 0.0, pump_flow, 0.0, moment, h)
+    return changed(h, SUPPLY_PRESSURE, h.supply_pressure - own.droop_resistance * flow)
+
+
+@equation
+def pump_flow(moment: Moment, h: Hydraulics) -> Scalar:
+    """|Q| (m^3/s) into the chamber that the valve feeds."""
     opening = valve_opening(moment.spool_position, h)
     fed = select(opening >= 0.0, moment.pressure_1, moment.pressure_2)
-    flow = edge_flow(np.abs(opening), h.supply_pressure - fed, h)
-    return changed(h, SUPPLY_PRESSURE, h.supply_pressure - own.droop_resistance * flow)
+    return edge_flow(np.abs(opening), h.supply_pressure - fed, h)
 
 
 SUPPLY_DROOP = Effect(
@@ -64,8 +71,7 @@ def pulsation(moment: Moment, own: Pulsation) -> Scalar:
     A pump's flow, or one that switches (Merritt 1967; Ivantysyn and Ivantysynova 2001). Looks like flow that swings
     with the time whatever the machine does; a controller that hunts has the same frequency in its command.
     """
-    angle = 2.0 * np.pi * own.ripple_frequency * moment.time
-    return own.ripple_cosine * np.cos(angle) + own.ripple_sine * np.sin(angle)
+    return wave(own.ripple_cosine, own.ripple_sine, 2.0 * np.pi * own.ripple_frequency * moment.time)
 
 
 @equation
