@@ -50,15 +50,19 @@ def curved(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: Exp
     Dahl 1968; Bliman 1992. The levels a0 and a1 are changed so that LuGre's law has that rate. Looks like a contact
     whose stiffness differs between small and large deflections; a second element beside it looks alike before sliding.
     """
-    speed = helical_speed(moment.velocity, moment.surface_speed)
-    along = moment.velocity / speed
-    contact = blended(along, along * np.sign(moment.bend), friction)
-    bent = contact.bristle_stiffness * moment.bend / stribeck_level(speed, contact)
-    ratio = when(own.dahl_exponent != 1.0, level_ratio, 1.0, own.dahl_exponent, bent)
+    ratio = when(own.dahl_exponent != 1.0, _changed_level, 1.0, own.dahl_exponent, moment, friction)
     a, b = friction.positive, friction.negative
     return Friction(
         with_levels(a, a.coulomb * ratio, a.stribeck * ratio), with_levels(b, b.coulomb * ratio, b.stribeck * ratio)
     )
+
+
+@equation
+def _changed_level(exponent: Scalar, moment: Moment, friction: Friction) -> Scalar:
+    speed = helical_speed(moment.velocity, moment.surface_speed)
+    along = moment.velocity / speed
+    contact = blended(along, along * np.sign(moment.bend), friction)
+    return level_ratio(exponent, contact.bristle_stiffness * moment.bend / stribeck_level(speed, contact))
 
 
 PRESLIDING_CURVE = Effect(
@@ -103,7 +107,12 @@ def slip_length(own: Element) -> Scalar:
 @equation
 def carried(disturbance: Scalar, moment: Moment, memory: Bent, p: Any, own: Element) -> Scalar:
     """F = k z (N), |F| at most the level."""
-    return disturbance + own.slip_level * (memory.slip_deflection / slip_length(own))
+    return disturbance + when(own.slip_level != 0.0, _bent_force, 0.0, memory, own)
+
+
+@equation
+def _bent_force(memory: Bent, own: Element) -> Scalar:
+    return own.slip_level * (memory.slip_deflection / slip_length(own))
 
 
 @equation
@@ -114,9 +123,13 @@ def bending(slip: Scalar, command: Scalar, moment: Moment, memory: Bent, p: Any,
     the contact: with it the force before sliding depends on where the motion turned before. Looks like a spring that
     lets go; a bristle that is fitted badly looks alike where all motion slides.
     """
+    return Bent(when(own.slip_level > 0.0, _bending, 0.0, moment, memory, own))
+
+
+@equation
+def _bending(moment: Moment, memory: Bent, own: Element) -> Scalar:
     speed = length(moment.velocity, moment.surface_speed)
-    rate = moment.velocity - speed * memory.slip_deflection / slip_length(own)
-    return Bent(select(own.slip_level > 0.0, rate, 0.0))
+    return moment.velocity - speed * memory.slip_deflection / slip_length(own)
 
 
 MAXWELL_SLIP = Effect(

@@ -51,10 +51,15 @@ def aging(slip: Scalar, command: Scalar, moment: Moment, memory: Rested, p: Any,
     """dr/dt = (1 - r)/T - |s| r/D: up at rest in the time T, forgotten within the distance D of sliding.
 
     The law of contacts that age (Dieterich 1979, Ruina 1983), here with an end. `slip` s = v - dz/dt (m/s): a bristle
-    that bends is not renewed.
+    that bends is not renewed. r stays where nothing rises: a step of the solver would have to be as short as D / s.
     """
+    return Rested(when(own.static_rise != 0.0, _aging, 0.0, slip, memory, own))
+
+
+@equation
+def _aging(slip: Scalar, memory: Rested, own: Aging) -> Scalar:
     forgotten = np.abs(slip) * memory.rested / own.static_rise_distance
-    return Rested((1.0 - memory.rested) / own.static_rise_time - forgotten)
+    return (1.0 - memory.rested) / own.static_rise_time - forgotten
 
 
 RISING_STATIC_FRICTION = Effect(
@@ -130,8 +135,14 @@ def warmed(friction: Friction, moment: Moment, memory: Nothing, p: Any, own: War
     Oil that comes to a temperature by Newton's law of cooling. Looks like viscous friction that changes along the
     record; a change that goes on is a drift, friction along the stroke comes back with the position.
     """
-    share = np.maximum(1.0 + own.warming_share * (1.0 - np.exp(-moment.time / own.warming_time)), 0.0)
+    change = when(own.warming_share != 0.0, _warmth, 0.0, moment.time, own)
+    share = np.maximum(1.0 + change, 0.0)
     return Friction(_thinner(friction.positive, share), _thinner(friction.negative, share))
+
+
+@equation
+def _warmth(time: Scalar, own: Warming) -> Scalar:
+    return own.warming_share * (1.0 - np.exp(-time / own.warming_time))
 
 
 VISCOUS_WARMING = Effect(
@@ -172,7 +183,7 @@ def late(friction: Friction, moment: Moment, memory: LaggedVelocity, p: Any, own
     Friction follows velocity late (Hess and Soom 1990), here by a lag of first order. Looks like loops of friction over
     velocity while sliding; a command's delay or a velocity that is filtered more than the pressures looks alike.
     """
-    speed = length(memory.lagged_velocity, memory.lagged_surface_speed)
+    speed = when(own.memory_time > 0.0, length, 0.0, memory.lagged_velocity, memory.lagged_surface_speed)
     return Friction(_at(speed, friction.positive, own), _at(speed, friction.negative, own))
 
 
