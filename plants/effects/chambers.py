@@ -5,8 +5,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants.effects.interface import FROZEN_VOLUMES, Effect, Moment, Number, stroke_share
-from plants.equation import Scalar, changed, equation
-from plants.hydraulics import Hydraulics, chamber_volumes, oil_volumes
+from plants.equation import Scalar, changed, equation, when
+from plants.hydraulics import Cylinder, Hydraulics, chamber_volumes, oil_volumes
 from plants.laws.interface import Nothing
 from plants.pneumatics import Pneumatics
 
@@ -29,6 +29,11 @@ def stiffness(pressure: Scalar, bulk_modulus: Scalar, air_fraction: Scalar) -> S
 
     Entrained air (Merritt 1967). Looks like oil that is soft at low pressure and stiff at high.
     """
+    return when(air_fraction != 0.0, _stiffness, 1.0, pressure, bulk_modulus, air_fraction)
+
+
+@equation
+def _stiffness(pressure: Scalar, bulk_modulus: Scalar, air_fraction: Scalar) -> Scalar:
     absolute = np.maximum(pressure, 0.0) + ATMOSPHERE
     return 1.0 / (1.0 + bulk_modulus * air_fraction * ATMOSPHERE / absolute**2)
 
@@ -81,26 +86,39 @@ def followed_1(rate: Scalar, moment: Moment, memory: Nothing, p: Any, own: Volum
 
     Merritt 1967. Looks like oil that is stiff at one end and soft at the other; air makes it soft at low pressure.
     """
-    still, _ = oil_volumes(0.0, p.hydraulics, p.cylinder)
-    moved, _ = oil_volumes(own.volume_share * moment.position, p.hydraulics, p.cylinder)
-    return rate * (still / moved)
+    way = own.volume_share * moment.position
+    return rate * when(own.volume_share != 0.0, _stiffer_1, 1.0, way, p.hydraulics, p.cylinder)
+
+
+@equation
+def _stiffer_1(way: Scalar, h: Hydraulics, c: Cylinder) -> Scalar:
+    return oil_volumes(0.0, h, c)[0] / oil_volumes(way, h, c)[0]
 
 
 @equation
 def followed_2(rate: Scalar, moment: Moment, memory: Nothing, p: Any, own: Volumes) -> Scalar:
     """The same of chamber 2."""
-    _, still = oil_volumes(0.0, p.hydraulics, p.cylinder)
-    _, moved = oil_volumes(own.volume_share * moment.position, p.hydraulics, p.cylinder)
-    return rate * (still / moved)
+    way = own.volume_share * moment.position
+    return rate * when(own.volume_share != 0.0, _stiffer_2, 1.0, way, p.hydraulics, p.cylinder)
+
+
+@equation
+def _stiffer_2(way: Scalar, h: Hydraulics, c: Cylinder) -> Scalar:
+    return oil_volumes(0.0, h, c)[1] / oil_volumes(way, h, c)[1]
 
 
 @equation
 def followed(rate: Scalar, moment: Moment, memory: Nothing, p: Any, own: Volumes) -> Scalar:
     """dP_L/dt <- dP_L/dt (V_1(0)/V_1 + V_2(0)/V_2) / 2: both chambers take up the same flow."""
-    h = p.hydraulics
+    way = own.volume_share * moment.position
+    return rate * when(own.volume_share != 0.0, _stiffer, 1.0, way, p.hydraulics)
+
+
+@equation
+def _stiffer(way: Scalar, h: Hydraulics) -> Scalar:
     still_1, still_2 = chamber_volumes(0.0, h.hose_volume, h.hose_volume, h)
-    moved_1, moved_2 = chamber_volumes(own.volume_share * moment.position, h.hose_volume, h.hose_volume, h)
-    return rate * (0.5 * (still_1 / moved_1 + still_2 / moved_2))
+    moved_1, moved_2 = chamber_volumes(way, h.hose_volume, h.hose_volume, h)
+    return 0.5 * (still_1 / moved_1 + still_2 / moved_2)
 
 
 POSITION_DEPENDENT_VOLUME = Effect(
