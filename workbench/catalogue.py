@@ -8,6 +8,7 @@ from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, usable
 from plants.axis import ROTARY, name_along
 from plants.effects.attach import lacks
+from plants.effects.curves import nodes_of
 from plants.effects.interface import FREE, Effect, Number, plain
 from plants.equation import fields
 from plants.laws.interface import FrictionLaw
@@ -89,9 +90,14 @@ def _effect(effect: Effect) -> list[str]:
     turning = known_units(ROTARY) if _of_turning(effect) else {}
     lines = [f"{effect.name:28} {effect.balance:7} {effect.words}", *[f"  {effect.meaning}"] * bool(effect.meaning)]
     turned = []
+    nodes = nodes_of(effect.name)
     for name, number in effect.numbers.items():
+        if name in nodes[1:-1]:
+            continue
         default = f"default {effect.neutral[name]:g}" if name in effect.neutral else "the plant's own"
-        lines.append(f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number)}")
+        lines.append(
+            f"{'  ' + name:28} {units.get(name, ''):16} {default:16} {_searched(number) if effect.sought else GIVEN}"
+        )
         other = name_along(name, ROTARY)
         if other in turning and (other, turning[other]) != (name, units.get(name)):
             turned.append(f"{other} in {turning[other]}")
@@ -103,6 +109,8 @@ def _of_turning(effect: Effect) -> bool:
     """Whether some plant whose axis turns can have it."""
     return any(not lacks(plant, effect.along(ROTARY)) for plant in PLANTS.working().values() if plant.axis == ROTARY)
 
+
+GIVEN = "given, not searched"
 
 SCALED = " times the machine's own scale"
 

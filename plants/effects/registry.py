@@ -5,6 +5,7 @@ from plants.effects.chambers import ENTRAINED_AIR, POSITION_DEPENDENT_AREA, POSI
 from plants.effects.command import COMMAND_DELAY
 from plants.effects.compliant import COMPLIANT_LOAD
 from plants.effects.contact import MAXWELL_SLIP, PRESLIDING_CURVE
+from plants.effects.curves import CURVES
 from plants.effects.friction_in_time import (
     FRICTIONAL_MEMORY,
     RISING_STATIC_FRICTION,
@@ -63,6 +64,7 @@ _OURS = (
     SENSOR_NONLINEARITY,
     SENSOR_LAG,
     PRESSURE_SENSOR_OFFSET,
+    *CURVES.values(),
 )
 
 

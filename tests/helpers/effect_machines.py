@@ -8,6 +8,7 @@ import numpy as np
 from thesis_actuator import OF_OTHERS, along
 
 from plants.effects.attach import meant
+from plants.effects.curves import CURVES
 from plants.equation import leaves, replaced
 from plants.interface import Plant
 from plants.registry import plants
@@ -59,6 +60,30 @@ SIZES = {
     "compliant_share": 0.3,
 }
 """A size of each parameter that is felt on this rig."""
+
+RANGES = {
+    "position": (-0.03, 0.03),
+    "velocity": (-0.1, 0.1),
+    "time": (0.0, 1.0),
+    "load_pressure": (-2e6, 2e6),
+    "pressure_1": (0.0, 3e6),
+    "pressure_2": (0.0, 3e6),
+    "valve_voltage": (-1.0, 1.0),
+}
+"""Of each signal over which there are curves."""
+
+NODES = np.array([1.0, 0.4, -0.3, -0.3, 0.2, 1.1, 0.9, 1.4, 2.0, -1.0, 0.5, 0.7])
+"""Of a curve that rises, falls, rests and turns."""
+
+
+def curve_of(balance: str, signal: str, share: float = 1.0) -> dict[str, float]:
+    """The parameters of a curve of up to 60 N or 2e-6 m^3/s over the range of a signal."""
+    size = {"force": 30.0, "flow": 1e-6}[balance]
+    return dict(zip(CURVES[balance, signal].own_names, [share, *RANGES[signal], *(size * NODES).tolist()], strict=True))
+
+
+for chosen in CURVES:
+    SIZES |= curve_of(*chosen)
 
 FREE_MASS = {
     **dict.fromkeys(("coulomb", "stribeck", "viscous", "bristle_stiffness", "bristle_damping"), 0.0),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from plants.axis import unit_along
 from plants.effects.attach import meant
+from plants.effects.curves import acting
 from plants.equation import NEGATIVE, fields, to_array
 from plants.interface import Plant
 from plants.registry import PLANTS
@@ -142,8 +143,8 @@ def read_experiment(path: Path) -> Experiment:
 def _resolved(content: ExperimentFile, path: Path) -> Experiment:
     bare = _plant(content.plant)
     values = _declared(content.plant, path.parent, bare.axis)
-    acting = [name for name, value in values.items() if value != NEUTRAL.get(name)]
-    plant = bare.with_effects(*meant(bare, [*acting, *(content.fit.free or ()), *content.fit.bounds]))
+    felt = [name for name, value in acting(values).items() if value != NEUTRAL.get(name)]
+    plant = bare.with_effects(*meant(bare, [*felt, *(content.fit.free or ()), *content.fit.bounds]))
     try:
         build(plant.Parameters, values, content.plant.flow)
     except UserError as error:

@@ -8,6 +8,7 @@ from controllers import rotation_on_demand, speed_servo
 from controllers.interface import Controller
 from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
 from plants.effects.attach import meant
+from plants.effects.curves import acting
 from plants.friction_gauge import gauged
 from plants.interface import Plant
 from plants.laws.registry import LAWS
@@ -250,7 +251,8 @@ def _plants(tables: CaseTables, values: Mapping[str, float]) -> tuple[Plant, Pla
     controllers know it: with the law that it has by itself, and without effects.
     """
     bare = _plant(tables)
-    plant = bare.with_effects(*meant(bare, [name for name, value in values.items() if value != NEUTRAL.get(name)]))
+    felt = [name for name, value in acting(values).items() if value != NEUTRAL.get(name)]
+    plant = bare.with_effects(*meant(bare, felt))
     law = registered(LAWS, tables.plant.friction, ("plant", "friction"))
     if "friction" not in tables.plant.model_fields_set:
         return plant, bare
