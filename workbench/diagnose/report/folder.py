@@ -7,6 +7,7 @@ from pathlib import Path
 from workbench.diagnose.report import tables as diagnosis_tables
 from workbench.diagnose.report.figures.every import pictures_of
 from workbench.diagnose.report.names import listed_names
+from workbench.diagnose.report.offered import offered_entries
 from workbench.diagnose.report.page import page
 from workbench.diagnose.report.parameters import (
     not_held,
@@ -119,6 +120,10 @@ def plant_file(diagnosis: Diagnosis) -> str:
             entries.append(_entry(name, fitted[name], f"workbench diagnose, {experiment.path.name}"))
         else:
             entries.append(Entry(name, experiment.values[name], None, f"as declared: {experiment.declared}"))
+    if not diagnosis.is_rejected and not lost:
+        written_by = f"workbench diagnose, {experiment.path.name}"
+        offered = offered_entries(diagnosis.unexplained, plant, experiment.values, written_by)
+        entries = [*(entry for entry in entries if entry.name not in {each.name for each in offered}), *offered]
     return parameter_file(f"{experiment.declared}, {title}", source, entries, experiment.plant.axis)
 
 

@@ -1,0 +1,58 @@
+"""A data-driven term as parameters of a curve, which a plant can have: off, until who reads it switches it on."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from plants.effects.attach import lacks
+from plants.effects.curves import CURVES, HIGH, LOW, NODES, SHARE, nodes_of
+from plants.effects.interface import Effect
+from plants.interface import Plant
+from workbench.diagnose.selection.unexplained import OfferedTerm, Unexplained
+from workbench.parameters.corrected import Entry
+
+
+def offered_curve(unexplained: Unexplained, plant: Plant) -> Effect | None:
+    """The curve by which a plant can have what is offered; None where there is none over that signal."""
+    effect = CURVES.get((unexplained.balance, unexplained.term.signal))
+    if effect is None or lacks(plant.bare or plant, effect):
+        return None
+    return effect
+
+
+def curve_values(name: str, term: OfferedTerm) -> dict[str, float]:
+    """The parameters (SI) of a curve of that name with a term's values: at even distances, on lines between its nodes.
+
+    It is off.
+    """
+    low, high = float(term.nodes[0]), float(term.nodes[-1])
+    values = np.interp(np.linspace(low, high, NODES), term.nodes, term.values)
+    return {
+        f"{name}_{SHARE}": 0.0,
+        f"{name}_{LOW}": low,
+        f"{name}_{HIGH}": high,
+        **dict(zip(nodes_of(name), values.tolist(), strict=True)),
+    }
+
+
+def offered_entries(
+    unexplained: Unexplained | None, plant: Plant, declared: Mapping[str, float], source: str
+) -> list[Entry]:
+    """What is offered as entries of a parameter file for a plant, and how it is switched on; none where it can have
+    none, or is declared with that curve already.
+    """
+    if unexplained is None or (effect := offered_curve(unexplained, plant)) is None:
+        return []
+    here = effect.along(plant.axis)
+    share, *_ = here.own_names
+    if declared.get(share, 0.0):
+        return []
+    values = dict(zip(here.own_names, curve_values(effect.name, unexplained.term).values(), strict=True))
+    switch = (
+        f"{source}: {here.words}. It describes the records and names no cause. "
+        f"Off; {share} = 1, here or in [plant.set], switches it on"
+    )
+    return [
+        Entry(name, value, None, switch if name == share else f"{source}: see {share}")
+        for name, value in values.items()
+    ]
