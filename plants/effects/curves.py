@@ -17,6 +17,8 @@ import numpy as np
 
 from plants.axis import AXES
 from plants.effects.interface import DISTURBANCE, FREE, Effect, Moment, Number
+from plants.effects.maps import FORCE_MAP
+from plants.effects.maps import NODES as MAP_NODES
 from plants.effects.scales import Scales, duration, force, pressure, travel, voltage
 from plants.equation import Equation, Scalar, equation, named_tuple, select
 from plants.hydraulics import oil_volume, oil_volumes
@@ -165,8 +167,8 @@ chamber, or where a plant has a load pressure alone that which changes it: the f
 
 
 def nodes_of(name: str) -> tuple[str, ...]:
-    """The names of the values of a curve."""
-    return tuple(f"{name}_{k:02d}" for k in range(1, NODES + 1))
+    """The names of the values of a curve, or of the map."""
+    return MAP_NODES if name == FORCE_MAP.name else tuple(f"{name}_{k:02d}" for k in range(1, NODES + 1))
 
 
 def _curve(balance: str, signal: str) -> Effect:
@@ -212,15 +214,15 @@ CURVES: Mapping[tuple[str, str], Effect] = {
 
 _SWITCHES = {
     name: effect.along(axis).own_names[0]
-    for effect in CURVES.values()
+    for effect in (*CURVES.values(), FORCE_MAP)
     for axis in AXES
     for name in effect.along(axis).own_names
 }
-"""The switch of the curve to which a parameter belongs."""
+"""The switch of the curve, or of the map, to which a parameter belongs."""
 
 
 def acting(values: Mapping[str, float]) -> dict[str, float]:
-    """Parameters by canonical name, without those of curves that are off: they would cost time for nothing."""
+    """Parameters by canonical name, without those of curves and maps that are off: they would cost time for nothing."""
     return {
         name: value
         for name, value in values.items()

@@ -20,6 +20,7 @@ from plants.effects.friction_levels import (
 from plants.effects.interface import Effect
 from plants.effects.leakage import EXTERNAL_LEAKAGE, INTERNAL_AIR_LEAKAGE, INTERNAL_LEAKAGE
 from plants.effects.loads import COGGING, CONSTANT_LOAD, CUSHION, QUADRATIC_DRAG, ROTATION_PERIODIC_FORCE, SPRING_LOAD
+from plants.effects.maps import FORCE_MAP
 from plants.effects.sensors import BACKLASH, PRESSURE_SENSOR_OFFSET, SENSOR_LAG, SENSOR_NONLINEARITY
 from plants.effects.supply import SUPPLY_DROOP, SUPPLY_RIPPLE
 from plants.effects.valve import SPOOL_STICTION, VALVE_DYNAMICS, VALVE_HYSTERESIS
@@ -65,6 +66,7 @@ _OURS = (
     SENSOR_LAG,
     PRESSURE_SENSOR_OFFSET,
     *CURVES.values(),
+    FORCE_MAP,
 )
 
 

@@ -9,6 +9,7 @@ from thesis_actuator import OF_OTHERS, along
 
 from plants.effects.attach import meant
 from plants.effects.curves import CURVES
+from plants.effects.maps import FORCE_MAP
 from plants.equation import leaves, replaced
 from plants.interface import Plant
 from plants.registry import plants
@@ -84,6 +85,18 @@ def curve_of(balance: str, signal: str, share: float = 1.0) -> dict[str, float]:
 
 for chosen in CURVES:
     SIZES |= curve_of(*chosen)
+
+MAP = np.sin(1.7 * np.arange(36.0)).reshape(6, 6)
+"""Of a map."""
+
+
+def map_of(share: float = 1.0) -> dict[str, float]:
+    """The parameters of a map of up to 30 N over the ranges of position and velocity."""
+    ranges = (*RANGES["position"], *RANGES["velocity"])
+    return dict(zip(FORCE_MAP.own_names, [share, *ranges, *(30.0 * MAP).ravel().tolist()], strict=True))
+
+
+SIZES |= map_of()
 
 FREE_MASS = {
     **dict.fromkeys(("coulomb", "stribeck", "viscous", "bristle_stiffness", "bristle_damping"), 0.0),

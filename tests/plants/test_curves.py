@@ -4,12 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from effect_machines import NODES, RANGES, TRUTH, at_rest, curve_of, having
-from scipy.interpolate import PchipInterpolator
+from effect_machines import MAP, NODES, RANGES, TRUTH, at_rest, curve_of, having, map_of
+from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 from thesis_actuator import along
 
 from plants.effects.attach import lacks
 from plants.effects.curves import CURVES, acting, curve, nodes_of
+from plants.effects.maps import FORCE_MAP, surface
 from plants.equation import leaves
 from plants.interface import Plant
 from plants.registry import plants
@@ -121,6 +122,39 @@ def test_curves_of_a_turning_axis_have_its_names_and_units() -> None:
     units = known_units("rad")
     assert (units["position_torque_curve_low"], units["position_torque_curve_01"]) == ("rad", "N m")
     assert known_units("m")["position_force_curve_01"] == "N"
+
+
+# --- over two signals ---
+
+
+def test_a_map_is_bilinear_between_its_nodes_and_constant_beyond() -> None:
+    places, speeds = np.linspace(-1.0, 3.0, 6), np.linspace(0.0, 0.5, 6)
+    own = (1.0, -1.0, 3.0, 0.0, 0.5, *MAP.ravel())
+    other = RegularGridInterpolator((places, speeds), MAP)
+    draw = np.random.default_rng(3)
+    first, second = draw.uniform(-1.5, 3.5, 400), draw.uniform(-0.1, 0.6, 400)
+    expected = other(np.column_stack([np.clip(first, -1.0, 3.0), np.clip(second, 0.0, 0.5)]))
+    np.testing.assert_allclose(surface(first, second, own), expected, atol=1e-12)
+    assert surface(7.0, 0.1, (1.0, 7.0, 7.0, 0.1, 0.1, *MAP.ravel())) == MAP[0, 0]
+
+
+@pytest.mark.parametrize("name", ["two_chamber", "rotary_torque"])
+def test_a_map_adds_its_value_to_the_force_and_nothing_where_it_is_off(name: str) -> None:
+    bare = plants()[name]
+    plant = bare.with_effects(FORCE_MAP)
+    on, off = (build(plant.Parameters, along(plant, {**TRUTH, **map_of(share)})) for share in (1.0, 0.0))
+    known = build(bare.Parameters, along(bare, TRUTH))
+    state, inputs = moved(plant, on)
+    place = plant.State._fields.index("velocity")
+    with_it, without, never = (
+        [*leaves(one.derivatives(0.3, state, inputs, p))] for one, p in ((plant, on), (plant, off), (bare, known))
+    )
+    assert without == never
+    scale, *_ = plant.balances["force"].scale(on)
+    expected = surface(SIGNALS["position"], SIGNALS["velocity"], [*map_of().values()])
+    assert abs(expected) > 1.0
+    assert scale * (with_it[place] - without[place]) == pytest.approx(expected, rel=1e-6)
+    assert acting(map_of(share=0.0)) == {}
 
 
 # --- only where it is asked for ---
