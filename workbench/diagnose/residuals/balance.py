@@ -20,6 +20,14 @@ LEAST_BLOCKS = 4
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance at the thinned instants of a motion, one array or more."""
 
+Beside = Callable[[Values], Sequence[tuple[np.ndarray, np.ndarray]]]
+"""What no parameter decides: rows of the stack, and directions (rows, directions) in which residuals there may move."""
+
+
+def nothing(values: Values) -> Sequence[tuple[np.ndarray, np.ndarray]]:
+    """Every residual is decided by parameters."""
+    return ()
+
 
 @dataclass(frozen=True, eq=False)
 class Balance:
@@ -29,7 +37,7 @@ class Balance:
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
     these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
     nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
-    `axis` is that of the plant, "m" or "rad".
+    `axis` is that of the plant, "m" or "rad"; `beside` is what no parameter decides.
     """
 
     name: str
@@ -44,6 +52,7 @@ class Balance:
     contact: bool = False
     simulated: bool = False
     axis: str = LINEAR
+    beside: Beside = nothing
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something."""

@@ -12,11 +12,12 @@ import numpy as np
 
 from plants.axis import name_along
 from plants.effects.interface import Scales
-from plants.equation import replaced
+from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
+from workbench.diagnose.residuals.shown import deviation, shown
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -27,6 +28,9 @@ SIMULATION = "simulation"
 
 SOLVER = 1e-5
 """Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
+
+NUDGED = 1e-2
+"""Of the typical magnitude of a state that no sensor shows, by which it is moved at a start."""
 
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
@@ -68,25 +72,57 @@ class Shooting:
             parts=len(self.channels),
             simulated=True,
             axis=self.along.plant.axis,
+            beside=lambda values: self.starting(motions, values),
         )
 
-    def errors(self, motion: Motion, values: Values) -> list[np.ndarray]:
+    def starting(self, motions: Sequence[Motion], values: Values) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each start the rows of the stack behind it, and what each state there would change of them."""
+        out, before = [], 0
+        for motion in motions:
+            base, size = self.errors(motion, values), motion.thinned.time.size
+            changed = [self.errors(motion, values, moved) for moved in self._moves(motion, values)]
+            per = self.samples(motion)
+            for start in self.starts(motion):
+                place = np.arange(-(-start // motion.thinning), min(-(-(start + per) // motion.thinning), size))
+                rows = np.concatenate([before + kind * size + place for kind in range(len(self.channels))])
+                columns = [
+                    np.concatenate([(other[kind] - base[kind])[place] for kind in range(len(self.channels))])
+                    for other in changed
+                ]
+                block = np.nan_to_num(np.column_stack(columns))
+                out.append((rows, block))
+            before += size * len(self.channels)
+        return out
+
+    def _moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
+        """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
+        plant = self.along.plant
+        own = {item.name for item in fields((plant.bare or plant).State)}
+        moves = []
+        for place, item in enumerate(fields(plant.State)):
+            if item.name in own:
+                size = deviation(item.name, motion, values) if shown(motion.channels, item.name) else NUDGED * item.scale
+                moves.append(np.zeros(len(self.along.names)))
+                moves[-1][place] = size
+        return moves
+
+    def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
-        between a fit's instants. A position starts where one sample says, and keeps that error: a mean of up to one
-        standard deviation, and half a backlash, from start to start is taken off. NaN where the plant diverges.
+        between a fit's instants. A position starts where few samples say, and keeps that error: its mean from start to
+        start is taken off. NaN where the plant diverges.
+        The states at each start may be `moved`.
         """
         record = motion.record
-        shown = self.simulated(motion, values)
+        seen = self.simulated(motion, values, moved)
         edges = np.arange(0, record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, record.time.size))
         out = []
         for name in self.channels:
-            error = motion.measured[name] - shown[name]
+            error = motion.measured[name] - seen[name]
             if name == "position":
-                most = motion.noise[name] + 0.5 * values.get("backlash_width", 0.0)
                 for k in self.starts(motion):
                     piece = error[k : k + self.samples(motion)]
-                    piece -= np.clip(np.mean(piece), -most, most)
+                    piece -= np.mean(piece)
             noise = max(motion.noise[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
             out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
         return out
@@ -100,13 +136,13 @@ class Shooting:
         """Samples at which a simulation starts."""
         return range(0, motion.record.time.size, self.samples(motion))
 
-    def simulated(self, motion: Motion, values: Values) -> dict[str, np.ndarray]:
+    def simulated(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """What the sensors would have shown, at every sample; NaN where the plant diverges."""
-        shown = np.full((motion.record.time.size, len(Measurement._fields)), np.nan)
-        for k, run in self._runs(motion, values):
+        seen = np.full((motion.record.time.size, len(Measurement._fields)), np.nan)
+        for k, run in self._runs(motion, values, moved):
             if not run.diverged:
-                shown[k : k + run.time.size] = run.measurements
-        return {name: shown[:, Measurement._fields.index(name)] for name in self.channels}
+                seen[k : k + run.time.size] = run.measurements
+        return {name: seen[:, Measurement._fields.index(name)] for name in self.channels}
 
     def with_backlash_of(self, motion: Motion, values: Values) -> Motion:
         """The motion with the side of the backlash on which the simulated rod is; as it is without a backlash."""
@@ -124,7 +160,9 @@ class Shooting:
             return feed
         return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
 
-    def _runs(self, motion: Motion, values: Values) -> Iterator[tuple[int, Run]]:
+    def _runs(
+        self, motion: Motion, values: Values, moved: np.ndarray | None = None
+    ) -> Iterator[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
@@ -141,6 +179,8 @@ class Shooting:
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
         sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time)[0]
         for k, state in zip(starts, along.starting_states(motion, values, starts), strict=True):
+            if moved is not None:
+                state = from_array(along.plant.State, (to_array(state) + moved).tolist())
             yield (
                 k,
                 simulate(

@@ -1,0 +1,93 @@
+"""What sets of effects would gain in likelihood, to first order: from the columns of all, with no further fit."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import chi2
+
+from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.selection.trials import Columns, Trial
+from workbench.fitting.least_squares import bounded_minimum
+
+FALSE_ALARMS = 0.01
+"""Of a machine that lacks nothing: probability that any of its candidates is asked for less than it gains by noise."""
+
+
+def asked(numbers: int, candidates: int) -> float:
+    """Gain in the logarithm of the likelihood that an effect with so many numbers has to exceed, one of so many
+    candidates: its quantile where there is none (Wilks 1938), each candidate with its share of `FALSE_ALARMS`.
+    """
+    return 0.5 * float(chi2.isf(FALSE_ALARMS / max(candidates, 1), numbers))
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A set of effects to be fitted: what it adds and drops, its expected gain less what is asked, where it starts."""
+
+    added: tuple[Trial, ...]
+    dropped: tuple[str, ...]
+    gain: float
+    score: float
+    start: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Outlook:
+    """What is to be expected of effects beside a fit, in the likelihood of its noise."""
+
+    fitted: Fit
+    columns: Mapping[Trial, Columns]
+
+    @cached_property
+    def _whole(self) -> tuple[np.ndarray, np.ndarray, dict[Trial, list[int]]]:
+        """Curvature and slope of half the squares over the fit's unknowns and all trials' numbers, and their places."""
+        own = self.fitted.jacobian * self.fitted.free
+        blocks, places, at = [own], {}, own.shape[1]
+        for trial, columns in self.columns.items():
+            blocks.append(columns.block)
+            places[trial] = list(range(at, at + columns.block.shape[1]))
+            at += columns.block.shape[1]
+        stack = np.column_stack(blocks)
+        curvature = stack.T @ stack
+        known = np.zeros(at)
+        known[: own.shape[1]] = np.diag(self.fitted.curvature) - np.diag(self.fitted.jacobian.T @ self.fitted.jacobian)
+        curvature += np.diag(known)
+        return curvature, stack.T @ self.fitted.weighed, places
+
+    def gain(self, added: Sequence[Trial], moved: Mapping[int, float] | None = None) -> tuple[float, dict[Trial, np.ndarray]]:
+        """By how much the logarithm of the likelihood rises with these, and how far their numbers move; `moved` are
+        unknowns of the fit that are taken elsewhere, as a search sees them.
+        """
+        curvature, slope, places = self._whole
+        fixed = moved or {}
+        count = len(self.fitted.unknowns)
+        rest = [i for i in range(count) if i not in fixed]
+        new = [i for trial in added for i in places[trial]]
+        away = np.array(list(fixed.values()))
+        shift = curvature[:, list(fixed)] @ away if fixed else np.zeros(slope.size)
+        risen = float(slope[list(fixed)] @ away + 0.5 * away @ curvature[np.ix_(list(fixed), list(fixed))] @ away) if fixed else 0.0
+        g, free = slope + shift, [*rest, *new]
+        low = np.concatenate([np.full(len(rest), -np.inf), *(self.columns[trial].low for trial in added)])
+        high = np.concatenate([np.full(len(rest), np.inf), *(self.columns[trial].high for trial in added)])
+        x = bounded_minimum(curvature[np.ix_(free, free)], g[free], low, high)
+        fallen = -float(g[free] @ x + 0.5 * x @ curvature[np.ix_(free, free)] @ x)
+        reached, at = {}, len(rest)
+        for trial in added:
+            size = len(places[trial])
+            reached[trial] = x[at : at + size]
+            at += size
+        return fallen - risen, reached
+
+    def proposal(self, added: Sequence[Trial], dropped: Mapping[str, Mapping[int, float]], price: float) -> Proposal:
+        """The set with these added and dropped, for what it costs."""
+        moved = {i: away for own in dropped.values() for i, away in own.items()}
+        gain, reached = self.gain(added, moved)
+        start = {name: value for trial, x in reached.items() for name, value in self.columns[trial].values(x).items()}
+        return Proposal(tuple(added), tuple(dropped), gain, gain - price, start)
+
+
+def effects_of(trials: Collection[Trial]) -> tuple[str, ...]:
+    """Their effects, in order, each once."""
+    return tuple(dict.fromkeys(trial.effect for trial in trials))

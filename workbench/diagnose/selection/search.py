@@ -1,0 +1,295 @@
+"""The search for what a plant lacks: sets of effects compete by the likelihood of what they leave of a balance.
+
+From a fit, what every effect would gain is known to first order, and so is what every set of them would, with any that
+are there dropped or exchanged. The sets that promise most are fitted; the best one that gains more than is asked of it
+is taken, and the search goes on from there. So one effect that stood in for two others is dropped again.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from plants.effects.registry import effects as registered
+from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked, effects_of
+from workbench.diagnose.selection.trials import Trial, columns_of, trials_of
+from workbench.fitting.least_squares import Search
+from workbench.parameters.sets import NEUTRAL
+
+Effects = Mapping[str, tuple[str, ...]]
+"""Effects by name, with their parameters."""
+
+QUICK = Search(flat=1e-5, near=1e-4, most_steps=12)
+"""When a fit ends by which sets are ranked."""
+
+FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=5)
+"""When a fit ends that shows whether an effect leads anywhere."""
+
+NEARLY = 0.3
+"""Share of what the best effect gains in a few steps, from which another is fitted on."""
+
+FAR = 5.0
+"""Floors beyond which a fit is so far from noise that first order is no guide."""
+
+TOGETHER = 3
+"""Effects that are added at once, at most."""
+
+LEADING = 8
+"""Effects of those that promise most, of which sets are made."""
+
+TRIED = 4
+"""Sets that are fitted in a round."""
+
+SHARE = 0.6
+"""Of what the best set promises, from which another is fitted beside it: a promise is of first order."""
+
+ROUNDS = 6
+"""Rounds at most."""
+
+LEVEL = 3.0
+"""Difference of the logarithms of two likelihoods (odds of 20 to 1) within which data cannot tell two sets apart."""
+
+BY_BLOCKS = 0.3
+"""Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect in a round: its numbers that would be free, what it gains in the logarithm of the likelihood, what is
+    asked of it, and its fit, if it was fitted: else its gain is that of first order.
+    """
+
+    effect: str
+    variant: tuple[str, ...]
+    gain: float
+    asked: float
+    fit: Fit | None = None
+
+    @property
+    def deviations(self) -> float:
+        """By how many standard deviations of the noise it stands out: what one number would that gains as much."""
+        return float(np.sqrt(2.0 * max(self.gain, 0.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One round: where it began, all candidates from the best, the effects that were added and dropped."""
+
+    before: Fit
+    candidates: Sequence[Candidate]
+    added: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search ends with: the fit, its effects with their numbers, the rounds, the gain of each effect that is
+    there, and for each those that do as well in its place.
+    """
+
+    fit: Fit
+    effects: Effects
+    steps: Sequence[Step]
+    gains: Mapping[str, float]
+    alternatives: Mapping[str, Sequence[str]]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a search may move: the plant's own parameters, as `declared`, between which bounds; beyond what it asks of
+    each effect, what such an effect gains where nothing is missing (`spurious`).
+    """
+
+    declared: Values
+    bounds: Mapping[str, tuple[float, float]]
+    candidates: int
+    spurious: Mapping[str, float]
+
+    def of(self, trial: Trial) -> float:
+        """Gain that an effect has to exceed."""
+        return asked(len(trial.names), self.candidates) + self.spurious.get(trial.effect, 0.0)
+
+
+def search(start: Fit, effects: Effects, ask: Asked) -> Found:
+    """Add, drop and exchange effects until no set gains more than is asked of it."""
+    current, taken = start, dict(effects)
+    steps = list[Step]()
+    seen = {frozenset(taken)}
+    for _ in range(ROUNDS):
+        outlook = _outlook(current, taken, ask)
+        if current.rms > FAR:
+            fitted = _explored(current, taken, ask)
+        else:
+            proposals = _worth(_proposals(outlook, taken, ask))
+            fitted = [(proposal, _fitted(current, taken, proposal, ask)) for proposal in proposals]
+        better = [(proposal, found) for proposal, found in fitted if _is_estimated(found, current.balance)]
+        candidates = _candidates(outlook, fitted, ask)
+        if not better:
+            steps.append(Step(current, candidates))
+            break
+        proposal, found = min(better, key=lambda pair: pair[1].rms if current.rms > FAR else 0.5 * pair[1].squares + _price(pair[0], taken, ask))
+        found = again(found, weighing_at(found), ask.bounds, QUICK)
+        beside = _beside(current, found, ask)
+        now = _after(taken, proposal)
+        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, ask)
+        if gained <= 0.0 or frozenset(now) in seen or not _holds(beside, found, proposal, taken, ask):
+            if beside is not current and beside.squares < current.squares - 1.0:
+                current = beside
+                continue
+            steps.append(Step(current, candidates))
+            break
+        steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
+        current, taken = found, now
+        seen.add(frozenset(now))
+    gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
+    return Found(current, taken, steps, gains, {effect: [] for effect in taken})
+
+
+def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
+    """Every further effect with all its numbers, fitted in a few steps from the plant as it is declared: far from noise
+    a fit without it has gone where first order leads nowhere. Those that come near the best are fitted on.
+    """
+    own = {name: ask.declared[name] for name in current.names if name in ask.declared}
+    largest: dict[str, Trial] = {}
+    for trial in trials_of(current, list(taken)):
+        if trial.effect not in largest or len(trial.names) > len(largest[trial.effect].names):
+            largest[trial.effect] = trial
+    tried: list[tuple[Proposal, Fit]] = []
+    for trial in largest.values():
+        names = [*current.names, *(name for name in trial.names if name not in current.names)]
+        start = {**current.values, **own, **dict(trial.shapes)}
+        found = fit(current.balance, start, names, ask.bounds, FIRST_STEPS)
+        gain = 0.5 * found.residual.size * float(np.log(current.rms**2 / found.rms**2))
+        tried.append((Proposal((trial,), (), gain, gain - ask.of(trial), {}), found))
+    tried.sort(key=lambda pair: -pair[0].score)
+    near = [(p, found) for p, found in tried if p.score > NEARLY * max(tried[0][0].score, 0.0)][:TRIED]
+    return [(p, again(found, found.weighing, ask.bounds, QUICK)) for p, found in near]
+
+
+def _outlook(current: Fit, taken: Effects, ask: Asked) -> Outlook:
+    return Outlook(current, columns_of(current, trials_of(current, list(taken)), ask.bounds))
+
+
+def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
+    """Sets that may do better, from the best: further effects, one or more at once, with any of those that are there
+    dropped.
+    """
+    best: dict[str, tuple[float, Trial]] = {}
+    for trial in outlook.columns:
+        score = outlook.proposal([trial], {}, ask.of(trial)).score
+        if trial.effect not in best or score > best[trial.effect][0]:
+            best[trial.effect] = (score, trial)
+    leading = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])[:LEADING]]
+    sets: list[tuple[Trial, ...]] = [(trial,) for trial in leading]
+    for count in range(2, TOGETHER + 1):
+        sets += [each for each in combinations(leading, count)]
+    drops: list[tuple[str, ...]] = [(), *((effect,) for effect in taken)]
+    found = []
+    for dropped in drops:
+        for added in [*([()] if dropped else []), *sets]:
+            if dropped and len(added) > 1:
+                continue
+            away = {effect: _away(outlook.fitted, taken[effect], ask) for effect in dropped}
+            price = sum(ask.of(trial) for trial in added) - sum(_asked_of(taken, effect, ask) for effect in dropped)
+            found.append(outlook.proposal(added, away, price))
+    return sorted(found, key=lambda proposal: -proposal.score)
+
+
+def _worth(proposals: Sequence[Proposal]) -> list[Proposal]:
+    """Those that are worth a fit."""
+    if not proposals or proposals[0].score <= 0.0:
+        return []
+    least = min(SHARE * proposals[0].score, proposals[0].score - LEVEL)
+    return [proposal for proposal in proposals if proposal.score > max(least, 0.0)][:TRIED]
+
+
+def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
+    """How far the unknowns of an effect are from where it does nothing."""
+    known = {**NEUTRAL, **ask.declared}
+    away = {}
+    for i, searched in enumerate(current.unknowns):
+        if searched.name in own:
+            plain = searched.name.removesuffix(f"_{NEGATIVE}")
+            neutral = current.values[plain] if plain != searched.name and plain in current.values else known.get(searched.name, 0.0)
+            if searched.logarithmic and neutral <= 0.0:
+                continue
+            away[i] = searched.place(neutral) - current.places[i]
+    return away
+
+
+def _fitted(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
+    """The plant with the set that is proposed, fitted from where first order leads."""
+    dropped = {name for effect in proposal.dropped for name in taken[effect]}
+    names = [name for name in current.names if name not in dropped]
+    names += [name for trial in proposal.added for name in trial.names if name not in names]
+    values = {name: value for name, value in current.values.items() if name not in dropped}
+    values |= {name: ask.declared[name] for name in dropped if name in ask.declared}
+    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
+
+
+def _is_estimated(found: Fit, balance: Balance) -> bool:
+    """Whether every number of an effect is an estimate, and no end of its range."""
+    return not found.bounded - set(balance.free)
+
+
+def _after(taken: Effects, proposal: Proposal) -> dict[str, tuple[str, ...]]:
+    kept = {effect: names for effect, names in taken.items() if effect not in proposal.dropped}
+    for trial in proposal.added:
+        kept[trial.effect] = tuple(dict.fromkeys([*kept.get(trial.effect, ()), *trial.names]))
+    return kept
+
+
+def _asked_of(taken: Effects, effect: str, ask: Asked) -> float:
+    return ask.of(Trial(effect, tuple(taken[effect])))
+
+
+def _price(proposal: Proposal, taken: Effects, ask: Asked) -> float:
+    return sum(ask.of(trial) for trial in proposal.added) - sum(_asked_of(taken, each, ask) for each in proposal.dropped)
+
+
+def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
+    """A fit again without what a rival has, from where that one found the parameters of both, if that is better: what
+    the rival gains is then no effect's.
+    """
+    start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
+    other = fit(current.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
+    return other if other.squares < current.seen_by(rival.weighing) else current
+
+
+def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Asked) -> bool:
+    """Whether what a set gains it gains on blocks left out, too."""
+    there = before if before.weighing is found.weighing else again(before, found.weighing, ask.bounds, QUICK)
+    left = 0.5 * (float(there.left_out @ there.left_out) - float(found.left_out @ found.left_out))
+    return left > BY_BLOCKS * _price(proposal, taken, ask)
+
+
+def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
+    """What an effect gains that is there: how much would be lost without it, to first order."""
+    outlook = Outlook(current, {})
+    return -outlook.gain([], _away(current, taken[effect], ask))[0]
+
+
+def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: Asked) -> list[Candidate]:
+    """Every effect of a round, from the best, with what it gains."""
+    best: dict[str, Candidate] = {}
+    for trial in outlook.columns:
+        gain = outlook.proposal([trial], {}, 0.0).gain
+        candidate = Candidate(trial.effect, trial.names, gain, ask.of(trial))
+        if trial.effect not in best or gain - candidate.asked > best[trial.effect].gain - best[trial.effect].asked:
+            best[trial.effect] = candidate
+    for proposal, found in fitted:
+        if len(proposal.added) == 1 and not proposal.dropped:
+            (trial,) = proposal.added
+            gain = 0.5 * (outlook.fitted.squares - found.squares)
+            best[trial.effect] = Candidate(trial.effect, trial.names, gain, ask.of(trial), found)
+    return sorted(best.values(), key=lambda candidate: candidate.asked - candidate.gain)
+
+
+def known_effects(names: Sequence[str], axis: str) -> bool:
+    """Whether all these are effects of plants along that axis."""
+    return set(names) <= set(registered(axis))

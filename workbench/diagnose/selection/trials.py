@@ -1,0 +1,149 @@
+"""What an effect would change of a residual, to first order: a column for each number that sizes it."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from plants.effects.interface import Effect
+from plants.effects.registry import effects
+from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.fit import LOST, Fit
+from workbench.diagnose.residuals.unknowns import Unknown, Values, unknown
+from workbench.fitting.least_squares import THREADS
+from workbench.parameters.sets import NEUTRAL
+
+FELT = 20.0
+"""Standard deviations of noise by which a change is to move a residual where its worth is looked at."""
+
+MUCH, LITTLE = 5.0, 0.2
+"""Times that, beyond which another change is looked at."""
+
+UNSEEN = 0.5
+"""Standard deviations of noise that an effect of the largest plausible size makes, and cannot be seen."""
+
+CHANGE = 0.02
+"""Relative change of a parameter that has a value already, at which its worth is first looked at."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An effect with the numbers that would be free: those that size it, and the others with values that shape it."""
+
+    effect: str
+    sized: tuple[str, ...]
+    shapes: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All numbers that a fit would move."""
+        return (*self.sized, *(name for name, _ in self.shapes))
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """What a trial's numbers change: weighed columns (rows, numbers) a step, the steps as a search sees them, where the
+    numbers start, and between which bounds they may move from there.
+    """
+
+    trial: Trial
+    unknowns: Sequence[Unknown]
+    starts: np.ndarray
+    block: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def values(self, x: np.ndarray) -> dict[str, float]:
+        """The numbers where a linear search got to."""
+        reached = np.clip(self.starts + x, [u.low for u in self.unknowns], [u.high for u in self.unknowns])
+        sized = {u.name: u.value(float(place)) for u, place in zip(self.unknowns, reached, strict=True)}
+        return {**sized, **dict(self.trial.shapes)}
+
+
+def trials_of(fitted: Fit, taken: Sequence[str]) -> list[Trial]:
+    """Every set of an effect's numbers that a balance may show and that is not free yet."""
+    found = []
+    for name in fitted.balance.effects:
+        effect = effects(fitted.balance.axis)[name]
+        if name in taken and not set(effect.numbers) - set(fitted.names):
+            continue
+        for variant in effect.variants:
+            free = [number for number in variant if number not in fitted.names]
+            if free and (name not in taken or set(fitted.names) & set(effect.numbers) < set(variant)):
+                found += _trials(effect, free, fitted)
+    return found
+
+
+def _trials(effect: Effect, free: Sequence[str], fitted: Fit) -> list[Trial]:
+    """A variant of an effect with each combination of values that shape it."""
+    shaping = [name for name in free if effect.numbers[name].grid]
+    sized = tuple(name for name in free if name not in shaping)
+    grids = []
+    for name in shaping:
+        number = effect.numbers[name]
+        scale = number.scale(fitted.balance.scales)
+        grids.append([scale * value for value in number.grid])
+    return [Trial(effect.name, sized, tuple(zip(shaping, shape, strict=True))) for shape in product(*grids) if sized]
+
+
+def columns_of(
+    fitted: Fit, trials: Sequence[Trial], bounds: Mapping[str, tuple[float, float]]
+) -> dict[Trial, Columns]:
+    """The columns of each trial that these records could show."""
+    with ThreadPoolExecutor(THREADS) as pool:
+        made = pool.map(lambda trial: _columns(fitted, trial, bounds), trials)
+        return {trial: columns for trial, columns in zip(trials, made, strict=True) if columns is not None}
+
+
+def _columns(fitted: Fit, trial: Trial, bounds: Mapping[str, tuple[float, float]]) -> Columns | None:
+    values, scales = {**fitted.values, **dict(trial.shapes)}, fitted.balance.scales
+    unknowns, starts, columns = [], [], []
+    for name in trial.sized:
+        searched = unknown(name, values, bounds, scales)
+        start = _value(values, name)
+        place = searched.place(start) if not searched.logarithmic or start > 0.0 else 0.0
+        found = _column(fitted, values, searched, place)
+        if found is None:
+            return None
+        unknowns.append(searched)
+        starts.append(place)
+        columns.append(found)
+    low = np.array([u.low for u in unknowns]) - np.array(starts)
+    high = np.array([u.high for u in unknowns]) - np.array(starts)
+    return Columns(trial, unknowns, np.array(starts), np.column_stack(columns), np.minimum(low, 0.0), np.maximum(high, 0.0))
+
+
+def _value(values: Values, name: str) -> float:
+    """Of a number that is not declared: where it does nothing, or that of the other direction."""
+    return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
+
+
+def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.ndarray | None:
+    """What a change of one number does to the weighed residual, a unit of the number as a search sees it; None of one
+    that at no plausible size is seen.
+    """
+    room = searched.high - place if searched.high - place > place - searched.low else searched.low - place
+    sign = 1.0 if room > 0.0 else -1.0
+    step = sign * min(CHANGE if searched.logarithmic else 1.0, 0.5 * abs(room))
+
+    def change(step: float) -> np.ndarray:
+        moved = fitted.balance.stacked({**values, searched.name: searched.value(place + step)})
+        return fitted.weighing(np.nan_to_num(moved, nan=LOST, posinf=LOST, neginf=-LOST) - fitted.residual)
+
+    moved = change(step)
+    felt = float(np.linalg.norm(moved))
+    for _ in range(2):
+        if LITTLE * FELT < felt < MUCH * FELT:
+            break
+        wanted = step * min(max(FELT / max(felt, 1e-12), 1e-6), 1e3)
+        wanted = sign * min(abs(wanted), 0.5 * abs(room))
+        if abs(wanted / step - 1.0) < 0.1:
+            break
+        step = wanted
+        moved = change(step)
+        felt = float(np.linalg.norm(moved))
+    if not np.isfinite(felt) or felt * abs(room / step) < UNSEEN:
+        return None
+    return moved / step

@@ -1,0 +1,145 @@
+"""Nonlinear least squares within bounds, through the normal equations: a tall Jacobian is multiplied once a step.
+
+Levenberg and Marquardt's damping, in units of each unknown's own curvature, so that no unit decides; an unknown at a
+bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004).
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+THREADS = 2
+"""Threads in which the columns of a Jacobian are found, beside one another: compiled code lets other threads run."""
+
+EASIER, HARDER = 0.2, 4.0
+"""Factors of the damping after a step that gained what was expected, and after one that did not."""
+
+FIRST, LEAST, MOST = 1e-4, 1e-12, 1e8
+"""Damping at first, and between which values."""
+
+ROUNDING = 1e-12
+"""Of an unknown's own curvature: keeps two that records cannot tell apart from running away together."""
+
+POOR, GOOD = 0.1, 0.7
+"""Shares of the expected gain below which the damping rises, and from which it falls."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many."""
+
+    flat: float = 1e-7
+    near: float = 1e-6
+    most_steps: int = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The unknowns `x` at the least sum of squares, the residual there, its Jacobian, and which unknowns are free: 0 of
+    a row where one is held at a bound.
+    """
+
+    x: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    free: np.ndarray
+
+
+Residual = Callable[[np.ndarray], np.ndarray]
+
+
+def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Forward differences of a residual (rows) over `steps` of each unknown, shape (rows, unknowns)."""
+
+    def column(i: int) -> np.ndarray:
+        moved = x.copy()
+        moved[i] += steps[i]
+        return np.asarray((residual(moved) - base) / steps[i])
+
+    if not x.size:
+        return np.zeros((base.size, 0))
+    with ThreadPoolExecutor(THREADS) as pool:
+        return np.column_stack(list(pool.map(column, range(x.size))))
+
+
+def least_squares(
+    residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, step: float, search: Search
+) -> Solution:
+    """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
+
+    Args:
+        residual: of the unknowns, shape (rows,); finite.
+        start: shape (unknowns,), within the bounds.
+        low, high: shape (unknowns,), infinite where there is none.
+        step: of difference quotients, of an unknown or of 1, whichever is larger.
+        search: when it ends.
+    """
+    x = np.asarray(start, dtype=float)
+    base = residual(x)
+    if not x.size:
+        return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
+    damping, cost = FIRST, float(base @ base)
+    jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
+    evaluations = 1
+    while evaluations < search.most_steps:
+        gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
+        moved, expected = _bounded_step(gradient, curvature, damping, low - x, high - x)
+        trial = np.clip(x + moved, low, high)
+        new = residual(trial)
+        evaluations += 1
+        gained = cost - float(new @ new)
+        if gained > 0.0:
+            near = float(np.max(np.abs(trial - x))) < search.near * (1.0 + float(np.max(np.abs(x))))
+            flat = gained < search.flat * cost
+            x, base, cost = trial, new, cost - gained
+            jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
+            if near or flat:
+                break
+        elif expected < search.flat * cost or damping >= MOST:
+            break
+        share = gained / expected if expected > 0.0 else 0.0
+        if share < POOR:
+            damping = min(damping * HARDER, MOST)
+        elif share > GOOD:
+            damping = max(damping * EASIER, LEAST)
+    pushed = -(jacobian.T @ base)
+    held = ((x <= low) & (pushed < 0.0)) | ((x >= high) & (pushed > 0.0))
+    return Solution(x, base, jacobian, ~held)
+
+
+def _differences(x: np.ndarray, high: np.ndarray, step: float) -> np.ndarray:
+    """Steps of difference quotients, backward where there is no room forward."""
+    steps = step * np.maximum(1.0, np.abs(x))
+    return np.where(x + steps < high, steps, -steps)
+
+
+def _bounded_step(
+    gradient: np.ndarray, curvature: np.ndarray, damping: float, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """A damped Gauss-Newton step within `low` and `high`, and by how much it should lower the sum of squares."""
+    damped = curvature + damping * np.diag(np.where(np.diag(curvature) > 0.0, np.diag(curvature), 1.0))
+    step = bounded_minimum(damped, gradient, low, high)
+    return step, float(-2.0 * gradient @ step - step @ (damped @ step))
+
+
+def bounded_minimum(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """x between `low` and `high`, which have 0 between them, where slope' x + x' curvature x / 2 is least: what would
+    go farthest beyond its bound is held there, until nothing does.
+    """
+    scale = np.sqrt(np.maximum(np.diag(curvature), 0.0))
+    scale[scale == 0.0] = 1.0
+    h, g = curvature / np.outer(scale, scale) + ROUNDING * np.eye(slope.size), slope / scale
+    least, most = low * scale, high * scale
+    free, x = np.ones(slope.size, dtype=bool), np.zeros(slope.size)
+    for _ in range(slope.size):
+        known = h[np.ix_(free, ~free)] @ x[~free]
+        x[free] = np.linalg.solve(h[np.ix_(free, free)], -(g[free] + known))
+        beyond = np.where(free, np.maximum(least - x, x - most), -np.inf)
+        worst = int(np.argmax(beyond))
+        if beyond[worst] <= 0.0:
+            break
+        x[worst] = np.clip(x[worst], least[worst], most[worst])
+        free[worst] = False
+    return np.asarray(np.clip(x, least, most) / scale)
