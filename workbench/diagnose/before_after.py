@@ -11,7 +11,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
-from workbench.diagnose.simulation.fits import SEARCH
+from workbench.diagnose.simulation.fits import QUICK
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.setup import behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -89,6 +89,6 @@ def _own_fit(experiment: Experiment, simulation: SimulationStage, held_out: Sequ
     whole = shooting_of(experiment, held_out, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
     after = simulation.after
-    fitted = fit(whole.balance(held_out, after.names), after.values, after.names, experiment.bounds, SEARCH)
+    fitted = fit(whole.balance(held_out, after.names), after.values, after.names, experiment.bounds, QUICK)
     run = free_run(whole, held_out, fitted.values)
     return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)

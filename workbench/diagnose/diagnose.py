@@ -4,14 +4,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from workbench.diagnose.before_after import errors_of
-from workbench.diagnose.effects import effects_of_both, effects_of_steps, fitted_parameters, sensor_offset
+from workbench.diagnose.effects import effects_of_both, effects_of_result, fitted_parameters, sensor_offset
 from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.residual_stage import ResidualStage, residual_stage, with_effects_of
+from workbench.diagnose.residual_stage import (
+    ResidualStage,
+    baselines,
+    with_effects,
+    with_effects_of,
+    with_shapes,
+)
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
-from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
+from workbench.diagnose.simulation.stage import SimulationStage, simulated_baseline, simulation_stage
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
@@ -31,11 +37,17 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     motions, held_out = both[: len(records)], both[len(records) :]
     declared = declared_values(experiment)
     offset = sensor_offset(motions, declared)
-    stage = residual_stage(experiment, motions, declared, offset, progress)
-    effects = [offset] if offset is not None else []
-    for result in stage.results:
-        effects += effects_of_steps(result.balance, result.after, result.steps)
-    simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), progress)
+    stage = baselines(experiment, motions, declared, offset, progress)
+    sensor = [offset] if offset is not None else []
+    base = simulated_baseline(experiment, motions, stage.simulation_start(sensor), progress)
+    if base is not None and base.is_near:
+        stage = with_shapes(stage, experiment)
+    else:
+        stage = with_effects(stage, experiment, progress)
+    effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
+    simulation = None
+    if base is not None:
+        simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), base, progress)
     diagnosis = _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
     if simulation is not None and simulation.is_in_doubt and _is_denied(diagnosis, stage):
         plain = simulation.without_additions()
@@ -69,7 +81,8 @@ def _diagnosis(
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances
     unexplained = None
-    if (left := strongest(stage.dependences)) is not None:
+    follows = simulation is not None and simulation.follows
+    if not follows and (left := strongest(stage.dependences)) is not None:
         after = next(result.after for result in stage.results if result.balance.name == left.balance)
         unexplained = unexplained_of(after, left, held_out)
     progress("held-out records", 0.9)

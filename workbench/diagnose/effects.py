@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from plants.effects.registry import effects as registered
-from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, load_pressure
 from workbench.diagnose.result import Estimate, Evidence, FittedParameter, FoundEffect
-from workbench.diagnose.selection.selection import Step, gain
-from workbench.diagnose.simulation.promising import explained
+from workbench.diagnose.selection.selection import BalanceResult, stands_out
 from workbench.diagnose.simulation.stage import SimulationStage
 
 OFFSET_SHARE = 0.5
@@ -52,50 +50,42 @@ def _pressure_sum(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     return np.asarray(total - values["supply_pressure"] - values["tank_pressure"])
 
 
-def effects_of_steps(balance: Balance, after: Fit, steps: Sequence[Step]) -> list[FoundEffect]:
-    """The effects of a balance in the order in which they were added, their numbers from the last fit.
-
-    An effect that gained a parameter in a later round is one effect, with the evidence of its first.
-    """
-    effects: dict[str, FoundEffect] = {}
-    for step in steps:
-        added = step.added
-        if added is None:
-            continue
-        if (first := effects.get(added.effect)) is not None:
-            names = dict.fromkeys([*first.parameters, *added.variant])
-            effects[added.effect] = replace(first, parameters=_estimates(after, list(names)))
-            continue
-        share, sure = gain(step.before, added.fit)
-        together = _speed_and_pressure(balance.motions) if added.effect == "pressure_dependent_friction" else None
-        effects[added.effect] = FoundEffect(
-            added.effect,
-            registered()[added.effect].balance,
-            _estimates(after, added.variant),
-            step.alternatives,
-            Evidence(share, sure, together),
-            _confounded(together),
+def effects_of_result(result: BalanceResult) -> list[FoundEffect]:
+    """The effects of a balance in the order in which they were added, with their numbers."""
+    before, after, balance = result.before, result.after, result.balance
+    share = 1.0 - after.rms / before.rms
+    found = []
+    for effect, names in result.effects.items():
+        together = _speed_and_pressure(balance.motions) if effect == "pressure_dependent_friction" else None
+        found.append(
+            FoundEffect(
+                effect,
+                registered()[effect].balance,
+                _estimates(after, names),
+                list(result.alternatives.get(effect, [])),
+                Evidence(share, stands_out(result.gains.get(effect, 0.0)), together),
+                _confounded(together),
+            )
         )
-    return list(effects.values())
+    return found
 
 
 def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage) -> list[FoundEffect]:
-    """What the balances found and the simulated plant keeps, then what it adds; numbers are its own where it is
-    trusted.
+    """What the balances found and the simulated plant keeps, then what it adds; where it is trusted numbers and
+    alternatives are its own, and it is what tells effects apart.
     """
-    after = simulation.after
-    kept = [effect for effect in effects if effect.name not in simulation.dropped]
-    known = {effect.name for effect in kept}
-    stayed = [step for step in simulation.steps if step.added is not None and step.added.effect in simulation.effects]
-    kept += [effect for effect in effects_of_steps(after.balance, after, stayed) if effect.name not in known]
+    known = {effect.name: effect for effect in effects if effect.name not in simulation.dropped}
+    own = {effect.name: effect for effect in effects_of_result(simulation.result)}
     merged = []
-    for effect in kept:
-        names = simulation.effects.get(effect.name, tuple(effect.parameters))
-        if (simulation.is_trusted or effect.name not in known) and set(names) <= set(after.names):
-            effect = replace(effect, parameters=_estimates(after, names))
-        if effect.name not in known:
-            effect = replace(effect, evidence=replace(effect.evidence, explained=explained(simulation.named, after)))
-        merged.append(effect)
+    for effect in {**known, **own}:
+        first, second = known.get(effect), own.get(effect)
+        if second is None or (first is not None and not simulation.is_trusted):
+            assert first is not None  # one of both has it
+            merged.append(first)
+        elif first is None:
+            merged.append(second)
+        else:
+            merged.append(replace(second, evidence=first.evidence, remarks=first.remarks))
     return merged
 
 

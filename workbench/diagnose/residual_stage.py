@@ -4,18 +4,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
-from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.baseline import baseline
+from workbench.diagnose.residuals.fit import Fit, fit, over
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
-from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular, select
+from workbench.diagnose.selection.search import Asked, best_shapes, search
+from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
+from workbench.diagnose.selection.trials import Shape, Shapes
 from workbench.diagnose.selection.unexplained import Dependence, dependence
 from workbench.diagnose.simulation.setup import behind_backlash
 from workbench.diagnose.simulation.stage import SimulationStage, SimulationStart
 from workbench.parameters.sets import EITHER_SIGN
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
+
+LEAST_SHARE, CIRCULAR_SHARE = 0.04, 0.15
+"""Shares of a residual's rms that an effect has to take away: what smoothing leaves is no noise, and effects take some
+of it; and that one has to take that is made of what it is to explain."""
 
 LEFT_OVER = 1.5
 """Floors above which a residual is not explained by the effects that were added."""
@@ -36,12 +43,15 @@ RUNAWAY = 5.0
 
 @dataclass(frozen=True, eq=False)
 class ResidualStage:
-    """The balances with their effects, and all parameters that fit them: without effects and with these."""
+    """The balances with their effects, all parameters that fit them, without effects and with these, and the values by
+    which effects would be shaped best.
+    """
 
     results: Sequence[BalanceResult]
     declared: Values
     baseline: Values
     corrected: Values
+    shapes: Shapes
 
     @property
     def dependences(self) -> list[Dependence | None]:
@@ -58,36 +68,68 @@ class ResidualStage:
             _starts(self.declared, self.baseline, [result.before for result in self.results]),
             _starts(self.declared, self.corrected, [result.after for result in self.results]),
             {effect.name: tuple(effect.parameters) for effect in effects},
+            self.shapes,
         )
 
 
-def residual_stage(
+def baselines(
     experiment: Experiment,
     motions: Sequence[Motion],
     declared: Values,
     offset: FoundEffect | None,
     progress: Progress,
 ) -> ResidualStage:
-    """Let effects compete on each balance; `offset` is that of a sensor, if one was found."""
-    baseline, values = dict(declared), dict(declared)
+    """The declared plant fitted to each balance, with the balance's floor; `offset` is that of a sensor, if one was
+    found.
+    """
+    bounds, values = experiment.bounds, dict(declared)
     if offset is not None:
         values |= {name: number.value for name, number in offset.parameters.items()}
     balances = balances_of(experiment.plant, experiment.flow, motions, values, experiment.free)
-    progress("noise floors", 0.02)
-    first = dict(values)
+    progress("fitting the declared plant", 0.02)
+    fits = list[Fit]()
     for balance in balances:
-        first |= fit(balance, first, balance.free, experiment.bounds).values
-    results = list[BalanceResult]()
+        fits.append(baseline(balance, values, bounds))
+        values |= {name: fits[-1].values[name] for name in balance.free}
     whole = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
-    for balance in floored(whole, balances, first):
-        progress(f"effects on the {balance.name} balance", 0.1 + 0.1 * len(results))
-        after, steps = select(balance, values, experiment.bounds)
-        if _leaves_too_much(steps[0].before, after, steps):
-            after, steps = steps[0].before, [replace(steps[0], added=None, alternatives=[])]
-        results.append(BalanceResult(balance, steps[0].before, after, steps))
-        baseline |= {name: steps[0].before.values[name] for name in balance.free}
-        values |= {name: after.values[name] for name in after.names}
-    return ResidualStage(results, declared, baseline, values)
+    progress("noise floors", 0.1)
+    results = []
+    for balance, fitted in zip(floored(whole, balances, values), fits, strict=True):
+        before = over(fitted, balance)
+        results.append(BalanceResult(balance, before, before, [Step(before, [])], {}, {}, {}))
+    return ResidualStage(results, declared, values, values, {})
+
+
+def with_shapes(stage: ResidualStage, experiment: Experiment) -> ResidualStage:
+    """The values by which effects would be shaped best, as the balances of the declared plant show them."""
+    shapes: dict[str, Sequence[Shape]] = {}
+    for result in stage.results:
+        ask = Asked(stage.declared, experiment.bounds, len(result.balance.effects), {})
+        shapes |= best_shapes(result.before, ask)
+    return replace(stage, shapes=shapes)
+
+
+def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progress) -> ResidualStage:
+    """The balances with the effects that their residuals support: flow, then force."""
+    results, shapes, values = list[BalanceResult](), dict[str, Sequence[Shape]](), dict(stage.baseline)
+    for result in stage.results:
+        progress(f"effects on the {result.balance.name} balance", 0.3 + 0.1 * len(results))
+        balance = result.balance
+        before = result.before if not results else baseline(balance, values, experiment.bounds)
+        found = search(before, {}, Asked(stage.declared, experiment.bounds, len(balance.effects), {}, LEAST_SHARE))
+        shapes |= found.shapes
+        after = replace(
+            result,
+            before=before,
+            after=found.fit,
+            steps=found.steps,
+            effects=found.effects,
+            gains=found.gains,
+            alternatives=found.alternatives,
+        )
+        results.append(after.withdrawn() if _leaves_too_much(after) else after)
+        values |= {name: results[-1].after.values[name] for name in results[-1].after.names}
+    return replace(stage, results=results, corrected=values, shapes=shapes)
 
 
 def with_effects_of(
@@ -108,7 +150,8 @@ def with_effects_of(
         )
         after = fit(balance, values, balance.free, experiment.bounds)
         values |= {name: after.values[name] for name in after.names}
-        again.append(replace(result, after=after))
+        own = {effect: names for effect, names in simulation.effects.items() if effect in balance.effects}
+        again.append(replace(result, after=after, effects=own))
     return replace(stage, results=again, corrected=values)
 
 
@@ -131,16 +174,20 @@ def _depends(after: Fit) -> Dependence | None:
     return dependence(after.balance, after.values)
 
 
-def _leaves_too_much(before: Fit, after: Fit, steps: Sequence[Step]) -> bool:
+def _leaves_too_much(result: BalanceResult) -> bool:
     """Whether effects take a part of a residual that goes on to depend on a signal, or to be far above its floor: then
     they stand in for another.
 
-    A circular one takes its part of any residual: it is not believed where the residual depends on place or time.
+    A circular one takes its part of any residual: it has to take more, and is not believed where the residual depends
+    on place or time.
     """
-    if after is before or not after.balance.simulated:  # without such a floor nobody knows what is too much
+    before, after = result.before, result.after
+    if not result.effects or not after.balance.simulated:  # without such a floor nobody knows what is too much
         return False
-    if any(step.added is not None and is_circular(step.added.effect, after.balance) for step in steps):
+    if any(is_circular(effect, after.balance) for effect in result.effects):
         first = _depends(before)
+        if after.rms > (1.0 - CIRCULAR_SHARE) * before.rms:
+            return True
         if first is not None and any(first.shares.get(name, 0.0) > PLACED for name in PLACES):
             return True
     if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:

@@ -176,11 +176,16 @@ class ErrorsByUse:
     held_out: BeforeAfter
     own_parameters: Errors | None = None
 
-    @property
-    def is_worse(self) -> bool:
-        """Whether a balance of the held-out records has a larger error with what was found."""
+    def is_worse(self, balances: Sequence[str]) -> bool:
+        """Whether one of these balances of the held-out records has a larger error with what was found."""
         before, after = self.held_out.before.balances, self.held_out.after.balances
-        return any(after[name] > WORSE * rms for name, rms in before.items())
+        return any(after[name] > WORSE * before[name] for name in balances if name in before)
+
+    @property
+    def runs_worse(self) -> bool:
+        """Whether a free run of the held-out records has a larger error of position with what was found."""
+        before, after = self.held_out.before.position, self.held_out.after.position
+        return after is not None and before is not None and after > WORSE * before
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
@@ -228,8 +233,15 @@ class Diagnosis:
 
     @property
     def is_rejected(self) -> bool:
-        """Whether what was found makes held-out records worse: then the plant stays as declared."""
-        return bool(self.effects) and self.errors.is_worse
+        """Whether what was found makes held-out records worse: then the plant stays as declared.
+
+        It is the free run that counts where the simulated plant is trusted, else the balances that have effects.
+        """
+        if not self.effects:
+            return False
+        if self.simulation is not None and self.simulation.is_trusted:
+            return self.errors.runs_worse
+        return self.errors.is_worse([result.balance.name for result in self.results if result.effects])
 
     @property
     def rounds(self) -> list[BalanceResult]:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from workbench.diagnose.report.series import title_of
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.result import Diagnosis
-from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.along import SHOWN
 from workbench.publish.html import html_environment
 from workbench.publish.pictures import Picture

@@ -8,12 +8,11 @@ from typing import Literal
 import numpy as np
 
 from plants.effects.registry import effects
-from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import THINNED, Motion, signals_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.selection.unexplained import bins_of
-from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.publish.along import SHOWN
 from workbench.toml.units import factor
 

@@ -10,20 +10,9 @@ from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
-from workbench.diagnose.residual_stage import PLACED, PLACES
 from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
-from workbench.diagnose.selection.selection import (
-    AT_FLOOR,
-    SURE,
-    BalanceResult,
-    Candidate,
-    Step,
-    gain,
-    is_circular,
-    least_gain,
-)
-from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, dependence
-from workbench.diagnose.simulation.promising import EXPLAINS
+from workbench.diagnose.selection.selection import BalanceResult, Candidate
+from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
@@ -38,10 +27,10 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
     unexplained = diagnosis.unexplained
     names = [effect.name for effect in diagnosis.effects]
     lines = [_of_effect(diagnosis, effect) for effect in diagnosis.effects]
-    for result in diagnosis.results:
-        lines.append(_of_floor(diagnosis, result))
+    lines += [_of_floor(diagnosis, result) for result in diagnosis.results]
+    for result in diagnosis.rounds:
         best = result.steps[0].candidates[0].effect if result.steps[0].candidates else None
-        if best not in [None, *names] and result.steps[0].added is None:
+        if best not in [None, *names] and not result.steps[0].added:
             lines.append(why_none(result))
     lines += _of_simulation(diagnosis)
     lines += _of_worse(diagnosis)
@@ -74,15 +63,10 @@ def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     text = f"{plain_name(effect.name).capitalize()}: {effects(diagnosis.axis)[effect.name].words} "
     text += f"({effects()[effect.name].source})."
     if evidence.left_out_gain is not None:
-        count = len(effect.parameters)
-        least = max(least_gain(effect.name, count, result.balance) for result in diagnosis.results)
+        text += f" It lowers the residual by {percent(evidence.left_out_gain, 1)}"
         text += (
-            f" It lowers the residual on data that its fit has not seen by {percent(evidence.left_out_gain)}"
-            f" ({evidence.standard_errors:.1f} standard errors; {percent(least)} and more, and {SURE:g} are asked for)."
+            f" and stands out of its noise by {shown_number(evidence.standard_errors or 0.0, 3)} standard deviations."
         )
-        if evidence.explained is not None:
-            text += f" Of what the simulated plant was off by beyond noise it explains {percent(evidence.explained)}; "
-            text += f"more than {percent(EXPLAINS)} is asked for."
     elif evidence.sum_rms is not None and evidence.left_rms is not None:
         before, after = (f"{1e-3 * rms:.3g}" for rms in (evidence.sum_rms, evidence.left_rms))
         text += f" The sum of both pressures is off by {before} kPa rms; one constant leaves {after} kPa of it."
@@ -111,38 +95,23 @@ def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
 
 def why_none(result: BalanceResult) -> str:
     """Why no effect was added to a balance: what stopped the best one."""
-    step = result.steps[0]
-    best = step.candidates[0]
-    share, _ = gain(step.before, best.fit)
+    best = result.steps[0].candidates[0]
     return (
-        f"No effect was added to the {words_of(result.balance)} balance: the best, {plain_name(best.effect)}, would "
-        f"lower it by {percent(share, 1)} on data that its fit has not seen, but {_stopped(step, best)}."
+        f"No effect was added to the {words_of(result.balance)} balance: the best, {plain_name(best.effect)}, stands "
+        f"out by {best.deviations:.1f} standard deviations of the noise, {_stopped(best)}."
     )
 
 
-def _stopped(step: Step, best: Candidate) -> str:
+def _stopped(best: Candidate) -> str:
     """The rule that stopped a candidate."""
-    balance = step.before.balance
-    share, sure = gain(step.before, best.fit)
-    least = least_gain(best.effect, len(best.variant), balance)
-    ended = sorted(best.fit.bounded - set(balance.free))
-    if step.before.rms <= AT_FLOOR:
-        return "the balance is at its noise floor without any"
-    if ended:
-        return f"{listed(ended)} ran to the end of its range, and so is no estimate"
-    if share <= least:
-        return f"{percent(least)} and more are asked for"
-    if sure <= SURE:
-        return f"by {sure:.1f} standard errors over the pieces of the records, where {SURE:g} are asked for"
-    first = dependence(balance, step.before.values)
-    if is_circular(best.effect, balance) and first is not None:
-        placed = [plain_name(name) for name in PLACES if first.shares.get(name, 0.0) > PLACED]
-        if placed:
-            return (
-                f"it was withdrawn: it is made of the pressures that it is to explain, and the residual depends on "
-                f"{listed(placed)}, which no such force makes"
-            )
-    return "it was withdrawn: what it left went on to depend on a signal, so that it stands in for something else"
+    if best.gain <= best.asked:
+        return f"where {best.asked_deviations:.1f} are asked of one among so many"
+    if best.fit is not None and (ended := sorted(best.fit.bounded - set(best.fit.balance.free))):
+        return f"but {listed(ended)} ran to the end of its range, and so is no estimate"
+    return (
+        "but it was not taken: it takes too little of the residual, or not on parts that were left out of its fit, or "
+        "what it leaves depends on a signal, so that it stands in for something else"
+    )
 
 
 def _of_simulation(diagnosis: Diagnosis) -> list[str]:

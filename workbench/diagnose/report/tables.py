@@ -6,10 +6,10 @@ import pandas as pd
 
 from workbench.diagnose.report.names import ERRORS, interval, percent, quantity, shown_unit
 from workbench.diagnose.report.parameters import Row, parameter_rows
-from workbench.diagnose.report.series import scale_of, unit_of, words_of
+from workbench.diagnose.report.series import words_of
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.result import ENDED, Diagnosis, error_of
-from workbench.diagnose.selection.selection import Step, gain
+from workbench.diagnose.selection.selection import Step
 from workbench.parameters.sets import known_units
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
@@ -23,14 +23,14 @@ NOT_IDENTIFIED = "not identified"
 
 
 def effects_table(diagnosis: Diagnosis) -> pd.DataFrame:
-    """effect | balance | parameter | value | left-out gain | alternatives; empty where none was found."""
+    """effect | balance | parameter | value | share of the residual | alternatives; empty where none was found."""
     lines = [
         {
             "effect": plain_name(effect.name),
             "balance": SHOWN[diagnosis.axis].said(effect.balance),
             "parameter": name,
             "value ± std": quantity(name, *number, diagnosis.axis),
-            "gain on left-out data": "" if (share := effect.evidence.left_out_gain) is None else percent(share),
+            "lowers the residual by": "" if (share := effect.evidence.left_out_gain) is None else percent(share),
             "cannot be told from": ", ".join(map(plain_name, effect.alternatives)),
         }
         for effect in diagnosis.effects
@@ -100,24 +100,24 @@ def _remark(row: Row, last: str) -> str:
 
 
 def evidence_table(diagnosis: Diagnosis) -> pd.DataFrame:
-    """balance | round | candidate | parameters | left-out rms | gain | standard errors | outcome."""
+    """balance | round | candidate | parameters | stands out by | asked for | gain in log-likelihood | outcome."""
     lines = []
     for result in diagnosis.rounds:
-        unit, scale = unit_of(result.balance), scale_of(result.balance)
         for number, step in enumerate(result.steps, 1):
-            start = {"balance": words_of(result.balance), "round": str(number), "unit": unit}
-            before = shown_number(scale * step.before.validated_rms, 3)
-            lines.append({**start, "candidate": "nothing added", "left-out rms": before})
             for candidate in step.candidates:
-                share, sure = gain(step.before, candidate.fit)
+                fitted = candidate.fit
                 lines.append(
                     {
-                        **start,
+                        "balance": words_of(result.balance),
+                        "round": str(number),
                         "candidate": plain_name(candidate.effect),
-                        "its parameters": ", ".join(quantity_of(candidate.fit, name) for name in candidate.variant),
-                        "left-out rms": shown_number(scale * candidate.fit.validated_rms, 3),
-                        "gain": percent(share, 1),
-                        "standard errors": f"{sure:.1f}",
+                        "its parameters": ", ".join(
+                            name if fitted is None else quantity_of(fitted, name) for name in candidate.variant
+                        ),
+                        "stands out by (std. deviations)": f"{candidate.deviations:.1f}",
+                        "asked for": f"{candidate.asked_deviations:.1f}",
+                        "gain in log-likelihood": shown_number(candidate.gain, 3),
+                        "known by": "first order" if fitted is None else "a fit",
                         "outcome": outcome(step, candidate.effect),
                     }
                 )
@@ -133,7 +133,7 @@ def quantity_of(fit: Fit, name: str) -> str:
 
 def outcome(step: Step, effect: str) -> str:
     """What became of a candidate in a round."""
-    if step.added is not None and step.added.effect == effect:
+    if effect in step.added:
         return "added"
     return "as good" if effect in step.alternatives else ""
 

@@ -17,6 +17,9 @@ BLOCKS = 10
 LEAST_BLOCKS = 4
 """Parts of each record at least: blocks of several records must not be so few that none can be sure."""
 
+SIMULATION = "simulation"
+"""What the simulation error is called among the balances."""
+
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance at the thinned instants of a motion, one array or more."""
 

@@ -1,7 +1,7 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,11 +22,11 @@ cannot tell apart do not run away together."""
 BOUNDED = 1e-3
 """Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there."""
 
-WEIGHED = 2
-"""Times that a fit is weighed anew by what it leaves."""
-
 NEAR_NOISE = 3.0
 """Floors up to which what is left may be noise of a colour that the floor does not know."""
+
+THOROUGH = Search()
+"""When the fit ends whose parameters count."""
 
 LOST = 1e6
 """Floors in the place of a residual that is no number: the plant diverges."""
@@ -80,7 +80,9 @@ class Fit:
         series = [place for slices in self.balance.series for place in slices]
         length = long_run_length([self.weighed[place] for place in series])
         held = self.jacobian * self.free
-        known = np.array([1.0 / VAGUE if u.logarithmic and f else 0.0 for u, f in zip(self.unknowns, self.free, strict=True)])
+        known = np.array(
+            [1.0 / VAGUE if u.logarithmic and f else 0.0 for u, f in zip(self.unknowns, self.free, strict=True)]
+        )
         return sandwich(held, self.weighed, series, length, known**2)
 
     @cached_property
@@ -117,7 +119,7 @@ def fit(
     values: Values,
     names: Sequence[str],
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    search: Search = Search(),
+    search: Search = THOROUGH,
     weighing: Weighing | None = None,
 ) -> Fit:
     """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
@@ -154,6 +156,14 @@ def fit(
     )
 
 
+def over(fitted: Fit, balance: Balance) -> Fit:
+    """The same fit of the same balance over another floor."""
+    share = fitted.balance.floor / balance.floor
+    return replace(
+        fitted, balance=balance, residual=share * fitted.residual, weighing=fitted.weighing.times(1.0 / share)
+    )
+
+
 def weighing_at(fitted: Fit) -> Weighing:
     """How residuals weigh if what a fit leaves is noise: by its spectrum, unless it is far from any sensors' noise."""
     weigh = weighing_of if fitted.rms < NEAR_NOISE else by_scatter
@@ -165,18 +175,16 @@ def weighed_fit(
     values: Values,
     names: Sequence[str],
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    search: Search = Search(),
+    search: Search = THOROUGH,
     first: Fit | None = None,
 ) -> Fit:
     """The best values by the likelihood of noise like that which the fit leaves; `first` is a fit to begin with."""
     best = fit(balance, values, names, bounds, search) if first is None else first
-    for _ in range(WEIGHED):
-        best = again(best, weighing_at(best), bounds, search)
-    return best
+    return again(best, weighing_at(best), bounds, search)
 
 
 def again(
-    fitted: Fit, weighing: Weighing, bounds: Mapping[str, tuple[float, float]] | None = None, search: Search = Search()
+    fitted: Fit, weighing: Weighing, bounds: Mapping[str, tuple[float, float]] | None = None, search: Search = THOROUGH
 ) -> Fit:
     """A fit once more from where it is, with another weighing."""
     return fit(fitted.balance, fitted.values, fitted.names, bounds, search, weighing)

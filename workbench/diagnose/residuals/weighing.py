@@ -51,6 +51,10 @@ class Weighing:
             out[rows] -= basis @ (basis.T @ out[rows])
         return out
 
+    def times(self, factor: float) -> "Weighing":
+        """The same of a residual that is in other units."""
+        return Weighing(self.series, [factor * numbers for numbers in self.filters], self.counts, self.beside)
+
     def without(self, columns: Sequence[tuple[np.ndarray, np.ndarray]]) -> "Weighing":
         """The same, with these directions projected off: each rows, and columns (rows, directions) of them."""
         beside = []
@@ -81,7 +85,7 @@ def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
 
 
 def _remembered(values: np.ndarray) -> float:
-    """1 + 2 (rho_1 + rho_2 + ...) of a series, until the first that is not positive: values that tell as much as one."""
+    """1 + 2 (rho_1 + rho_2 + ...) of a series, to the first that is not positive: so many values tell as much as one."""
     spectrum = np.abs(np.fft.rfft(values, 2 * values.size)) ** 2
     covariance = np.fft.irfft(spectrum)[: values.size // 2]
     if covariance.size < 2 or covariance[0] <= 0.0:

@@ -56,7 +56,9 @@ class Outlook:
         curvature += np.diag(known)
         return curvature, stack.T @ self.fitted.weighed, places
 
-    def gain(self, added: Sequence[Trial], moved: Mapping[int, float] | None = None) -> tuple[float, dict[Trial, np.ndarray]]:
+    def gain(
+        self, added: Sequence[Trial], moved: Mapping[int, float] | None = None
+    ) -> tuple[float, dict[Trial, np.ndarray]]:
         """By how much the logarithm of the likelihood rises with these, and how far their numbers move; `moved` are
         unknowns of the fit that are taken elsewhere, as a search sees them.
         """
@@ -67,7 +69,11 @@ class Outlook:
         new = [i for trial in added for i in places[trial]]
         away = np.array(list(fixed.values()))
         shift = curvature[:, list(fixed)] @ away if fixed else np.zeros(slope.size)
-        risen = float(slope[list(fixed)] @ away + 0.5 * away @ curvature[np.ix_(list(fixed), list(fixed))] @ away) if fixed else 0.0
+        risen = (
+            float(slope[list(fixed)] @ away + 0.5 * away @ curvature[np.ix_(list(fixed), list(fixed))] @ away)
+            if fixed
+            else 0.0
+        )
         g, free = slope + shift, [*rest, *new]
         low = np.concatenate([np.full(len(rest), -np.inf), *(self.columns[trial].low for trial in added)])
         high = np.concatenate([np.full(len(rest), np.inf), *(self.columns[trial].high for trial in added)])

@@ -13,16 +13,14 @@ import numpy as np
 
 from plants.effects.registry import effects as registered
 from plants.equation import NEGATIVE
-from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked, effects_of
-from workbench.diagnose.selection.trials import Trial, columns_of, trials_of
+from workbench.diagnose.selection.selection import Candidate, Effects, Step
+from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import NEUTRAL
-
-Effects = Mapping[str, tuple[str, ...]]
-"""Effects by name, with their parameters."""
 
 QUICK = Search(flat=1e-5, near=1e-4, most_steps=12)
 """When a fit ends by which sets are ranked."""
@@ -54,42 +52,17 @@ ROUNDS = 6
 LEVEL = 3.0
 """Difference of the logarithms of two likelihoods (odds of 20 to 1) within which data cannot tell two sets apart."""
 
+EXCHANGED, REACH = 3, 5.0
+"""Effects that are tried in the place of one, at most; times `LEVEL` within which first order has to see them."""
+
 BY_BLOCKS = 0.3
 """Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """An effect in a round: its numbers that would be free, what it gains in the logarithm of the likelihood, what is
-    asked of it, and its fit, if it was fitted: else its gain is that of first order.
-    """
-
-    effect: str
-    variant: tuple[str, ...]
-    gain: float
-    asked: float
-    fit: Fit | None = None
-
-    @property
-    def deviations(self) -> float:
-        """By how many standard deviations of the noise it stands out: what one number would that gains as much."""
-        return float(np.sqrt(2.0 * max(self.gain, 0.0)))
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One round: where it began, all candidates from the best, the effects that were added and dropped."""
-
-    before: Fit
-    candidates: Sequence[Candidate]
-    added: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
 class Found:
     """What a search ends with: the fit, its effects with their numbers, the rounds, the gain of each effect that is
-    there, and for each those that do as well in its place.
+    there, for each those that do as well in its place, and the values that would shape every effect best.
     """
 
     fit: Fit
@@ -97,32 +70,38 @@ class Found:
     steps: Sequence[Step]
     gains: Mapping[str, float]
     alternatives: Mapping[str, Sequence[str]]
+    shapes: Shapes
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What a search may move: the plant's own parameters, as `declared`, between which bounds; beyond what it asks of
-    each effect, what such an effect gains where nothing is missing (`spurious`).
+    """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
+    candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
+    set has to take away, beside what its likelihood has to gain.
     """
 
     declared: Values
     bounds: Mapping[str, tuple[float, float]]
     candidates: int
-    spurious: Mapping[str, float]
+    shapes: Shapes
+    least_share: float = 0.0
 
     def of(self, trial: Trial) -> float:
         """Gain that an effect has to exceed."""
-        return asked(len(trial.names), self.candidates) + self.spurious.get(trial.effect, 0.0)
+        return asked(len(trial.names), self.candidates)
 
 
 def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     """Add, drop and exchange effects until no set gains more than is asked of it."""
-    current, taken = start, dict(effects)
-    steps = list[Step]()
-    seen = {frozenset(taken)}
+    current = start
+    taken: Effects = dict(effects)
+    steps, seen = list[Step](), {frozenset(taken)}
+    shapes: dict[str, list[Shape]] = {}
     for _ in range(ROUNDS):
         outlook = _outlook(current, taken, ask)
-        if current.rms > FAR:
+        shapes |= _best_shapes(outlook, ask)
+        explored = current.rms > FAR and current.balance.name != SIMULATION  # a pass of a balance costs little
+        if explored:
             fitted = _explored(current, taken, ask)
         else:
             proposals = _worth(_proposals(outlook, taken, ask))
@@ -132,12 +111,15 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         if not better:
             steps.append(Step(current, candidates))
             break
-        proposal, found = min(better, key=lambda pair: pair[1].rms if current.rms > FAR else 0.5 * pair[1].squares + _price(pair[0], taken, ask))
+        proposal, found = min(
+            better, key=lambda pair: pair[1].rms if explored else 0.5 * pair[1].squares + _price(pair[0], taken, ask)
+        )
         found = again(found, weighing_at(found), ask.bounds, QUICK)
         beside = _beside(current, found, ask)
         now = _after(taken, proposal)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, ask)
-        if gained <= 0.0 or frozenset(now) in seen or not _holds(beside, found, proposal, taken, ask):
+        enough = found.rms <= (1.0 - ask.least_share * len(proposal.added)) * beside.rms
+        if gained <= 0.0 or not enough or frozenset(now) in seen or not _holds(beside, found, proposal, taken, ask):
             if beside is not current and beside.squares < current.squares - 1.0:
                 current = beside
                 continue
@@ -146,8 +128,76 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
         current, taken = found, now
         seen.add(frozenset(now))
+    current, taken = _simplest(current, taken, ask)
+    current, taken, level = _in_their_place(current, taken, ask)
     gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
-    return Found(current, taken, steps, gains, {effect: [] for effect in taken})
+    return Found(current, taken, steps, gains, level, shapes)
+
+
+def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
+    """The same, with nothing searched."""
+    return _best_shapes(_outlook(fitted, {}, ask), ask)
+
+
+def _best_shapes(outlook: Outlook, ask: Asked) -> dict[str, list[Shape]]:
+    """For each effect, and each set of numbers that shape it, the values by which it would gain most."""
+    best: dict[tuple[str, frozenset[str]], tuple[float, Shape]] = {}
+    for trial in outlook.columns:
+        if trial.shapes:
+            key = trial.effect, frozenset(name for name, _ in trial.shapes)
+            gain = outlook.proposal([trial], {}, 0.0).gain
+            if key not in best or gain > best[key][0]:
+                best[key] = gain, trial.shapes
+    found: dict[str, list[Shape]] = {}
+    for (effect, _), (_, shape) in best.items():
+        found.setdefault(effect, []).append(shape)
+    return found
+
+
+def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
+    """The fit without numbers of its effects that gain less than is asked of them."""
+    axis = current.balance.axis
+    for effect, own in taken.items():
+        for variant in registered(axis)[effect].variants:
+            more = [name for name in own if name not in variant]
+            if not more or not set(variant) < set(own):
+                continue
+            spared = asked(len(own), ask.candidates) - asked(len(variant), ask.candidates)
+            if -Outlook(current, {}).gain([], _away(current, more, ask))[0] > REACH * spared:
+                continue
+            names = [name for name in current.names if name not in more]
+            values = {name: value for name, value in current.values.items() if name not in more}
+            values |= {name: ask.declared[name] for name in more if name in ask.declared}
+            fewer = fit(current.balance, values, names, ask.bounds, QUICK, current.weighing)
+            if 0.5 * (fewer.squares - current.squares) < spared:
+                current, taken = fewer, {**taken, effect: tuple(name for name in own if name not in more)}
+                break
+    return current, taken
+
+
+def _in_their_place(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects, dict[str, list[str]]]:
+    """The fit with each of its effects exchanged where another does better, and for each those that do as well."""
+    level: dict[str, list[str]] = {effect: [] for effect in taken}
+    if not taken:
+        return current, taken, level
+    outlook = _outlook(current, taken, ask)
+    for effect in taken:
+        away = {effect: _away(current, taken[effect], ask)}
+        offers: dict[str, Proposal] = {}
+        for trial in outlook.columns:
+            if trial.effect not in taken:
+                offer = outlook.proposal([trial], away, ask.of(trial) - _asked_of(taken, effect, ask))
+                if trial.effect not in offers or offer.score > offers[trial.effect].score:
+                    offers[trial.effect] = offer
+        near = sorted(offers.values(), key=lambda offer: -offer.score)[:EXCHANGED]
+        for offer in near:
+            if offer.score < -REACH * LEVEL:
+                continue
+            other = _fitted(current, taken, offer, ask)
+            lost = 0.5 * (other.squares - current.squares) + _price(offer, taken, ask)
+            if lost < LEVEL and _is_estimated(other, current.balance):
+                level[effect].append(offer.added[0].effect)
+    return current, taken, level
 
 
 def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
@@ -156,7 +206,7 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
     """
     own = {name: ask.declared[name] for name in current.names if name in ask.declared}
     largest: dict[str, Trial] = {}
-    for trial in trials_of(current, list(taken)):
+    for trial in trials_of(current, list(taken), ask.shapes):
         if trial.effect not in largest or len(trial.names) > len(largest[trial.effect].names):
             largest[trial.effect] = trial
     tried: list[tuple[Proposal, Fit]] = []
@@ -172,7 +222,7 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
 
 
 def _outlook(current: Fit, taken: Effects, ask: Asked) -> Outlook:
-    return Outlook(current, columns_of(current, trials_of(current, list(taken)), ask.bounds))
+    return Outlook(current, columns_of(current, trials_of(current, list(taken), ask.shapes), ask.bounds))
 
 
 def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
@@ -187,7 +237,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     leading = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])[:LEADING]]
     sets: list[tuple[Trial, ...]] = [(trial,) for trial in leading]
     for count in range(2, TOGETHER + 1):
-        sets += [each for each in combinations(leading, count)]
+        sets += list(combinations(leading, count))
     drops: list[tuple[str, ...]] = [(), *((effect,) for effect in taken)]
     found = []
     for dropped in drops:
@@ -215,7 +265,11 @@ def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
     for i, searched in enumerate(current.unknowns):
         if searched.name in own:
             plain = searched.name.removesuffix(f"_{NEGATIVE}")
-            neutral = current.values[plain] if plain != searched.name and plain in current.values else known.get(searched.name, 0.0)
+            neutral = (
+                current.values[plain]
+                if plain != searched.name and plain in current.values
+                else known.get(searched.name, 0.0)
+            )
             if searched.logarithmic and neutral <= 0.0:
                 continue
             away[i] = searched.place(neutral) - current.places[i]
@@ -249,7 +303,9 @@ def _asked_of(taken: Effects, effect: str, ask: Asked) -> float:
 
 
 def _price(proposal: Proposal, taken: Effects, ask: Asked) -> float:
-    return sum(ask.of(trial) for trial in proposal.added) - sum(_asked_of(taken, each, ask) for each in proposal.dropped)
+    return sum(ask.of(trial) for trial in proposal.added) - sum(
+        _asked_of(taken, each, ask) for each in proposal.dropped
+    )
 
 
 def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
@@ -288,8 +344,3 @@ def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: A
             gain = 0.5 * (outlook.fitted.squares - found.squares)
             best[trial.effect] = Candidate(trial.effect, trial.names, gain, ask.of(trial), found)
     return sorted(best.values(), key=lambda candidate: candidate.asked - candidate.gain)
-
-
-def known_effects(names: Sequence[str], axis: str) -> bool:
-    """Whether all these are effects of plants along that axis."""
-    return set(names) <= set(registered(axis))

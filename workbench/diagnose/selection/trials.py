@@ -7,10 +7,11 @@ from itertools import product
 
 import numpy as np
 
-from plants.effects.interface import Effect
+from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.fit import LOST, Fit
+from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Unknown, Values, unknown
 from workbench.fitting.least_squares import THREADS
 from workbench.parameters.sets import NEUTRAL
@@ -28,13 +29,29 @@ CHANGE = 0.02
 """Relative change of a parameter that has a value already, at which its worth is first looked at."""
 
 
+OVERSAMPLED = 4.0
+"""Frequencies of a periodogram in the width of a line."""
+
+MOST_FREQUENCIES = 2000
+"""Of a periodogram."""
+
+PEAKS = 3
+"""Frequencies that are tried, of those that stand out most."""
+
+Shape = tuple[tuple[str, float], ...]
+"""Values of numbers that shape an effect, by name."""
+
+Shapes = Mapping[str, Sequence[Shape]]
+"""For effects by name the shapes that are tried."""
+
+
 @dataclass(frozen=True)
 class Trial:
     """An effect with the numbers that would be free: those that size it, and the others with values that shape it."""
 
     effect: str
     sized: tuple[str, ...]
-    shapes: tuple[tuple[str, float], ...] = ()
+    shapes: Shape = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,8 +79,10 @@ class Columns:
         return {**sized, **dict(self.trial.shapes)}
 
 
-def trials_of(fitted: Fit, taken: Sequence[str]) -> list[Trial]:
-    """Every set of an effect's numbers that a balance may show and that is not free yet."""
+def trials_of(fitted: Fit, taken: Sequence[str], shapes: Shapes) -> list[Trial]:
+    """Every set of an effect's numbers that a balance may show and that is not free yet; of those that shape an effect
+    the values that it has in `shapes`, else all of their grids.
+    """
     found = []
     for name in fitted.balance.effects:
         effect = effects(fitted.balance.axis)[name]
@@ -72,25 +91,77 @@ def trials_of(fitted: Fit, taken: Sequence[str]) -> list[Trial]:
         for variant in effect.variants:
             free = [number for number in variant if number not in fitted.names]
             if free and (name not in taken or set(fitted.names) & set(effect.numbers) < set(variant)):
-                found += _trials(effect, free, fitted)
+                found += _trials(effect, free, fitted, shapes)
     return found
 
 
-def _trials(effect: Effect, free: Sequence[str], fitted: Fit) -> list[Trial]:
+def _trials(effect: Effect, free: Sequence[str], fitted: Fit, shapes: Shapes) -> list[Trial]:
     """A variant of an effect with each combination of values that shape it."""
-    shaping = [name for name in free if effect.numbers[name].grid]
+    shaping = [name for name in free if effect.numbers[name].shapes]
     sized = tuple(name for name in free if name not in shaping)
-    grids = []
-    for name in shaping:
-        number = effect.numbers[name]
-        scale = number.scale(fitted.balance.scales)
-        grids.append([scale * value for value in number.grid])
-    return [Trial(effect.name, sized, tuple(zip(shaping, shape, strict=True))) for shape in product(*grids) if sized]
+    if not sized:
+        return []
+    known = [shape for shape in shapes.get(effect.name, ()) if {name for name, _ in shape} == set(shaping)]
+    if known or not shaping:
+        return [Trial(effect.name, sized, shape) for shape in known or [()]]
+    grids = [_grid(fitted, name, effect.numbers[name]) for name in shaping]
+    return [Trial(effect.name, sized, tuple(zip(shaping, shape, strict=True))) for shape in product(*grids)]
 
 
-def columns_of(
-    fitted: Fit, trials: Sequence[Trial], bounds: Mapping[str, tuple[float, float]]
-) -> dict[Trial, Columns]:
+def _grid(fitted: Fit, name: str, number: Number) -> list[float]:
+    """Values (SI) from which the search of a number that shapes an effect begins: of a period over a signal those that
+    stand out of what is left.
+    """
+    scale = number.scale(fitted.balance.scales)
+    if not (number.period_of or number.frequency_of):
+        return [scale * value for value in number.grid]
+    low, high = number.low * scale, number.high * scale
+    if number.period_of:
+        return [1.0 / frequency for frequency in _standing_out(fitted, number.period_of, 1.0 / high, 1.0 / low)]
+    return _standing_out(fitted, number.frequency_of, low, high)
+
+
+def _standing_out(fitted: Fit, signal: str, low: float, high: float) -> list[float]:
+    """The frequencies over a signal, between two, that stand out of a residual most."""
+    motions = [motion.thinned for motion in fitted.balance.motions]
+    along = [signals_of(motion)[signal] for motion in motions]
+    reach = max(float(np.ptp(values)) for values in along)
+    fastest = max(float(np.percentile(np.abs(np.diff(values)), 50)) for values in along)
+    high = min(high, 0.25 / fastest if fastest > 0.0 else high)
+    low = max(low, 0.5 / reach)
+    if high <= low:
+        return []
+    count = int(np.clip(OVERSAMPLED * reach * (high - low), 8, MOST_FREQUENCIES))
+    frequencies = np.linspace(low, high, count)
+    power = np.zeros(count)
+    for values, slices in zip(along, fitted.balance.series, strict=True):
+        for place in slices:
+            residual = fitted.residual[place]
+            scatter = float(np.mean(residual**2))
+            if scatter > 0.0:
+                power += _periodogram(values, residual / np.sqrt(scatter), frequencies)
+    chosen: list[float] = []
+    for i in np.argsort(-power).tolist():
+        if all(abs(frequencies[i] - other) > 1.0 / reach for other in chosen):
+            chosen.append(float(frequencies[i]))
+        if len(chosen) == PEAKS:
+            break
+    return chosen
+
+
+def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+    """|sum r exp(-2 pi i f s)|^2 / n of a residual r over a signal s, for each frequency f: sums over bins of the
+    signal that are an eighth of the shortest period.
+    """
+    edges = np.linspace(
+        float(np.min(signal)), float(np.max(signal)), int(8.0 * float(frequencies[-1]) * float(np.ptp(signal))) + 2
+    )
+    sums, _ = np.histogram(signal, edges, weights=residual)
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    return np.asarray(np.abs(np.exp(-2j * np.pi * np.outer(frequencies, middles)) @ sums) ** 2 / residual.size)
+
+
+def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Mapping[str, tuple[float, float]]) -> dict[Trial, Columns]:
     """The columns of each trial that these records could show."""
     with ThreadPoolExecutor(THREADS) as pool:
         made = pool.map(lambda trial: _columns(fitted, trial, bounds), trials)
@@ -112,7 +183,9 @@ def _columns(fitted: Fit, trial: Trial, bounds: Mapping[str, tuple[float, float]
         columns.append(found)
     low = np.array([u.low for u in unknowns]) - np.array(starts)
     high = np.array([u.high for u in unknowns]) - np.array(starts)
-    return Columns(trial, unknowns, np.array(starts), np.column_stack(columns), np.minimum(low, 0.0), np.maximum(high, 0.0))
+    return Columns(
+        trial, unknowns, np.array(starts), np.column_stack(columns), np.minimum(low, 0.0), np.maximum(high, 0.0)
+    )
 
 
 def _value(values: Values, name: str) -> float:

@@ -15,16 +15,13 @@ from plants.effects.interface import Scales
 from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
-
-SIMULATION = "simulation"
-"""What the simulation error is called among the balances."""
 
 SOLVER = 1e-5
 """Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
@@ -101,7 +98,9 @@ class Shooting:
         moves = []
         for place, item in enumerate(fields(plant.State)):
             if item.name in own:
-                size = deviation(item.name, motion, values) if shown(motion.channels, item.name) else NUDGED * item.scale
+                size = (
+                    deviation(item.name, motion, values) if shown(motion.channels, item.name) else NUDGED * item.scale
+                )
                 moves.append(np.zeros(len(self.along.names)))
                 moves[-1][place] = size
         return moves
@@ -160,9 +159,7 @@ class Shooting:
             return feed
         return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
 
-    def _runs(
-        self, motion: Motion, values: Values, moved: np.ndarray | None = None
-    ) -> Iterator[tuple[int, Run]]:
+    def _runs(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> Iterator[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)

@@ -6,7 +6,7 @@ showed. Where it lacks nothing the sensors' noise is left; how much more is left
 nearly all of that.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,20 +14,25 @@ import numpy as np
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.selection import BalanceResult, Step
-from workbench.diagnose.simulation.competition import Effects, add_effects, without_idle
-from workbench.diagnose.simulation.fits import NOISE, TRUSTED, fit_simulation, mean_square, with_honest_deviations
+from workbench.diagnose.selection.search import Asked, search
+from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
+from workbench.diagnose.selection.trials import Shapes
+from workbench.diagnose.simulation.fits import NOISE, TRUSTED, fit_simulation, mean_square
 from workbench.diagnose.simulation.setup import as_far_as_it_follows, shooting_of
-from workbench.diagnose.simulation.shooting import VALVE, Shooting
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
+
+FOLLOWS = 20.0
+"""Standard deviations of noise that a plant in pieces may be off to be tried from end to end."""
 
 
 @dataclass(frozen=True, eq=False)
 class SimulationStage:
     """The plant fitted to simulation error: without effects, with those that the balances named, and with what this
-    stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters; `dropped` are
-    effects of the balances that the simulated plant does without.
+    stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters, `gains` what each
+    gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
+    of the balances that the simulated plant does without.
     """
 
     how: Shooting
@@ -37,12 +42,16 @@ class SimulationStage:
     after: Fit
     effects: Effects
     steps: Sequence[Step]
+    gains: Mapping[str, float]
+    alternatives: Mapping[str, Sequence[str]]
     dropped: Sequence[str]
 
     @property
     def result(self) -> BalanceResult:
         """As a balance's: both fits, and the rounds."""
-        return BalanceResult(self.after.balance, self.before, self.after, self.steps)
+        return BalanceResult(
+            self.after.balance, self.before, self.after, self.steps, self.effects, self.gains, self.alternatives
+        )
 
     @property
     def starts_anew_every(self) -> float | None:
@@ -55,14 +64,20 @@ class SimulationStage:
         return self.after.rms < TRUSTED
 
     @property
+    def follows(self) -> bool:
+        """Whether the plant follows its records within noise: then nothing is missing that they could show."""
+        return self.after.rms < NOISE
+
+    @property
     def is_in_doubt(self) -> bool:
         """Whether this stage added effects with which the plant is still far from noise: stand-ins, maybe."""
         return bool(set(self.effects) - set(self.first)) and not self.is_trusted
 
     def without_additions(self) -> "SimulationStage":
         """The same before it added anything."""
-        steps = [replace(self.steps[0], added=None, alternatives=[])]
-        return replace(self, after=self.named, effects=self.first, steps=steps)
+        steps = [Step(self.steps[0].before, self.steps[0].candidates)]
+        kept = {effect: self.gains.get(effect, 0.0) for effect in self.first}
+        return replace(self, after=self.named, effects=self.first, steps=steps, gains=kept, alternatives={})
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds it: errors in standard deviations of the sensors' noise."""
@@ -80,7 +95,7 @@ class SimulationStage:
 @dataclass(frozen=True)
 class SimulationStart:
     """What the residual stage hands on: the plant's own `free` parameters, as `declared`; the values at which searches
-    begin, without effects and with those that were found, which are in `effects`.
+    begin, without effects and with those that were found, which are in `effects`; and the `shapes` of others.
     """
 
     free: Sequence[str]
@@ -88,70 +103,84 @@ class SimulationStart:
     baseline: Values
     corrected: Values
     effects: Effects
+    shapes: Shapes
 
 
-def simulation_stage(
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """The declared plant, with its own parameters fitted to simulation error: how it is simulated, and the fit."""
+
+    how: Shooting
+    fit: Fit
+
+    @property
+    def is_near(self) -> bool:
+        """Whether it is so near to noise that effects need not be found elsewhere first."""
+        return bool(np.isinf(self.how.length)) and self.fit.rms < TRUSTED
+
+
+def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
-) -> SimulationStage | None:
-    """Fit the plant to simulation error with the effects that the balances found, and let further ones compete.
+) -> Simulated | None:
+    """The declared plant simulated along the records; None where they cannot be simulated.
 
-    None where the records cannot be simulated.
+    The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
     """
     held = shooting_of(experiment, motions)
     if held is None:
         return None
-    holds = held.along.parameter_names
-    start = replace(
-        start,
-        free=[name for name in start.free if name in holds],
-        effects={effect: names for effect, names in start.effects.items() if set(names) <= holds},
-    )
-    stage = _along(held, experiment, motions, start, progress)
+    progress("simulating the declared plant", 0.2)
+    free = [name for name in start.free if name in held.along.parameter_names]
+    best = _fitted(held, experiment, motions, start.baseline, free)
     ramps = shooting_of(experiment, motions, held=False)
-    if stage.after.rms > NOISE and ramps is not None:
-        tried = replace(ramps, length=stage.how.length)
-        if mean_square(tried, stage.after) < mean_square(stage.how, stage.after):  # the voltage was no computer's
-            other = _along(ramps, experiment, motions, start, progress)
-            stage = min(stage, other, key=lambda either: either.after.rms)
-    return stage
+    if best.fit.rms > NOISE and ramps is not None:
+        tried = replace(ramps, length=best.how.length)
+        if mean_square(tried, best.fit) < mean_square(best.how, best.fit):  # the voltage was no computer's
+            other = _fitted(ramps, experiment, motions, start.baseline, free)
+            best = min(best, other, key=lambda either: either.fit.rms)
+    return best
 
 
-def _along(
-    whole: Shooting, experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
+def _fitted(
+    whole: Shooting, experiment: Experiment, motions: Sequence[Motion], values: Values, names: Sequence[str]
+) -> Simulated:
+    """A plant fitted in pieces, and from end to end if it follows so far then."""
+    how = as_far_as_it_follows(whole, motions, values)
+    fitted = fit_simulation(how, motions, values, names, experiment.bounds)
+    if how is not whole and fitted.rms < FOLLOWS and as_far_as_it_follows(whole, motions, fitted.values) is whole:
+        how, fitted = whole, fit_simulation(whole, motions, fitted.values, names, experiment.bounds)
+    return Simulated(how, fitted)
+
+
+def simulation_stage(
+    experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
 ) -> SimulationStage:
-    """The stage with a plant that is simulated in this way."""
-    bounds, given = experiment.bounds, start.effects
-    progress("simulating the declared plant", 0.3)
-    how = as_far_as_it_follows(whole, motions, start.baseline)
-    before = fit_simulation(how, motions, start.baseline, start.free, bounds)
-    current, dropped = before, list[str]()
-    effects: Effects = {}
+    """Fit the plant to simulation error with the effects that the balances found, and let further ones compete."""
+    holds, bounds = base.how.along.parameter_names, experiment.bounds
+    given = {effect: names for effect, names in start.effects.items() if set(names) <= holds}
+    before, current, how, effects, dropped = base.fit, base.fit, base.how, {}, list[str]()
     if given:
-        progress("simulating the plant with what was found", 0.4)
-        with_them = as_far_as_it_follows(whole, motions, start.corrected)
-        names = [*start.free, *(name for own in given.values() for name in own)]
-        after = None
-        if with_them.length >= how.length:  # else the record itself speaks against them
-            after = fit_simulation(with_them, motions, start.corrected, names, bounds)
-        if after is not None and (with_them.length > how.length or after.rms < before.rms):
-            current, effects, how = after, given, with_them
-        else:
+        progress("simulating the plant with what was found", 0.5)
+        names = [*before.names, *(name for own in given.values() for name in own)]
+        whole = replace(base.how, length=np.inf)
+        with_them = _fitted(whole, experiment, motions, start.corrected, names)
+        farther = with_them.how.length > how.length
+        if farther or (with_them.how.length == how.length and with_them.fit.rms < before.rms):
+            current, effects, how = with_them.fit, given, with_them.how
+        else:  # the record itself speaks against them
             dropped = list(given)
-    named, first, steps = current, effects, list[Step]()
-    if how.along.plant.command == VALVE:  # elsewhere nobody has asked yet what a simulation adds
-        current, effects, steps = add_effects(current, effects, start.declared, start.free, bounds, progress)
-        named = steps[0].before if steps else named
-        before = before if first else named
-        current, effects, idle = without_idle(current, effects, start.declared, bounds, progress)
-        dropped += [effect for effect in idle if effect in given]
-    before, current = (with_honest_deviations(how, fitted) for fitted in (before, current))
+    progress("what the simulated plant lacks", 0.6)
+    found = search(current, effects, Asked(start.declared, bounds, len(how.effects), start.shapes))
+    dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
     return SimulationStage(
         how=how,
         before=before,
-        named=named,
-        first=first,
-        after=current,
-        effects=effects,
-        steps=steps,
+        named=current,
+        first=effects,
+        after=found.fit,
+        effects=found.effects,
+        steps=found.steps,
+        gains=found.gains,
+        alternatives=found.alternatives,
         dropped=dropped,
     )

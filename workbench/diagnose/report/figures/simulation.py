@@ -9,10 +9,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workbench.diagnose.report.figures.frame import WIDE, Side, legend
+from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.setup import shooting_of
-from workbench.diagnose.simulation.shooting import SIMULATION
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
