@@ -1,7 +1,8 @@
 """Nonlinear least squares within bounds, through the normal equations: a tall Jacobian is multiplied once a step.
 
 Levenberg and Marquardt's damping, in units of each unknown's own curvature, so that no unit decides; an unknown at a
-bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004).
+bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004). A Jacobian that a step
+foresaw well is corrected by what it showed (Broyden 1965) before differences are taken again.
 """
 
 from collections.abc import Callable
@@ -25,14 +26,22 @@ ROUNDING = 1e-12
 POOR, GOOD = 0.1, 0.7
 """Shares of the expected gain below which the damping rises, and from which it falls."""
 
+FORESEEN = 0.4
+"""Share of the expected gain from which a Jacobian is learnt."""
+
 
 @dataclass(frozen=True)
 class Search:
-    """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many."""
+    """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many.
+
+    Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which is
+    then no exact one, at the end either.
+    """
 
     flat: float = 1e-7
     near: float = 1e-6
     most_steps: int = 100
+    learns: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +91,7 @@ def least_squares(
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
     jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
-    evaluations = 1
+    evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
         moved, expected = _bounded_step(gradient, curvature, damping, low - x, high - x)
@@ -93,10 +102,18 @@ def least_squares(
         if gained > 0.0:
             near = float(np.max(np.abs(trial - x))) < search.near * (1.0 + float(np.max(np.abs(x))))
             flat = gained < search.flat * cost
+            shown, way = new - base, trial - x
             x, base, cost = trial, new, cost - gained
-            jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
-            if near or flat:
+            ends = (near or flat) and fresh
+            fresh = not search.learns or not (gained > FORESEEN * expected) or ((near or flat) and not ends)
+            if fresh:
+                jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
+            else:
+                jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
+            if ends:
                 break
+        elif not fresh:
+            fresh, jacobian = True, jacobian_of(residual, x, base, _differences(x, high, step))
         elif expected < search.flat * cost or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0

@@ -23,13 +23,14 @@ SIMULATION = "simulation"
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance at the thinned instants of a motion, one array or more."""
 
-Beside = Callable[[Values], Sequence[tuple[np.ndarray, np.ndarray]]]
-"""What no parameter decides: rows of the stack, and directions (rows, directions) in which residuals there may move."""
+Beside = Callable[[Values], tuple[np.ndarray, Sequence[np.ndarray]]]
+"""What no parameter decides: directions (rows of the stack, directions) in which residuals may move, and the groups of
+rows that do so on their own."""
 
 
-def nothing(values: Values) -> Sequence[tuple[np.ndarray, np.ndarray]]:
+def nothing(values: Values) -> tuple[np.ndarray, Sequence[np.ndarray]]:
     """Every residual is decided by parameters."""
-    return ()
+    return np.zeros((0, 0)), ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,11 @@ class Balance:
     beside: Beside = nothing
 
     def known(self, motion: Motion) -> np.ndarray:
-        """At which of a motion's thinned instants the residual says something."""
+        """At which of a motion's thinned instants the residual says something: a simulation is not smoothed, and says
+        something wherever all samples from one instant to the next are known.
+        """
+        if self.name == SIMULATION:
+            return np.logical_and.reduceat(motion.record.valid, np.arange(0, motion.time.size, motion.thinning))
         thin = motion.thinned
         return thin.valid & ~thin.blurred
 

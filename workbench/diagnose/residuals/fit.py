@@ -1,14 +1,14 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.unknowns import WIDEST, Unknown, Values, unknown
-from workbench.diagnose.residuals.weighing import Weighing, by_scatter, plain, weighing_of
+from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, least_squares
 
@@ -165,9 +165,17 @@ def over(fitted: Fit, balance: Balance) -> Fit:
 
 
 def weighing_at(fitted: Fit) -> Weighing:
-    """How residuals weigh if what a fit leaves is noise: by its spectrum, unless it is far from any sensors' noise."""
-    weigh = weighing_of if fitted.rms < NEAR_NOISE else by_scatter
-    return weigh(fitted.balance.series, fitted.residual).without(fitted.balance.beside(fitted.values))
+    """How residuals weigh if what a fit leaves is noise: by its spectrum, unless that is no noise's: where a balance is
+    far from any sensors' noise. Of a simulation sensors alone decide, and nobody knows how slow their noise is.
+    """
+    is_noise = fitted.rms < NEAR_NOISE or fitted.balance.name == SIMULATION
+    return weighed_by(weighing_of if is_noise else by_scatter, fitted)
+
+
+def weighed_by(weigh: Callable[[Slices, np.ndarray], Weighing], fitted: Fit) -> Weighing:
+    """What a fit leaves as noise, without what no parameter decides."""
+    columns, groups = fitted.balance.beside(fitted.values)
+    return weigh(fitted.balance.series, without(fitted.residual, columns, groups)).without(columns, groups)
 
 
 def weighed_fit(

@@ -10,7 +10,7 @@ projected off.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
@@ -55,18 +55,30 @@ class Weighing:
         """The same of a residual that is in other units."""
         return Weighing(self.series, [factor * numbers for numbers in self.filters], self.counts, self.beside)
 
-    def without(self, columns: Sequence[tuple[np.ndarray, np.ndarray]]) -> "Weighing":
-        """The same, with these directions projected off: each rows, and columns (rows, directions) of them."""
-        beside = []
-        for rows, block in columns:
-            whole = np.zeros((self.counts.size, block.shape[1]))
-            whole[rows] = block
-            weighed = Weighing(self.series, self.filters, self.counts)(whole)[rows]
-            norms = np.linalg.norm(weighed, axis=0)
-            weighed = weighed[:, norms > NEGLIGIBLE * max(float(np.max(norms, initial=0.0)), 1e-300)]
-            left, sizes, _ = np.linalg.svd(weighed / np.linalg.norm(weighed, axis=0), full_matrices=False)
-            beside.append((rows, left[:, sizes > NEGLIGIBLE]))
-        return Weighing(self.series, self.filters, self.counts, beside)
+    def without(self, columns: np.ndarray, groups: Sequence[np.ndarray]) -> "Weighing":
+        """The same, with these directions projected off: columns (rows, directions), in each group of rows alone."""
+        if not groups:
+            return self
+        weighed, beside = replace(self, beside=())(columns), []
+        for rows in groups:
+            block = weighed[rows]
+            norms = np.linalg.norm(block, axis=0)
+            block = block[:, norms > NEGLIGIBLE * max(float(np.max(norms, initial=0.0)), 1e-300)]
+            if block.size:
+                left, sizes, _ = np.linalg.svd(block / np.linalg.norm(block, axis=0), full_matrices=False)
+                beside.append((rows, left[:, sizes > NEGLIGIBLE]))
+        return replace(self, beside=beside)
+
+
+def without(residual: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+    """A residual less what columns (rows, directions) take of it in each group of rows, where it is known."""
+    out = residual.copy()
+    for rows in groups:
+        block = columns[rows] * (residual[rows] != 0.0)[:, None]
+        sizes = np.linalg.norm(block, axis=0)
+        block = block[:, sizes > 0.0] / sizes[sizes > 0.0]
+        out[rows] -= block @ np.linalg.lstsq(block, residual[rows], rcond=NEGLIGIBLE)[0]
+    return out
 
 
 def plain(series: Slices, size: int) -> Weighing:
@@ -85,7 +97,7 @@ def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
 
 
 def _remembered(values: np.ndarray) -> float:
-    """1 + 2 (rho_1 + rho_2 + ...) of a series, to the first that is not positive: so many values tell as much as one."""
+    """1 + 2 (rho_1 + rho_2 + ...) of a series, to the first not above 0: so many values tell as much as one."""
     spectrum = np.abs(np.fft.rfft(values, 2 * values.size)) ** 2
     covariance = np.fft.irfft(spectrum)[: values.size // 2]
     if covariance.size < 2 or covariance[0] <= 0.0:

@@ -1,21 +1,30 @@
-"""Fits of a plant to simulation error: piece by piece, then from end to end."""
+"""Fits of a plant to simulation error: in short pieces, in longer ones, then from end to end.
+
+A contact that breaks away at another time puts hollows into the error of a long run, and a chamber that rings puts more.
+A short piece has few of them, since it starts from what was measured; where it starts is no part of the plant, and is
+found with its parameters.
+"""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit, fit, weighed_fit
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import LOST, NEAR_NOISE, Fit, fit, weighed_by, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.setup import SEGMENT
+from workbench.diagnose.residuals.weighing import by_scatter, weighing_of
+from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.fitting.least_squares import Search
+from workbench.fitting.least_squares import THREADS, Search
+from workbench.parameters.sets import EITHER_SIGN
 
-QUICK = Search(flat=1e-4, near=1e-4, most_steps=12)
+QUICK = Search(flat=1e-3, near=1e-4, most_steps=15, learns=True)
 """When a fit ends from which another goes on."""
 
-SEARCH = Search(flat=1e-6, near=1e-6, most_steps=30)
+FINAL = Search(flat=1e-5, near=1e-5, most_steps=6)
 """When the fit ends whose parameters count."""
 
 NOISE = 1.5
@@ -25,6 +34,83 @@ TRUSTED = 3.0
 """Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
 balances give: beyond it what the model lacks decides them, and what adds up over time most of all."""
 
+PIECES = (20, 160)
+"""Instants of a fit in a piece, from the shortest."""
+
+ROUNDS = 4
+"""Times that parameters, and then states at the starts, are found, at most."""
+
+GOES_ON = 0.9
+"""Share of the rms that a round has to leave at most for another."""
+
+ASTRAY = 30.0
+"""Standard deviations of noise from which a long run is no place to begin a fit."""
+
+FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
+"""Of a parameter, at which a fit that went astray begins anew."""
+
+SCANS = 2
+"""Times that it does."""
+
+SHARES = (1.0, 0.3, 0.1)
+"""Of a step of the states at a start that are tried."""
+
+TOLD = 1e-4
+"""Share of the largest direction of those states below which a piece does not tell one."""
+
+BETTER = 0.98
+"""Rms over that of another fit from which it is better."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A plant with its parameters fitted to simulation error: how it is simulated, and the fit."""
+
+    how: Shooting
+    fit: Fit
+
+    @property
+    def is_near(self) -> bool:
+        """Whether it follows its records so far that effects need not be found elsewhere first."""
+        return bool(np.isinf(self.how.length))
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """What is fitted: the parameters `names` on some motions, within bounds."""
+
+    motions: Sequence[Motion]
+    names: Sequence[str]
+    bounds: Mapping[str, tuple[float, float]]
+
+    def found(self, how: Shooting, values: Values, rounds: int = ROUNDS) -> Simulated:
+        """The parameters and the states at the starts that leave least of the records, from these values on."""
+        best = self.begun(how, values)
+        for _ in range(rounds):
+            again = self._once(best)
+            goes_on = again.fit.rms < GOES_ON * best.fit.rms
+            best = again if again.fit.rms < best.fit.rms else best
+            if not goes_on:
+                break
+        return best
+
+    def begun(self, how: Shooting, values: Values) -> Simulated:
+        """The plant with these values, from the starts that suit them best."""
+        begun = restarted(how, fit(how.balance(self.motions, ()), values, ()))
+        return Simulated(begun, fit(begun.balance(self.motions, ()), values, ()))
+
+    def _once(self, of: Simulated) -> Simulated:
+        """The parameters with starts that follow them to first order, and then these starts."""
+        balance = of.how.balance(self.motions, self.names)
+        weighing = weighed_by(by_scatter if of.fit.rms > NEAR_NOISE else weighing_of, of.fit)
+        fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
+        return self.begun(of.how, fitted.values)
+
+    def final(self, of: Simulated) -> Simulated:
+        """The fit whose parameters count, by the likelihood of noise like that which is left."""
+        balance = of.how.balance(self.motions, self.names)
+        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, FINAL, weighing_at(of.fit)))
+
 
 def mean_square(how: Shooting, fitted: Fit) -> float:
     """Mean square of the simulation error with the values of a fit."""
@@ -33,17 +119,91 @@ def mean_square(how: Shooting, fitted: Fit) -> float:
 
 
 def fit_simulation(
-    how: Shooting,
+    whole: Shooting,
     motions: Sequence[Motion],
     start: Values,
     names: Sequence[str],
     bounds: Mapping[str, tuple[float, float]],
-) -> Fit:
-    """The plant fitted piece by piece, and from there as far as it follows: a contact that breaks away at another time
-    puts hollows into the error of a long run.
+) -> Simulated:
+    """The plant fitted to its records from end to end; to pieces of them where it does not follow them so far."""
+    fitting = Fitting(motions, names, bounds)
+    best, pieces = fitting.begun(whole, start), list[Simulated]()
+    if best.fit.rms < ASTRAY:
+        best = _scanned(fitting, fitting.found(whole, start))
+    if best.fit.rms > NEAR_NOISE:
+        values = dict(start)
+        for how in _ladder(whole, motions):
+            pieces.append(fitting.found(how, values, 2))
+            values = pieces[-1].fit.values
+        climbed = _scanned(fitting, fitting.found(whole, values))
+        best = climbed if climbed.fit.rms < best.fit.rms else best
+        if best.fit.rms > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
+            longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
+            best = (longest or pieces or [best])[-1]
+    return fitting.final(best)
+
+
+def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
+    """The plant in pieces, from the shortest, of which each record has two at least."""
+    instants = max(motion.thinned.time.size for motion in motions)
+    step = motions[0].thinning * motions[0].record.sample_time
+    return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
+
+
+def restarted(how: Shooting, fitted: Fit) -> Shooting:
+    """The same with the states at each start where they leave least of its piece: by a Gauss-Newton step, or a part of
+    it where that leaves less.
     """
-    near = fit(replace(how, length=SEGMENT).balance(motions, names), start, names, bounds, QUICK)
-    if not np.isinf(how.length):
-        return weighed_fit(near.balance, near.values, names, bounds, QUICK, first=near)
-    whole = fit(how.balance(motions, names), near.values, names, bounds, SEARCH)
-    return weighed_fit(whole.balance, whole.values, names, bounds, SEARCH, first=whole)
+    motions, values = fitted.balance.motions, fitted.values
+    columns, groups = how.starting(motions, values)
+    weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.rms < NEAR_NOISE else None
+    block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
+    steps = np.array([_step(block[rows], left[rows]) for rows in groups])
+    residuals = [left]
+    for share in SHARES:
+        moved = fit(_begun(how, motions, values, share * steps).balance(motions, ()), values, ()).residual
+        residuals.append(moved if weigh is None else weigh(moved))
+    squares = [[float(residual[rows] @ residual[rows]) for rows in groups] for residual in residuals]
+    shares = np.array([0.0, *SHARES])[np.argmin(squares, axis=0)]
+    return _begun(how, motions, values, shares[:, None] * steps) if np.any(shares) else how
+
+
+def _step(block: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """By how many of their moves states go where they leave least."""
+    norms = np.linalg.norm(block, axis=0)
+    scale = np.where(norms > 0.0, norms, 1.0)
+    return np.asarray(-np.linalg.lstsq(block / scale, left, rcond=TOLD)[0] / scale)
+
+
+def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.ndarray) -> Shooting:
+    """The same with its starts moved by so many moves of each state, shape (starts of all records, moves)."""
+    begins, at = dict(how.begins), 0
+    for motion in motions:
+        moves, count = np.array(how.moves(motion, values)), len(how.starts(motion))
+        begins[motion.record] = begins.get(motion.record, 0.0) + steps[at : at + count] @ moves
+        at += count
+    return replace(how, begins=begins)
+
+
+def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
+    """The fit from where each positive parameter in turn leaves least of most of its records, if that is better."""
+    for _ in range(SCANS):
+        if best.fit.rms < NOISE:
+            break
+        balance, values = best.fit.balance, dict(best.fit.values)
+        width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
+
+        def left(changed: Values, of: Balance = balance, width: float = width) -> float:
+            residual = np.nan_to_num(of.stacked(changed), nan=LOST, posinf=LOST, neginf=-LOST)
+            return float(np.mean(np.log1p((residual / width) ** 2)))
+
+        for name in fitting.names:
+            if name not in EITHER_SIGN and values[name] > 0.0:
+                tried = [{**values, name: factor * values[name]} for factor in FACTORS]
+                with ThreadPoolExecutor(THREADS) as pool:
+                    values = tried[int(np.argmin(list(pool.map(left, tried))))]
+        again = fitting.found(best.how, values)
+        if again.fit.rms > BETTER * best.fit.rms:
+            break
+        best = again
+    return best

@@ -15,9 +15,6 @@ from workbench.records.experiment import Experiment
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Setup
 
-SEGMENT = 2.0
-"""s between new starts of a plant that does not follow its record to the end."""
-
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
 
@@ -48,17 +45,15 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
     )
 
 
-def as_far_as_it_follows(whole: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
-    """End to end where the plant with `values` stays near what was measured on every record, else piece by piece."""
-    if all(_off(whole, motion, values) < ASTRAY for motion in motions):
-        return whole
-    return replace(whole, length=SEGMENT)
+def follows(how: Shooting, motions: Sequence[Motion], values: Values) -> bool:
+    """Whether the plant with `values` stays near what was measured on every record."""
+    return all(_off(how, motion, values) < ASTRAY for motion in motions)
 
 
-def _off(whole: Shooting, motion: Motion, values: Values) -> float:
+def _off(how: Shooting, motion: Motion, values: Values) -> float:
     """Rms of the position's error over the position's standard deviation; infinite where the plant diverges."""
     position = motion.measured["position"]
-    error = position - whole.simulated(motion, values)["position"]
+    error = position - how.simulated(motion, values)["position"]
     return float(np.nan_to_num(np.sqrt(np.mean(error**2)) / np.std(position), nan=np.inf))
 
 

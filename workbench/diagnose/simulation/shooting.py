@@ -6,7 +6,8 @@ seconds (multiple shooting).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
@@ -42,7 +44,8 @@ class Shooting:
     on a machine of which `scales`, and how often (s) it starts anew.
 
     The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
-    what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it.
+    what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it; `begins` is
+    what is added to that, for some records an array (starts, states).
     """
 
     along: Along
@@ -52,6 +55,7 @@ class Shooting:
     scales: Scales
     effects: tuple[str, ...]
     length: float = np.inf
+    begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
 
     def balance(self, motions: Sequence[Motion], free: Sequence[str]) -> Balance:
         """The simulation error of records as a balance to which parameters are fitted; its floor is the sensors'
@@ -72,26 +76,27 @@ class Shooting:
             beside=lambda values: self.starting(motions, values),
         )
 
-    def starting(self, motions: Sequence[Motion], values: Values) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each start the rows of the stack behind it, and what each state there would change of them."""
-        out, before = [], 0
+    def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
+        """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
+        start.
+        """
+        changed, groups, before = list[np.ndarray](), list[np.ndarray](), 0
         for motion in motions:
-            base, size = self.errors(motion, values), motion.thinned.time.size
-            changed = [self.errors(motion, values, moved) for moved in self._moves(motion, values)]
-            per = self.samples(motion)
+            moves = [np.zeros(len(self.along.names)), *self.moves(motion, values)]
+            with ThreadPoolExecutor(THREADS) as pool:
+                base, *others = pool.map(lambda moved, of=motion: self._stacked(of, values, moved), moves)
+            changed.append(np.nan_to_num(np.column_stack(others) - base[:, None], posinf=0.0, neginf=0.0))
+            size, per = motion.thinned.time.size, self.samples(motion)
             for start in self.starts(motion):
                 place = np.arange(-(-start // motion.thinning), min(-(-(start + per) // motion.thinning), size))
-                rows = np.concatenate([before + kind * size + place for kind in range(len(self.channels))])
-                columns = [
-                    np.concatenate([(other[kind] - base[kind])[place] for kind in range(len(self.channels))])
-                    for other in changed
-                ]
-                block = np.nan_to_num(np.column_stack(columns))
-                out.append((rows, block))
+                groups.append(np.concatenate([before + kind * size + place for kind in range(len(self.channels))]))
             before += size * len(self.channels)
-        return out
+        return np.concatenate(changed), groups
 
-    def _moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
+    def _stacked(self, motion: Motion, values: Values, moved: np.ndarray) -> np.ndarray:
+        return np.concatenate(self.errors(motion, values, moved))
+
+    def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
         """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
         plant = self.along.plant
         own = {item.name for item in fields((plant.bare or plant).State)}
@@ -107,9 +112,7 @@ class Shooting:
 
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
-        between a fit's instants. A position starts where few samples say, and keeps that error: its mean from start to
-        start is taken off. NaN where the plant diverges.
-        The states at each start may be `moved`.
+        between a fit's instants; NaN where the plant diverges. The states at each start may be `moved`.
         """
         record = motion.record
         seen = self.simulated(motion, values, moved)
@@ -118,10 +121,6 @@ class Shooting:
         out = []
         for name in self.channels:
             error = motion.measured[name] - seen[name]
-            if name == "position":
-                for k in self.starts(motion):
-                    piece = error[k : k + self.samples(motion)]
-                    piece -= np.mean(piece)
             noise = max(motion.noise[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
             out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
         return out
@@ -175,9 +174,12 @@ class Shooting:
         inputs = replaced(inputs, {feed.input: 0.0 for feed in feeds})
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
         sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time)[0]
-        for k, state in zip(starts, along.starting_states(motion, values, starts), strict=True):
-            if moved is not None:
-                state = from_array(along.plant.State, (to_array(state) + moved).tolist())
+        begins = self.begins.get(record, np.zeros((len(starts), len(along.names))))
+        if moved is not None:
+            begins = begins + moved
+        for k, state, begin in zip(starts, along.starting_states(motion, values, starts), begins, strict=True):
+            if np.any(begin):
+                state = from_array(along.plant.State, (to_array(state) + begin).tolist())
             yield (
                 k,
                 simulate(

@@ -17,14 +17,11 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Asked, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
-from workbench.diagnose.simulation.fits import NOISE, TRUSTED, fit_simulation, mean_square
-from workbench.diagnose.simulation.setup import as_far_as_it_follows, shooting_of
+from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Simulated, fit_simulation, mean_square
+from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
-
-FOLLOWS = 20.0
-"""Standard deviations of noise that a plant in pieces may be off to be tried from end to end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,19 +103,6 @@ class SimulationStart:
     shapes: Shapes
 
 
-@dataclass(frozen=True, eq=False)
-class Simulated:
-    """The declared plant, with its own parameters fitted to simulation error: how it is simulated, and the fit."""
-
-    how: Shooting
-    fit: Fit
-
-    @property
-    def is_near(self) -> bool:
-        """Whether it is so near to noise that effects need not be found elsewhere first."""
-        return bool(np.isinf(self.how.length)) and self.fit.rms < TRUSTED
-
-
 def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
@@ -131,25 +115,14 @@ def simulated_baseline(
         return None
     progress("simulating the declared plant", 0.2)
     free = [name for name in start.free if name in held.along.parameter_names]
-    best = _fitted(held, experiment, motions, start.baseline, free)
+    best = fit_simulation(held, motions, start.baseline, free, experiment.bounds)
     ramps = shooting_of(experiment, motions, held=False)
     if best.fit.rms > NOISE and ramps is not None:
-        tried = replace(ramps, length=best.how.length)
+        tried = replace(ramps, length=best.how.length, begins=best.how.begins)
         if mean_square(tried, best.fit) < mean_square(best.how, best.fit):  # the voltage was no computer's
-            other = _fitted(ramps, experiment, motions, start.baseline, free)
+            other = fit_simulation(ramps, motions, best.fit.values, free, experiment.bounds)
             best = min(best, other, key=lambda either: either.fit.rms)
     return best
-
-
-def _fitted(
-    whole: Shooting, experiment: Experiment, motions: Sequence[Motion], values: Values, names: Sequence[str]
-) -> Simulated:
-    """A plant fitted in pieces, and from end to end if it follows so far then."""
-    how = as_far_as_it_follows(whole, motions, values)
-    fitted = fit_simulation(how, motions, values, names, experiment.bounds)
-    if how is not whole and fitted.rms < FOLLOWS and as_far_as_it_follows(whole, motions, fitted.values) is whole:
-        how, fitted = whole, fit_simulation(whole, motions, fitted.values, names, experiment.bounds)
-    return Simulated(how, fitted)
 
 
 def simulation_stage(
@@ -162,8 +135,8 @@ def simulation_stage(
     if given:
         progress("simulating the plant with what was found", 0.5)
         names = [*before.names, *(name for own in given.values() for name in own)]
-        whole = replace(base.how, length=np.inf)
-        with_them = _fitted(whole, experiment, motions, start.corrected, names)
+        whole = replace(base.how, length=np.inf, begins={})
+        with_them = fit_simulation(whole, motions, start.corrected, names, bounds)
         farther = with_them.how.length > how.length
         if farther or (with_them.how.length == how.length and with_them.fit.rms < before.rms):
             current, effects, how = with_them.fit, given, with_them.how
