@@ -15,7 +15,7 @@ from workbench.diagnose.residual_stage import (
 )
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
+from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
 from workbench.diagnose.simulation.stage import SimulationStage, simulated_baseline, simulation_stage
 from workbench.progress import Progress, silent
@@ -48,20 +48,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     simulation = None
     if base is not None:
         simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), base, progress)
-    diagnosis = _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
-    if simulation is not None and simulation.is_in_doubt and _is_denied(diagnosis, stage):
-        plain = simulation.without_additions()
-        diagnosis = _diagnosis(experiment, held_out, declared, effects, stage, plain, progress)
-    return diagnosis
-
-
-def _is_denied(diagnosis: Diagnosis, stage: ResidualStage) -> bool:
-    """Whether the balances speak against what a simulation that is far from noise adds: they depend on a signal, leave
-    more than before of the records that were fitted, or of those that were held out.
-    """
-    pairs = zip(diagnosis.results, stage.results, strict=True)
-    leaves_more = any(own.after.rms > WORSE * its.after.rms for own, its in pairs)
-    return leaves_more or diagnosis.unexplained is not None or diagnosis.is_rejected
+    return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
 
 def _diagnosis(

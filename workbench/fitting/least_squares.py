@@ -34,8 +34,8 @@ FORESEEN = 0.4
 class Search:
     """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many.
 
-    Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which is
-    then no exact one, at the end either.
+    Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which
+    is then no exact one, at the end either.
     """
 
     flat: float = 1e-7

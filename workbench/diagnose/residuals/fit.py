@@ -172,9 +172,13 @@ def weighing_at(fitted: Fit) -> Weighing:
     return weighed_by(weighing_of if is_noise else by_scatter, fitted)
 
 
-def weighed_by(weigh: Callable[[Slices, np.ndarray], Weighing], fitted: Fit) -> Weighing:
-    """What a fit leaves as noise, without what no parameter decides."""
-    columns, groups = fitted.balance.beside(fitted.values)
+def weighed_by(
+    weigh: Callable[[Slices, np.ndarray], Weighing],
+    fitted: Fit,
+    beside: tuple[np.ndarray, Sequence[np.ndarray]] | None = None,
+) -> Weighing:
+    """What a fit leaves as noise, without what no parameter decides, if that is not known already."""
+    columns, groups = fitted.balance.beside(fitted.values) if beside is None else beside
     return weigh(fitted.balance.series, without(fitted.residual, columns, groups)).without(columns, groups)
 
 

@@ -16,8 +16,9 @@ FALSE_ALARMS = 0.01
 
 
 def asked(numbers: int, candidates: int) -> float:
-    """Gain in the logarithm of the likelihood that an effect with so many numbers has to exceed, one of so many
-    candidates: its quantile where there is none (Wilks 1938), each candidate with its share of `FALSE_ALARMS`.
+    """Gain in the logarithm of the likelihood that an effect sized by so many numbers has to exceed, one of so many
+    candidates, each of its shapes one: its quantile where there is none (Wilks 1938), each candidate with its share of
+    `FALSE_ALARMS`.
     """
     return 0.5 * float(chi2.isf(FALSE_ALARMS / max(candidates, 1), numbers))
 

@@ -5,7 +5,7 @@ are there dropped or exchanged. The sets that promise most are fitted; the best 
 is taken, and the search goes on from there. So one effect that stood in for two others is dropped again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -18,12 +18,15 @@ from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked, effects_of
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
-from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, trials_of
+from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, looks, sizing, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import NEUTRAL
 
-QUICK = Search(flat=1e-5, near=1e-4, most_steps=12)
+QUICK = Search(flat=1e-5, near=1e-4, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
+
+FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
+"""When the fit ends from which a search goes on."""
 
 FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=5)
 """When a fit ends that shows whether an effect leads anywhere."""
@@ -40,8 +43,8 @@ TOGETHER = 3
 LEADING = 8
 """Effects of those that promise most, of which sets are made."""
 
-TRIED = 4
-"""Sets that are fitted in a round."""
+TRIED, WEIGHED = 4, 2
+"""Sets that are fitted in a round, and of these looked at by the noise that they leave themselves."""
 
 SHARE = 0.6
 """Of what the best set promises, from which another is fitted beside it: a promise is of first order."""
@@ -85,10 +88,15 @@ class Asked:
     candidates: int
     shapes: Shapes
     least_share: float = 0.0
+    settle: Callable[[Fit], Fit] | None = None
 
-    def of(self, trial: Trial) -> float:
-        """Gain that an effect has to exceed."""
-        return asked(len(trial.names), self.candidates)
+    def of(self, effect: str, names: Collection[str], balance: Balance) -> float:
+        """Gain that an effect with these numbers has to exceed."""
+        return asked(sizing(balance, effect, names), self.candidates * looks(balance, effect, names))
+
+    def settled(self, found: Fit) -> Fit:
+        """A fit by the likelihood of the noise that it leaves itself."""
+        return again(found, weighing_at(found), self.bounds, FINAL) if self.settle is None else self.settle(found)
 
 
 def search(start: Fit, effects: Effects, ask: Asked) -> Found:
@@ -106,32 +114,51 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         else:
             proposals = _worth(_proposals(outlook, taken, ask))
             fitted = [(proposal, _fitted(current, taken, proposal, ask)) for proposal in proposals]
-        better = [(proposal, found) for proposal, found in fitted if _is_estimated(found, current.balance)]
         candidates = _candidates(outlook, fitted, ask)
-        if not better:
-            steps.append(Step(current, candidates))
-            break
-        proposal, found = min(
-            better, key=lambda pair: pair[1].rms if explored else 0.5 * pair[1].squares + _price(pair[0], taken, ask)
-        )
-        found = again(found, weighing_at(found), ask.bounds, QUICK)
-        beside = _beside(current, found, ask)
-        now = _after(taken, proposal)
-        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, ask)
-        enough = found.rms <= (1.0 - ask.least_share * len(proposal.added)) * beside.rms
-        if gained <= 0.0 or not enough or frozenset(now) in seen or not _holds(beside, found, proposal, taken, ask):
-            if beside is not current and beside.squares < current.squares - 1.0:
-                current = beside
-                continue
-            steps.append(Step(current, candidates))
-            break
+        better = [pair for pair in fitted if _is_estimated(pair[1], current.balance)]
+        better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))
+        taking, nearer = _taken(better, current, taken, seen, ask)
+        if taking is None:
+            if nearer is current:
+                steps.append(Step(current, candidates))
+                break
+            current = nearer
+            continue
+        proposal, found = taking
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
-        current, taken = found, now
-        seen.add(frozenset(now))
+        current, taken = found, _after(taken, proposal)
+        seen.add(frozenset(taken))
     current, taken = _simplest(current, taken, ask)
-    current, taken, level = _in_their_place(current, taken, ask)
+    level = _in_their_place(outlook if outlook.fitted is current else _outlook(current, taken, ask), taken, ask)
     gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
     return Found(current, taken, steps, gains, level, shapes)
+
+
+def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Asked, explored: bool) -> float:
+    """By what fitted sets are ordered: half the squares that they leave, and their price; far from noise the rms."""
+    proposal, found = pair
+    return found.rms if explored else 0.5 * found.squares + _price(proposal, taken, current, ask)
+
+
+def _taken(
+    better: Sequence[tuple[Proposal, Fit]], current: Fit, taken: Effects, seen: Set[frozenset[str]], ask: Asked
+) -> tuple[tuple[Proposal, Fit] | None, Fit]:
+    """The first set that gains what is asked of it by the noise that it leaves itself, on blocks left out, too; and the
+    fit without it, which may be nearer than it was.
+    """
+    nearer = current
+    for proposal, tried in better[:WEIGHED]:
+        if frozenset(_after(taken, proposal)) in seen:
+            continue
+        found = ask.settled(tried)
+        beside = _beside(nearer, found, ask)
+        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
+        enough = not ask.least_share or found.rms <= (1.0 - ask.least_share * len(proposal.added)) * beside.rms
+        if gained > 0.0 and enough and _holds(beside, found, proposal, taken, ask):
+            return (proposal, found), nearer
+        if beside is not nearer and beside.squares < nearer.squares - 1.0:
+            nearer = beside
+    return None, nearer
 
 
 def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
@@ -162,7 +189,7 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
             more = [name for name in own if name not in variant]
             if not more or not set(variant) < set(own):
                 continue
-            spared = asked(len(own), ask.candidates) - asked(len(variant), ask.candidates)
+            spared = ask.of(effect, own, current.balance) - ask.of(effect, variant, current.balance)
             if -Outlook(current, {}).gain([], _away(current, more, ask))[0] > REACH * spared:
                 continue
             names = [name for name in current.names if name not in more]
@@ -175,18 +202,17 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
     return current, taken
 
 
-def _in_their_place(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects, dict[str, list[str]]]:
-    """The fit with each of its effects exchanged where another does better, and for each those that do as well."""
+def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, list[str]]:
+    """For each effect that was found those that do as well in its place."""
+    current = outlook.fitted
     level: dict[str, list[str]] = {effect: [] for effect in taken}
-    if not taken:
-        return current, taken, level
-    outlook = _outlook(current, taken, ask)
     for effect in taken:
         away = {effect: _away(current, taken[effect], ask)}
         offers: dict[str, Proposal] = {}
         for trial in outlook.columns:
             if trial.effect not in taken:
-                offer = outlook.proposal([trial], away, ask.of(trial) - _asked_of(taken, effect, ask))
+                price = _asked(trial, current, ask) - _asked_of(taken, effect, current, ask)
+                offer = outlook.proposal([trial], away, price)
                 if trial.effect not in offers or offer.score > offers[trial.effect].score:
                     offers[trial.effect] = offer
         near = sorted(offers.values(), key=lambda offer: -offer.score)[:EXCHANGED]
@@ -194,10 +220,10 @@ def _in_their_place(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effe
             if offer.score < -REACH * LEVEL:
                 continue
             other = _fitted(current, taken, offer, ask)
-            lost = 0.5 * (other.squares - current.squares) + _price(offer, taken, ask)
+            lost = 0.5 * (other.squares - current.squares) + _price(offer, taken, current, ask)
             if lost < LEVEL and _is_estimated(other, current.balance):
                 level[effect].append(offer.added[0].effect)
-    return current, taken, level
+    return level
 
 
 def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
@@ -215,7 +241,7 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
         start = {**current.values, **own, **dict(trial.shapes)}
         found = fit(current.balance, start, names, ask.bounds, FIRST_STEPS)
         gain = 0.5 * found.residual.size * float(np.log(current.rms**2 / found.rms**2))
-        tried.append((Proposal((trial,), (), gain, gain - ask.of(trial), {}), found))
+        tried.append((Proposal((trial,), (), gain, gain - _asked(trial, current, ask), {}), found))
     tried.sort(key=lambda pair: -pair[0].score)
     near = [(p, found) for p, found in tried if p.score > NEARLY * max(tried[0][0].score, 0.0)][:TRIED]
     return [(p, again(found, found.weighing, ask.bounds, QUICK)) for p, found in near]
@@ -231,7 +257,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     """
     best: dict[str, tuple[float, Trial]] = {}
     for trial in outlook.columns:
-        score = outlook.proposal([trial], {}, ask.of(trial)).score
+        score = outlook.proposal([trial], {}, _asked(trial, outlook.fitted, ask)).score
         if trial.effect not in best or score > best[trial.effect][0]:
             best[trial.effect] = (score, trial)
     leading = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])[:LEADING]]
@@ -245,7 +271,8 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
             if dropped and len(added) > 1:
                 continue
             away = {effect: _away(outlook.fitted, taken[effect], ask) for effect in dropped}
-            price = sum(ask.of(trial) for trial in added) - sum(_asked_of(taken, effect, ask) for effect in dropped)
+            price = sum(_asked(trial, outlook.fitted, ask) for trial in added)
+            price -= sum(_asked_of(taken, effect, outlook.fitted, ask) for effect in dropped)
             found.append(outlook.proposal(added, away, price))
     return sorted(found, key=lambda proposal: -proposal.score)
 
@@ -298,13 +325,17 @@ def _after(taken: Effects, proposal: Proposal) -> dict[str, tuple[str, ...]]:
     return kept
 
 
-def _asked_of(taken: Effects, effect: str, ask: Asked) -> float:
-    return ask.of(Trial(effect, tuple(taken[effect])))
+def _asked(trial: Trial, fitted: Fit, ask: Asked) -> float:
+    return ask.of(trial.effect, trial.names, fitted.balance)
 
 
-def _price(proposal: Proposal, taken: Effects, ask: Asked) -> float:
-    return sum(ask.of(trial) for trial in proposal.added) - sum(
-        _asked_of(taken, each, ask) for each in proposal.dropped
+def _asked_of(taken: Effects, effect: str, fitted: Fit, ask: Asked) -> float:
+    return ask.of(effect, taken[effect], fitted.balance)
+
+
+def _price(proposal: Proposal, taken: Effects, fitted: Fit, ask: Asked) -> float:
+    return sum(_asked(trial, fitted, ask) for trial in proposal.added) - sum(
+        _asked_of(taken, each, fitted, ask) for each in proposal.dropped
     )
 
 
@@ -313,7 +344,8 @@ def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
     the rival gains is then no effect's.
     """
     start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
-    other = fit(current.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
+    begun = current if ask.settle is None else rival
+    other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
     return other if other.squares < current.seen_by(rival.weighing) else current
 
 
@@ -321,7 +353,7 @@ def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Ask
     """Whether what a set gains it gains on blocks left out, too."""
     there = before if before.weighing is found.weighing else again(before, found.weighing, ask.bounds, QUICK)
     left = 0.5 * (float(there.left_out @ there.left_out) - float(found.left_out @ found.left_out))
-    return left > BY_BLOCKS * _price(proposal, taken, ask)
+    return left > BY_BLOCKS * _price(proposal, taken, before, ask)
 
 
 def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
@@ -335,12 +367,12 @@ def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: A
     best: dict[str, Candidate] = {}
     for trial in outlook.columns:
         gain = outlook.proposal([trial], {}, 0.0).gain
-        candidate = Candidate(trial.effect, trial.names, gain, ask.of(trial))
+        candidate = Candidate(trial.effect, trial.names, gain, _asked(trial, outlook.fitted, ask))
         if trial.effect not in best or gain - candidate.asked > best[trial.effect].gain - best[trial.effect].asked:
             best[trial.effect] = candidate
     for proposal, found in fitted:
         if len(proposal.added) == 1 and not proposal.dropped:
             (trial,) = proposal.added
             gain = 0.5 * (outlook.fitted.squares - found.squares)
-            best[trial.effect] = Candidate(trial.effect, trial.names, gain, ask.of(trial), found)
+            best[trial.effect] = Candidate(trial.effect, trial.names, gain, _asked(trial, outlook.fitted, ask), found)
     return sorted(best.values(), key=lambda candidate: candidate.asked - candidate.gain)

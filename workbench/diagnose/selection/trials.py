@@ -1,8 +1,9 @@
 """What an effect would change of a residual, to first order: a column for each number that sizes it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import LOST, Fit
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Unknown, Values, unknown
@@ -112,25 +114,51 @@ def _grid(fitted: Fit, name: str, number: Number) -> list[float]:
     """Values (SI) from which the search of a number that shapes an effect begins: of a period over a signal those that
     stand out of what is left.
     """
-    scale = number.scale(fitted.balance.scales)
-    if not (number.period_of or number.frequency_of):
-        return [scale * value for value in number.grid]
+    signal = number.period_of or number.frequency_of
+    if not signal:
+        return [number.scale(fitted.balance.scales) * value for value in number.grid]
+    low, high, reach = _frequencies(fitted.balance, number)
+    chosen = _standing_out(fitted, signal, low, high, reach) if high > low else []
+    return [1.0 / frequency for frequency in chosen] if number.period_of else chosen
+
+
+def looks(balance: Balance, effect: str, names: Collection[str]) -> int:
+    """Among how many shapes of an effect the best is sought: of a period those that records of this length tell apart
+    (Davies 1987).
+    """
+    count = 1
+    for name, number in effects(balance.axis)[effect].numbers.items():
+        if name in names and number.shapes:
+            if number.period_of or number.frequency_of:
+                low, high, reach = _frequencies(balance, number)
+                count *= max(round(reach * (high - low)), 1)
+            else:
+                count *= len(number.grid)
+    return count
+
+
+def sizing(balance: Balance, effect: str, names: Collection[str]) -> int:
+    """How many of these numbers size an effect."""
+    numbers = effects(balance.axis)[effect].numbers
+    return sum(not numbers[name].shapes for name in names)
+
+
+@lru_cache(maxsize=64)
+def _frequencies(balance: Balance, number: Number) -> tuple[float, float, float]:
+    """Between which frequencies over a signal records could show one, and the signal's longest reach."""
+    scale = number.scale(balance.scales)
     low, high = number.low * scale, number.high * scale
     if number.period_of:
-        return [1.0 / frequency for frequency in _standing_out(fitted, number.period_of, 1.0 / high, 1.0 / low)]
-    return _standing_out(fitted, number.frequency_of, low, high)
-
-
-def _standing_out(fitted: Fit, signal: str, low: float, high: float) -> list[float]:
-    """The frequencies over a signal, between two, that stand out of a residual most."""
-    motions = [motion.thinned for motion in fitted.balance.motions]
-    along = [signals_of(motion)[signal] for motion in motions]
+        low, high = 1.0 / high, 1.0 / low
+    along = [signals_of(motion.thinned)[number.period_of or number.frequency_of] for motion in balance.motions]
     reach = max(float(np.ptp(values)) for values in along)
     fastest = max(float(np.percentile(np.abs(np.diff(values)), 50)) for values in along)
-    high = min(high, 0.25 / fastest if fastest > 0.0 else high)
-    low = max(low, 0.5 / reach)
-    if high <= low:
-        return []
+    return max(low, 0.5 / reach), min(high, 0.25 / fastest if fastest > 0.0 else high), reach
+
+
+def _standing_out(fitted: Fit, signal: str, low: float, high: float, reach: float) -> list[float]:
+    """The frequencies over a signal, between two, that stand out of a residual most."""
+    along = [signals_of(motion.thinned)[signal] for motion in fitted.balance.motions]
     count = int(np.clip(OVERSAMPLED * reach * (high - low), 8, MOST_FREQUENCIES))
     frequencies = np.linspace(low, high, count)
     power = np.zeros(count)

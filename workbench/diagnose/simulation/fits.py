@@ -34,7 +34,7 @@ TRUSTED = 3.0
 """Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
 balances give: beyond it what the model lacks decides them, and what adds up over time most of all."""
 
-PIECES = (20, 160)
+PIECES = (20, 80, 320)
 """Instants of a fit in a piece, from the shortest."""
 
 ROUNDS = 4
@@ -64,10 +64,13 @@ BETTER = 0.98
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """A plant with its parameters fitted to simulation error: how it is simulated, and the fit."""
+    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, and what the states at the
+    starts would change (`Shooting.starting`), if that was found.
+    """
 
     how: Shooting
     fit: Fit
+    starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
 
     @property
     def is_near(self) -> bool:
@@ -96,13 +99,15 @@ class Fitting:
 
     def begun(self, how: Shooting, values: Values) -> Simulated:
         """The plant with these values, from the starts that suit them best."""
-        begun = restarted(how, fit(how.balance(self.motions, ()), values, ()))
-        return Simulated(begun, fit(begun.balance(self.motions, ()), values, ()))
+        starting = how.starting(self.motions, values)
+        begun = restarted(how, fit(how.balance(self.motions, ()), values, ()), *starting)
+        return Simulated(begun, fit(begun.balance(self.motions, ()), values, ()), starting)
 
     def _once(self, of: Simulated) -> Simulated:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
-        weighing = weighed_by(by_scatter if of.fit.rms > NEAR_NOISE else weighing_of, of.fit)
+        weigh = by_scatter if of.fit.rms > NEAR_NOISE else weighing_of
+        weighing = weighed_by(weigh, of.fit, of.starting)
         fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
         return self.begun(of.how, fitted.values)
 
@@ -133,7 +138,7 @@ def fit_simulation(
     if best.fit.rms > NEAR_NOISE:
         values = dict(start)
         for how in _ladder(whole, motions):
-            pieces.append(fitting.found(how, values, 2))
+            pieces.append(fitting.found(how, values))
             values = pieces[-1].fit.values
         climbed = _scanned(fitting, fitting.found(whole, values))
         best = climbed if climbed.fit.rms < best.fit.rms else best
@@ -143,6 +148,13 @@ def fit_simulation(
     return fitting.final(best)
 
 
+def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:
+    """A fit from the starts that suit its values best, by the likelihood of the noise that it leaves then."""
+    fitting = Fitting(motions, found.names, bounds)
+    begun = fitting.begun(how, found.values)
+    return fitting.final(fitting.begun(begun.how, found.values)).fit
+
+
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
     """The plant in pieces, from the shortest, of which each record has two at least."""
     instants = max(motion.thinned.time.size for motion in motions)
@@ -150,22 +162,27 @@ def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
     return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
 
 
-def restarted(how: Shooting, fitted: Fit) -> Shooting:
-    """The same with the states at each start where they leave least of its piece: by a Gauss-Newton step, or a part of
-    it where that leaves less.
+def restarted(how: Shooting, fitted: Fit, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Shooting:
+    """The same with the states at each start where they leave least of its piece, by `columns` of what they change: by
+    a Gauss-Newton step, or a part of it where that leaves less.
     """
     motions, values = fitted.balance.motions, fitted.values
-    columns, groups = how.starting(motions, values)
     weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.rms < NEAR_NOISE else None
     block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
     steps = np.array([_step(block[rows], left[rows]) for rows in groups])
-    residuals = [left]
+    squares, shares = [_squares(left, groups)], [0.0]
     for share in SHARES:
         moved = fit(_begun(how, motions, values, share * steps).balance(motions, ()), values, ()).residual
-        residuals.append(moved if weigh is None else weigh(moved))
-    squares = [[float(residual[rows] @ residual[rows]) for rows in groups] for residual in residuals]
-    shares = np.array([0.0, *SHARES])[np.argmin(squares, axis=0)]
-    return _begun(how, motions, values, shares[:, None] * steps) if np.any(shares) else how
+        squares.append(_squares(moved if weigh is None else weigh(moved), groups))
+        shares.append(share)
+        if np.all(squares[-1] < squares[0]):
+            break
+    best = np.array(shares)[np.argmin(squares, axis=0)]
+    return _begun(how, motions, values, best[:, None] * steps) if np.any(best) else how
+
+
+def _squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+    return np.array([float(residual[rows] @ residual[rows]) for rows in groups])
 
 
 def _step(block: np.ndarray, left: np.ndarray) -> np.ndarray:

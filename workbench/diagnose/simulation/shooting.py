@@ -31,6 +31,9 @@ SOLVER = 1e-5
 NUDGED = 1e-2
 """Of the typical magnitude of a state that no sensor shows, by which it is moved at a start."""
 
+MOST_PIECES = 60
+"""Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
+
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
 
@@ -41,7 +44,7 @@ VALVE = "valve_voltage"
 @dataclass(frozen=True, eq=False)
 class Shooting:
     """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
-    on a machine of which `scales`, and how often (s) it starts anew.
+    on a machine of which `scales`, and how often (s) it starts anew, in `most` pieces of a record at most.
 
     The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
     what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it; `begins` is
@@ -55,6 +58,7 @@ class Shooting:
     scales: Scales
     effects: tuple[str, ...]
     length: float = np.inf
+    most: int = MOST_PIECES
     begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
 
     def balance(self, motions: Sequence[Motion], free: Sequence[str]) -> Balance:
@@ -112,15 +116,20 @@ class Shooting:
 
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
-        between a fit's instants; NaN where the plant diverges. The states at each start may be `moved`.
+        between a fit's instants; NaN where the plant diverges, 0 where none is simulated. The states at each start may be
+        `moved`.
         """
         record = motion.record
         seen = self.simulated(motion, values, moved)
+        covered = np.zeros(record.time.size, dtype=bool)
+        for start in self.starts(motion):
+            covered[start : start + self.samples(motion)] = True
         edges = np.arange(0, record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, record.time.size))
         out = []
         for name in self.channels:
             error = motion.measured[name] - seen[name]
+            error[~covered] = 0.0
             noise = max(motion.noise[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
             out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
         return out
@@ -132,7 +141,8 @@ class Shooting:
 
     def starts(self, motion: Motion) -> range:
         """Samples at which a simulation starts."""
-        return range(0, motion.record.time.size, self.samples(motion))
+        every = range(0, motion.record.time.size, self.samples(motion))
+        return every[:: -(-len(every) // self.most)]
 
     def simulated(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """What the sensors would have shown, at every sample; NaN where the plant diverges."""

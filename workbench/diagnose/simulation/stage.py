@@ -17,7 +17,7 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Asked, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
-from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Simulated, fit_simulation, mean_square
+from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Simulated, fit_simulation, mean_square, settle
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
@@ -57,24 +57,15 @@ class SimulationStage:
 
     @property
     def is_trusted(self) -> bool:
-        """Whether what is left is so near to noise that the parameters are those of the machine."""
-        return self.after.rms < TRUSTED
+        """Whether the plant follows its records from end to end, or what is left is near to noise: then the parameters
+        are those of the machine.
+        """
+        return bool(np.isinf(self.how.length)) or self.after.rms < TRUSTED
 
     @property
     def follows(self) -> bool:
         """Whether the plant follows its records within noise: then nothing is missing that they could show."""
         return self.after.rms < NOISE
-
-    @property
-    def is_in_doubt(self) -> bool:
-        """Whether this stage added effects with which the plant is still far from noise: stand-ins, maybe."""
-        return bool(set(self.effects) - set(self.first)) and not self.is_trusted
-
-    def without_additions(self) -> "SimulationStage":
-        """The same before it added anything."""
-        steps = [Step(self.steps[0].before, self.steps[0].candidates)]
-        kept = {effect: self.gains.get(effect, 0.0) for effect in self.first}
-        return replace(self, after=self.named, effects=self.first, steps=steps, gains=kept, alternatives={})
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds it: errors in standard deviations of the sensors' noise."""
@@ -143,7 +134,12 @@ def simulation_stage(
         else:  # the record itself speaks against them
             dropped = list(given)
     progress("what the simulated plant lacks", 0.6)
-    found = search(current, effects, Asked(start.declared, bounds, len(how.effects), start.shapes))
+
+    def settled(found: Fit) -> Fit:
+        return settle(how, motions, found, bounds)
+
+    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
+    found = search(current, effects, ask)
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
     return SimulationStage(
         how=how,
