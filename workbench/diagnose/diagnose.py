@@ -68,9 +68,12 @@ def _diagnosis(
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances
     unexplained = None
-    follows = simulation is not None and simulation.follows
-    if not follows and (left := strongest(stage.dependences)) is not None:
-        after = next(result.after for result in stage.results if result.balance.name == left.balance)
+    if simulation is not None and simulation.starts_anew_every is None:
+        left = simulation.lacks
+    else:
+        left = strongest(stage.dependences)
+    after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
+    if left is not None and after is not None:
         unexplained = unexplained_of(after, left, held_out)
     progress("held-out records", 0.9)
     return Diagnosis(

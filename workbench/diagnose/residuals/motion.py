@@ -149,7 +149,7 @@ def load_pressure(motion: Motion) -> np.ndarray:
 def signals_of(motion: Motion) -> dict[str, np.ndarray]:
     """All on which a residual may depend, by name (SI)."""
     signals = {name: getattr(motion, name) for name in ("position", "velocity", "acceleration", "time")}
-    for name in ("pressure_1", "pressure_2", "valve_voltage", "rotation_angle"):
+    for name in ("pressure_1", "pressure_2", "valve_voltage", "command", "rotation_angle"):
         if name in motion.channels:
             signals[name] = motion.channels[name]
     if motion.has("pressure_1", "pressure_2"):

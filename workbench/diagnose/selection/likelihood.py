@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.weighing import Weighing, weighing_of
 from workbench.diagnose.selection.trials import Columns, Trial
 from workbench.fitting.least_squares import bounded_minimum
 
@@ -21,6 +22,38 @@ def asked(numbers: int, candidates: int) -> float:
     `FALSE_ALARMS`.
     """
     return 0.5 * float(chi2.isf(FALSE_ALARMS / max(candidates, 1), numbers))
+
+
+TIMES = 3
+"""Times that noise is found anew as what is left with some columns."""
+
+
+def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
+    """By how much the logarithm of the likelihood rises, to first order, with weighed columns (rows, numbers) between
+    bounds beside a fit's own unknowns, and how far they go: noise is what is left with them. What is missing is coloured,
+    and would else pass for noise.
+    """
+    own = fitted.jacobian * fitted.free
+    vague = fitted.curvature - fitted.jacobian.T @ fitted.jacobian
+    count, residual = own.shape[1], fitted.weighed
+    stack, wide = np.column_stack([own, block]), np.full(count, np.inf)
+    low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
+    gain, x = 0.0, np.zeros(stack.shape[1])
+    weigh = Weighing(fitted.balance.series, [np.ones(1)] * len(fitted.balance.series[0]), residual != 0.0)
+    for _ in range(TIMES):
+        columns, left = weigh(stack), weigh(residual)
+        curvature, slope = columns.T @ columns, columns.T @ left
+        curvature[:count, :count] += vague
+        before = _fallen(curvature[:count, :count], slope[:count], low[:count], high[:count])[0]
+        fallen, x = _fallen(curvature, slope, low, high)
+        gain = fallen - before
+        weigh = weighing_of(fitted.balance.series, np.where(residual != 0.0, residual + stack @ x, 0.0))
+    return gain, x[count:]
+
+
+def _fallen(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
+    x = bounded_minimum(curvature, slope, low, high)
+    return -float(slope @ x + 0.5 * x @ curvature @ x), x
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +119,12 @@ class Outlook:
             reached[trial] = x[at : at + size]
             at += size
         return fallen - risen, reached
+
+    def alone(self, trial: Trial, price: float) -> Proposal:
+        """One trial, by the noise that it would leave itself."""
+        columns = self.columns[trial]
+        gain, x = gain_of(self.fitted, columns.block, columns.low, columns.high)
+        return Proposal((trial,), (), gain, gain - price, columns.values(x))
 
     def proposal(self, added: Sequence[Trial], dropped: Mapping[str, Mapping[int, float]], price: float) -> Proposal:
         """The set with these added and dropped, for what it costs."""

@@ -55,7 +55,7 @@ ROUNDS = 6
 LEVEL = 3.0
 """Difference of the logarithms of two likelihoods (odds of 20 to 1) within which data cannot tell two sets apart."""
 
-EXCHANGED, REACH = 3, 5.0
+EXCHANGED, REACH = 3, 2.0
 """Effects that are tried in the place of one, at most; times `LEVEL` within which first order has to see them."""
 
 BY_BLOCKS = 0.3
@@ -261,20 +261,21 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
         if trial.effect not in best or score > best[trial.effect][0]:
             best[trial.effect] = (score, trial)
     leading = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])[:LEADING]]
-    sets: list[tuple[Trial, ...]] = [(trial,) for trial in leading]
+    alone = [outlook.alone(trial, _asked(trial, outlook.fitted, ask)) for trial in leading]
+    sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):
         sets += list(combinations(leading, count))
     drops: list[tuple[str, ...]] = [(), *((effect,) for effect in taken)]
     found = []
     for dropped in drops:
-        for added in [*([()] if dropped else []), *sets]:
-            if dropped and len(added) > 1:
-                continue
+        for added in [(), *((trial,) for trial in leading)] if dropped else sets:
             away = {effect: _away(outlook.fitted, taken[effect], ask) for effect in dropped}
             price = sum(_asked(trial, outlook.fitted, ask) for trial in added)
             price -= sum(_asked_of(taken, effect, outlook.fitted, ask) for effect in dropped)
             found.append(outlook.proposal(added, away, price))
-    return sorted(found, key=lambda proposal: -proposal.score)
+    most = max((proposal.score for proposal in alone), default=0.0)
+    found = [proposal for proposal in found if proposal.score > most or proposal.dropped]  # else one goes first
+    return sorted([*alone, *found], key=lambda proposal: -proposal.score)
 
 
 def _worth(proposals: Sequence[Proposal]) -> list[Proposal]:

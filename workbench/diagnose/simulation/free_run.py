@@ -7,6 +7,7 @@ import numpy as np
 
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.shooting import Shooting
 
 SETTLED = 20
@@ -24,12 +25,14 @@ class FreeRunErrors:
 
 
 def free_run(whole: Shooting, motions: Sequence[Motion], values: Values) -> FreeRunErrors:
-    """Errors over all records."""
+    """Errors over all records, which a plant with these values begins where it suits it best."""
+    fitting = Fitting(motions, (), {})
+    how = fitting.begun(fitting.begun(whole, values).how, values).how
     positions, pressures = list[np.ndarray](), list[np.ndarray]()
     for motion in motions:
         errors = {
             name: np.where(motion.record.valid, motion.measured[name] - shown, 0.0)[SETTLED:]
-            for name, shown in whole.simulated(motion, values).items()
+            for name, shown in how.simulated(motion, values).items()
         }
         positions.append(errors["position"])
         if "pressure_1" in errors and "pressure_2" in errors:

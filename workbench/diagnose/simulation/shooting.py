@@ -37,8 +37,16 @@ MOST_PIECES = 60
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
 
-VALVE = "valve_voltage"
+VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """What is added along records (N, or V of a valve's command), at every sample."""
+
+    on_command: bool
+    series: Mapping[Record, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +68,16 @@ class Shooting:
     length: float = np.inf
     most: int = MOST_PIECES
     begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
+    push: Push | None = None
+
+    @property
+    def has_valve(self) -> bool:
+        """Whether the command is that of a valve."""
+        return self.along.plant.command in VALVES
+
+    def push_scale(self, on_command: bool) -> float:
+        """A typical force, or command, of the machine."""
+        return self.scales.voltage if on_command else self.scales.force
 
     def balance(self, motions: Sequence[Motion], free: Sequence[str]) -> Balance:
         """The simulation error of records as a balance to which parameters are fitted; its floor is the sensors'
@@ -168,6 +186,18 @@ class Shooting:
             return feed
         return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
 
+    def _pushed(self, feeds: Sequence[Feed], record: Record, push: Push) -> list[Feed]:
+        """Feeds with a push: on the mass as a disturbance, which acts against it, else on the command."""
+        series = push.series[record]
+        if not push.on_command:
+            return [*feeds, Feed(self.along.plant.disturbance, Sampled(record.time, -series))]
+        return [
+            replace(feed, signal=Sampled(feed.signal.times, feed.signal.values + series))
+            if feed.input == self.along.plant.command and isinstance(feed.signal, Sampled)
+            else feed
+            for feed in feeds
+        ]
+
     def _runs(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> Iterator[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
         record, along = motion.record, self.along
@@ -180,6 +210,8 @@ class Shooting:
             angle = motion.measured["rotation_angle"]
             swing = values.get(cosine, 0.0) * np.cos(angle) + values.get(sine, 0.0) * np.sin(angle)
             feeds.append(Feed(along.plant.disturbance, Sampled(record.time, swing)))
+        if self.push is not None:
+            feeds = self._pushed(feeds, record, self.push)
         inputs = along.at_rest(motion, without)[1]
         inputs = replaced(inputs, {feed.input: 0.0 for feed in feeds})
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)

@@ -11,13 +11,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.fit import Fit, again
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Asked, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
-from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Simulated, fit_simulation, mean_square, settle
+from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_simulation, mean_square, settle
+from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
@@ -29,7 +31,7 @@ class SimulationStage:
     """The plant fitted to simulation error: without effects, with those that the balances named, and with what this
     stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters, `gains` what each
     gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
-    of the balances that the simulated plant does without.
+    of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains.
     """
 
     how: Shooting
@@ -42,6 +44,7 @@ class SimulationStage:
     gains: Mapping[str, float]
     alternatives: Mapping[str, Sequence[str]]
     dropped: Sequence[str]
+    lacks: Dependence | None = None
 
     @property
     def result(self) -> BalanceResult:
@@ -140,6 +143,16 @@ def simulation_stage(
 
     ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
     found = search(current, effects, ask)
+    progress("what no effect explains", 0.8)
+    curves = lacking(how, found.fit) if np.isinf(how.length) else []
+    lacks = dependence_of(curves, found.fit)
+    if lacks is not None and found.effects:
+        without = again(replace(current, balance=found.fit.balance), found.fit.weighing, bounds, QUICK)
+        gained = 0.5 * (without.squares - found.fit.squares)
+        if curves[0].gain > STANDS_IN * gained:  # what was found stands in for it
+            found = replace(found, fit=current, effects={}, gains={}, alternatives={})
+        else:
+            lacks = None
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
     return SimulationStage(
         how=how,
@@ -152,4 +165,5 @@ def simulation_stage(
         gains=found.gains,
         alternatives=found.alternatives,
         dropped=dropped,
+        lacks=lacks,
     )

@@ -1,0 +1,142 @@
+"""What a simulated plant lacks that no effect is: a force, or a flow, over a signal.
+
+Beside the plant's own parameters a curve over one signal at a time is fitted to what the simulated plant leaves, to
+first order, as a push on its mass, or on its valve's command, that follows the signal as it was recorded. Where a curve
+gains more in likelihood than noise would, something is missing, however small; and where it gains beside effects that
+were found, these stand in for it.
+"""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.diagnose.residuals.fit import LOST, Fit
+from workbench.diagnose.residuals.motion import Motion, signals_of
+from workbench.diagnose.selection.likelihood import asked, gain_of
+from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.simulation.shooting import Push, Shooting
+from workbench.fitting.least_squares import THREADS
+from workbench.records.reading import Record
+
+NODES = 8
+"""Of a curve: hats between them, at even shares of the signal's values."""
+
+FELT = 5.0
+"""Standard deviations of noise that a push is to make: to first order, and above the solver's error."""
+
+FIRST = 1e-3
+"""Share of the plant's force, or of its command, with which that is found."""
+
+FORCE, FLOW = "force", "flow"
+
+PUSHES: Mapping[str, Sequence[tuple[str, bool]]] = {
+    FORCE: (
+        ("position", False),
+        ("position", True),
+        ("time", False),
+        ("time", True),
+        ("velocity", False),
+        ("acceleration", False),
+        ("command", False),
+        ("load_pressure", False),
+    ),
+    FLOW: (("pressure_1", False), ("pressure_2", False), ("valve_voltage", False), ("velocity", False)),
+}
+"""By balance the signals over which something may be missing, and whether it turns with the direction of motion."""
+
+LEVEL = 0.5
+"""Share of what the best curve gains from which another signal is told beside it."""
+
+STANDS_IN = 0.1
+"""Share of what effects gained from which a curve beside them says that they stand in for it."""
+
+
+@dataclass(frozen=True)
+class Lacking:
+    """A curve over a signal: what it gains in the logarithm of the likelihood, and what is asked of it."""
+
+    balance: str
+    signal: str
+    gain: float
+    asked: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether noise would not gain so much."""
+        return self.gain > self.asked
+
+
+def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
+    """What a fit of the simulated plant lacks, over each signal, from what gains most."""
+    motions = fitted.balance.motions
+    base = how.balance(motions, ()).stacked(fitted.values)
+    wanted = [
+        (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
+    ]
+    found = []
+    for balance, signal, turns in wanted:
+        pushes = _hats(how, motions, balance, signal, turns)
+        if pushes:
+            block = _columns(how, fitted, base, balance, pushes)
+            wide = np.full(block.shape[1], np.inf)
+            gain, _ = gain_of(fitted, block, -wide, wide)
+            found.append(Lacking(balance, signal, gain, asked(block.shape[1], len(wanted))))
+    return sorted(found, key=lambda one: one.asked - one.gain)
+
+
+def dependence_of(found: Sequence[Lacking], fitted: Fit) -> Dependence | None:
+    """On which signals of which balance something certain depends, with the share of what is left that each explains."""
+    certain = [one for one in found if one.is_certain]
+    if not certain:
+        return None
+    best = certain[0]
+    beside = [one for one in certain if one.balance == best.balance and one.gain > LEVEL * best.gain]
+    shares = dict[str, float]()
+    for one in beside:
+        shares[one.signal] = max(shares.get(one.signal, 0.0), min(2.0 * one.gain / fitted.squares, 1.0))
+    return Dependence(best.balance, shares)
+
+
+def _is_there(how: Shooting, motions: Sequence[Motion], balance: str, signal: str) -> bool:
+    if balance == FLOW and not how.has_valve:
+        return False
+    return all(signal in signals_of(motion) for motion in motions)
+
+
+def _hats(
+    how: Shooting, motions: Sequence[Motion], balance: str, signal: str, turns: bool
+) -> list[dict[Record, np.ndarray]]:
+    """Hats over a signal at every sample of each record, with nodes at even shares of its values."""
+    along = [signals_of(motion)[signal] for motion in motions]
+    nodes = np.unique(np.quantile(np.concatenate(along), np.linspace(0.0, 1.0, NODES)))
+    hats = []
+    for k in range(nodes.size if nodes.size > 1 else 0):
+        heights = np.zeros(nodes.size)
+        heights[k] = 1.0
+        hat = {}
+        for motion, values in zip(motions, along, strict=True):
+            ways = motion.velocity / (np.abs(motion.velocity) + max(motion.creep, 1e-30)) if turns else 1.0
+            hat[motion.record] = ways * np.interp(values, nodes, heights)
+        hats.append(hat)
+    return hats
+
+
+def _columns(
+    how: Shooting, fitted: Fit, base: np.ndarray, balance: str, pushes: Sequence[Mapping[Record, np.ndarray]]
+) -> np.ndarray:
+    """What each push changes of the weighed residual, which without it is `base`."""
+
+    def moved(push: Mapping[Record, np.ndarray], size: float) -> np.ndarray:
+        series = {record: size * values for record, values in push.items()}
+        stack = (
+            replace(how, push=Push(balance == FLOW, series)).balance(fitted.balance.motions, ()).stacked(fitted.values)
+        )
+        return fitted.weighing(np.nan_to_num(stack - base, nan=LOST, posinf=LOST, neginf=-LOST))
+
+    size = FIRST * how.push_scale(balance == FLOW)
+    felt = float(np.linalg.norm(moved(pushes[len(pushes) // 2], size)))
+    size *= float(np.clip(FELT / max(felt, 1e-12), 1e-6, 1e6))
+    with ThreadPoolExecutor(THREADS) as pool:
+        return np.column_stack(list(pool.map(lambda push: moved(push, size), pushes)))
