@@ -11,7 +11,9 @@ from workbench.diagnose.residual_stage import (
     baselines,
     with_effects,
     with_effects_of,
+    with_floors,
     with_shapes,
+    with_simulated_floors,
 )
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -43,7 +45,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     if base is not None and base.is_near:
         stage = with_shapes(stage, experiment)
     else:
-        stage = with_effects(stage, experiment, progress)
+        stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None
     if base is not None:
@@ -64,6 +66,8 @@ def _diagnosis(
     if simulation is not None:
         stage = with_effects_of(stage, experiment, effects, simulation)
         effects = effects_of_both(effects, simulation)
+        if simulation.starts_anew_every is None and simulation.lacks is None:
+            stage = with_simulated_floors(stage, simulation)
     fits = [*stage.results]
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances

@@ -3,17 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, fit, over
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import floored
+from workbench.diagnose.residuals.null import floored, surrogate, with_floor
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
 from workbench.diagnose.selection.search import Asked, best_shapes, search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
 from workbench.diagnose.selection.trials import Shape, Shapes
 from workbench.diagnose.selection.unexplained import Dependence, dependence
+from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.setup import behind_backlash
 from workbench.diagnose.simulation.stage import SimulationStage, SimulationStart
 from workbench.parameters.sets import EITHER_SIGN
@@ -23,6 +25,9 @@ from workbench.records.experiment import Experiment
 LEAST_SHARE, CIRCULAR_SHARE = 0.04, 0.15
 """Shares of a residual's rms that an effect has to take away: what smoothing leaves is no noise, and effects take some
 of it; and that one has to take that is made of what it is to explain."""
+
+LEAST_FLOOR = 1e-3
+"""Of the floor that sensors give a balance, below which a simulated one is the solver's."""
 
 LEFT_OVER = 1.5
 """Floors above which a residual is not explained by the effects that were added."""
@@ -91,13 +96,34 @@ def baselines(
     for balance in balances:
         fits.append(baseline(balance, values, bounds))
         values |= {name: fits[-1].values[name] for name in balance.free}
-    whole = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
-    progress("noise floors", 0.1)
-    results = []
-    for balance, fitted in zip(floored(whole, balances, values), fits, strict=True):
-        before = over(fitted, balance)
-        results.append(BalanceResult(balance, before, before, [Step(before, [])], {}, {}, {}))
+    results = [BalanceResult(each.balance, each, each, [Step(each, [])], {}, {}, {}) for each in fits]
     return ResidualStage(results, declared, values, values, {})
+
+
+def with_floors(stage: ResidualStage, experiment: Experiment, progress: Progress) -> ResidualStage:
+    """The balances over what they leave of a plant that lacks nothing and is kept beside the records."""
+    progress("noise floors", 0.25)
+    balances = [result.balance for result in stage.results]
+    whole = diagnosed_plant(experiment.plant, experiment.flow, balances[0].motions[0].channels)
+    floors = floored(whole, balances, stage.baseline)
+    return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
+
+
+def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage) -> ResidualStage:
+    """The balances over what they leave of the plant that follows the records from end to end."""
+    motions, values = simulation.after.balance.motions, simulation.after.values
+    how = begun(simulation.how, motions, values)
+    null = [surrogate(motion, how.simulated(motion, values), i) for i, motion in enumerate(motions)]
+    known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
+    return replace(
+        stage, results=[_over(result, with_floor(result.balance, null, known, LEAST_FLOOR)) for result in stage.results]
+    )
+
+
+def _over(result: BalanceResult, balance: Balance) -> BalanceResult:
+    before, after = over(result.before, balance), over(result.after, balance)
+    steps = [replace(step, before=over(step.before, balance)) for step in result.steps]
+    return replace(result, balance=balance, before=before, after=after, steps=steps)
 
 
 def with_shapes(stage: ResidualStage, experiment: Experiment) -> ResidualStage:

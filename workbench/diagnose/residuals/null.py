@@ -1,11 +1,12 @@
 """What a balance's residual would be if nothing were missing: the fitted plant simulated along the record, its
-sensors' noise added, and judged as the record is.
+sensors' noise added, and judged as the record is. Where the plant follows its records to the end, what it leaves of
+them has the noise's colour, too.
 
 Smoothing, a bristle that follows a noisy velocity, contacts that break away between samples: all of it leaves a
 residual on records without any effect, and more of it than the sensors' noise alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -87,11 +88,28 @@ def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Set
     return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)
 
 
-def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:
-    """The balance with the residual of motions on which nothing is missing as its floor, where that is larger."""
+def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:
+    """The motion that a plant `simulated` (channels at every sample), with noise of the spectrum of what it leaves of
+    the record, at random phases: none of it has to do with the motion (Theiler et al. 1992).
+    """
+    draw, record = np.random.default_rng([SEED, seed]), motion.record
+    channels = dict(record.channels)
+    for name, values in simulated.items():
+        left = motion.measured[name] - values
+        spectrum = np.fft.rfft(left - np.mean(left))
+        turned = np.abs(spectrum) * np.exp(2j * np.pi * draw.random(spectrum.size))
+        noise = np.fft.irfft(turned, left.size)
+        channels[name] = np.where(np.isfinite(record.channels[name]), values + noise, np.nan)
+    return motion_of(replace(record, channels=channels))
+
+
+def with_floor(balance: Balance, motions: Sequence[Motion], values: Values, least: float = 1.0) -> Balance:
+    """The balance with the residual of motions on which nothing is missing as its floor, at `least` so many of its
+    own.
+    """
     null = replace(balance, motions=motions)
     floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
-    return replace(balance, floor=balance.floor * max(floors, 1.0), simulated=True)
+    return replace(balance, floor=balance.floor * max(floors, least), simulated=True)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

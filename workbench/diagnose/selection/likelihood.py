@@ -30,8 +30,8 @@ TIMES = 3
 
 def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
     """By how much the logarithm of the likelihood rises, to first order, with weighed columns (rows, numbers) between
-    bounds beside a fit's own unknowns, and how far they go: noise is what is left with them. What is missing is coloured,
-    and would else pass for noise.
+    bounds beside a fit's own unknowns, and how far they go: noise is what is left with them. What is missing is
+    coloured, and would else pass for noise.
     """
     own = fitted.jacobian * fitted.free
     vague = fitted.curvature - fitted.jacobian.T @ fitted.jacobian

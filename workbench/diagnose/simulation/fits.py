@@ -1,6 +1,6 @@
 """Fits of a plant to simulation error: in short pieces, in longer ones, then from end to end.
 
-A contact that breaks away at another time puts hollows into the error of a long run, and a chamber that rings puts more.
+A contact that breaks away at another time puts hollows into the error of a long run, and a chamber that rings more.
 A short piece has few of them, since it starts from what was measured; where it starts is no part of the plant, and is
 found with its parameters.
 """
@@ -146,6 +146,12 @@ def fit_simulation(
             longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
             best = (longest or pieces or [best])[-1]
     return fitting.final(best)
+
+
+def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
+    """A plant with these values from the starts that suit them best."""
+    fitting = Fitting(motions, (), {})
+    return fitting.begun(fitting.begun(how, values).how, values).how
 
 
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.fits import Fitting
+from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.shooting import Shooting
 
 SETTLED = 20
@@ -26,8 +26,7 @@ class FreeRunErrors:
 
 def free_run(whole: Shooting, motions: Sequence[Motion], values: Values) -> FreeRunErrors:
     """Errors over all records, which a plant with these values begins where it suits it best."""
-    fitting = Fitting(motions, (), {})
-    how = fitting.begun(fitting.begun(whole, values).how, values).how
+    how = begun(whole, motions, values)
     positions, pressures = list[np.ndarray](), list[np.ndarray]()
     for motion in motions:
         errors = {

@@ -86,8 +86,8 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     return sorted(found, key=lambda one: one.asked - one.gain)
 
 
-def dependence_of(found: Sequence[Lacking], fitted: Fit) -> Dependence | None:
-    """On which signals of which balance something certain depends, with the share of what is left that each explains."""
+def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
+    """On which signals of which balance something certain depends, with what each gains as a share of the best."""
     certain = [one for one in found if one.is_certain]
     if not certain:
         return None
@@ -95,7 +95,7 @@ def dependence_of(found: Sequence[Lacking], fitted: Fit) -> Dependence | None:
     beside = [one for one in certain if one.balance == best.balance and one.gain > LEVEL * best.gain]
     shares = dict[str, float]()
     for one in beside:
-        shares[one.signal] = max(shares.get(one.signal, 0.0), min(2.0 * one.gain / fitted.squares, 1.0))
+        shares[one.signal] = max(shares.get(one.signal, 0.0), one.gain / best.gain)
     return Dependence(best.balance, shares)
 
 

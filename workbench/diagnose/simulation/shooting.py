@@ -134,7 +134,7 @@ class Shooting:
 
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
-        between a fit's instants; NaN where the plant diverges, 0 where none is simulated. The states at each start may be
+        between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
         `moved`.
         """
         record = motion.record

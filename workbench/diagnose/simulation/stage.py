@@ -145,7 +145,7 @@ def simulation_stage(
     found = search(current, effects, ask)
     progress("what no effect explains", 0.8)
     curves = lacking(how, found.fit) if np.isinf(how.length) else []
-    lacks = dependence_of(curves, found.fit)
+    lacks = dependence_of(curves)
     if lacks is not None and found.effects:
         without = again(replace(current, balance=found.fit.balance), found.fit.weighing, bounds, QUICK)
         gained = 0.5 * (without.squares - found.fit.squares)
