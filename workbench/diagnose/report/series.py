@@ -66,6 +66,7 @@ _ELSE: Mapping[str, Signal] = {
     "pressure_1": Signal("pressure 1 (kPa)", 1e-3),
     "pressure_2": Signal("pressure 2 (kPa)", 1e-3),
     "valve_voltage": Signal("valve voltage (V)", 1.0),
+    "command": Signal("command (as recorded)", 1.0),
     "rotation_angle": Signal("angle (rad)", 1.0),
     "time": Signal("time (s)", 1.0),
 }
