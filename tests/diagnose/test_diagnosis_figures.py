@@ -7,7 +7,13 @@ import pytest
 from diagnoses import doubting
 
 from workbench.diagnose.report.figures.every import pictures_of
-from workbench.diagnose.report.figures.evidence import CandidateBar, EvidenceData, EvidenceRound, draw_evidence
+from workbench.diagnose.report.figures.evidence import (
+    LEAST_SHOWN,
+    CandidateBar,
+    EvidenceData,
+    EvidenceRound,
+    draw_evidence,
+)
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
 from workbench.diagnose.result import Diagnosis
@@ -40,37 +46,39 @@ def test_before_and_after_have_scales_of_their_own(diagnosis: Diagnosis) -> None
         text.get_text() for text in pictures["flow_signals"].figure.legends[0].texts
     ]
     (evidence, *_) = pictures["flow_evidence"].figure.axes
+    first = diagnosis.results[0].steps[0].candidates[0]
     asked = next(line.get_xdata()[0] for line in evidence.lines if line.get_linewidth() == 2.0)
-    nothing = next(line.get_xdata()[0] for line in evidence.lines if line.get_linestyle() == "--")
-    assert asked == pytest.approx(0.95 * nothing)  # 4 %, and 1 % for the one parameter
-    assert any(text.get_text().startswith("gain ") for text in evidence.texts)
+    assert asked == pytest.approx(first.asked_deviations)
+    assert evidence.texts[0].get_text() in (f"{first.deviations:.1f}", f"{first.deviations:.0f}")
 
 
-def test_a_bar_of_evidence_far_off_is_cut_and_says_its_gain() -> None:
-    """-496 %: the axis would be six times as long as what it is about."""
-    bars = [CandidateBar(name, rms, 0.95, 1.0 - rms, 0.1, "") for name, rms in (("a", 0.99), ("b", 2.3), ("c", 5.96))]
-    picture = draw_evidence(EvidenceData("force", "force", "N", 0.5, [EvidenceRound("round 1", 1.0, bars)]))
+def test_a_bar_of_evidence_ends_where_its_candidate_stands_out() -> None:
+    """On an axis of decades from 0.3 on, with room for what is asked and for the numbers."""
+    bars = [CandidateBar("a", 250.4, 4.0, "added", True), CandidateBar("b", 3.26, 4.5, "", False)]
+    nothing = CandidateBar("c", 0.0, 4.0, "", False)
+    picture = draw_evidence(EvidenceData("force", "force", [EvidenceRound("round 1", [*bars, nothing])]))
     (axes,) = picture.figure.axes
-    low, high = axes.get_xlim()
-    assert (low, high) == (0.0, pytest.approx(2.6))
-    texts = {round(text.get_position()[1]): text for text in axes.texts}
-    assert [texts[place].get_text() for place in range(3)] == [
-        "gain 1.0 %, 0.1 std. errors",
-        "gain -130.0 %",
-        "gain -496.0 % (cut off)",
-    ]
-    assert [texts[place].get_ha() for place in range(3)] == ["left", "right", "right"]
-    assert texts[1].get_position()[0] < 2.3
-    assert texts[2].get_position()[0] < high
+    assert axes.get_xscale() == "log"
+    assert axes.get_xlim() == pytest.approx((LEAST_SHOWN, 2.0 * 250.4))
+    ends = [patch.get_x() + patch.get_width() for patch in axes.patches]
+    assert ends == pytest.approx([250.4, 3.26, LEAST_SHOWN])
+    assert [text.get_text() for text in axes.texts] == ["250", "3.3", "0.0"]
+    assert all(axes.texts[k].get_position()[0] > bars[k].asked for k in range(2)), "behind the bar and its mark"
+    marks = [line.get_xdata()[0] for line in axes.lines if line.get_linewidth() == 2.0]
+    assert marks == [4.0, 4.5, 4.0]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["a", "b", "c"]
+    picture.figure.canvas.draw()
+    shown = [label.get_text() for label in axes.get_xticklabels() if label.get_text()]
+    assert {"1", "10", "100"} <= set(shown), "plain numbers"
+    said = [text.get_text() for text in picture.figure.legends[0].texts]
+    assert said == ["added", "asked for: at least", "not added"]
 
 
-def test_the_axis_of_evidence_holds_every_bar_that_is_not_far_off() -> None:
-    bars = [CandidateBar("a", 0.9, 0.95, 0.1, 3.0, "added"), CandidateBar("b", 1.5, 0.95, -0.5, -1.0, "")]
-    data = EvidenceData("force", "force", "N", 0.5, [EvidenceRound("round 1", 1.0, bars)])
-    (axes,) = draw_evidence(data).figure.axes
-    assert axes.get_xlim() == (0.0, pytest.approx(1.3 * 1.5))
-    assert axes.texts[1].get_text() == "gain -50.0 %"
-    assert axes.texts[1].get_position()[0] > 1.5
+def test_every_round_of_evidence_has_a_panel() -> None:
+    rounds = [EvidenceRound(f"round {k}", [CandidateBar("a", float(k), 2.5, "", True)]) for k in (1, 2, 3)]
+    figure = draw_evidence(EvidenceData("flow", "flow", rounds)).figure
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["round 1", "round 2", "round 3"]
+    assert len({axes.get_xlim() for axes in figure.axes}) == 1, "bars of all rounds can be compared"
 
 
 def test_the_signal_that_a_found_effect_acts_on_is_shown(diagnosis: Diagnosis) -> None:

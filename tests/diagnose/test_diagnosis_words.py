@@ -19,6 +19,7 @@ from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
+from workbench.publish.words import plain_name
 
 
 def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
@@ -150,18 +151,17 @@ def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
     step = flow.steps[0]
     best = step.candidates[0]
 
-    def said(one: Any = best, before: Any = step.before) -> str:
-        return why_none(replace(flow, steps=[replace(step, before=before, candidates=[one], added=None)]))
+    def said(one: Any = best) -> str:
+        return why_none(replace(flow, steps=[replace(step, candidates=[one], added=())]))
 
-    assert said().startswith("No effect was added to the flow balance: the best, valve deadband, would lower it by ")
-    assert "it was withdrawn: what it left went on to depend on a signal" in said()
-    ended = replace(best, fit=replace(best.fit, bounded=frozenset({"valve_overlap"})))
+    known = f"the best, {plain_name(best.effect)}, stands out by {best.deviations:.1f} standard deviations of the noise"
+    assert said().startswith(f"No effect was added to the flow balance: {known}, ")
+    assert "but it was not taken: it takes too little of the residual" in said()
+    fitted = best.fit if best.fit is not None else step.before
+    ended = replace(best, fit=replace(fitted, bounded=frozenset({"valve_overlap"})))
     assert "but valve_overlap ran to the end of its range, and so is no estimate." in said(ended)
-    assert "would lower it by 0 % on data that its fit has not seen, but 5 % and more are asked for." in said(
-        replace(best, fit=step.before)
-    )
-    at_floor = replace(step.before, residual=step.before.residual / step.before.rms)
-    assert "the balance is at its noise floor without any." in said(best, at_floor)
+    poor = replace(best, gain=2.0, asked=8.0)
+    assert "stands out by 2.0 standard deviations of the noise, where 4.0 are asked of one among so many." in said(poor)
 
 
 def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:

@@ -5,14 +5,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from diagnoses import balances_with_effects
 
 from plants.registry import plants
-from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.residual_stage import ResidualStage, residual_stage
+from workbench.diagnose.residual_stage import ResidualStage
 from workbench.parameters.sets import build, named_sets, read_parameters
-from workbench.progress import silent
-from workbench.records.experiment import read_experiment
-from workbench.records.reading import read_records
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
@@ -37,15 +34,12 @@ def stage_of_a_drive(folder: Path, channel: str, noise: float) -> ResidualStage:
         f'{channel} = {{ column = "force", unit = "N" }}\nposition = {{ column = "position", unit = "m" }}\n'
         '[[records]]\nfile = "record.parquet"\n'
     )
-    experiment = read_experiment(folder / "experiment.toml")
-    check_experiment(experiment)
-    motions = motions_of(experiment, read_records(experiment))
-    return residual_stage(experiment, motions, declared_values(experiment), None, silent)
+    return balances_with_effects(folder / "experiment.toml")
 
 
 @pytest.mark.parametrize(("channel", "noise"), [("force", 5e-6), ("command", 5e-6), ("command", 0.0)])
 def test_a_drive_that_lacks_nothing_is_left_alone(tmp_path: Path, channel: str, noise: float) -> None:
     (result,) = stage_of_a_drive(tmp_path, channel, noise).results
-    assert all(step.added is None for step in result.steps)
+    assert all(not step.added for step in result.steps)
     assert result.balance.simulated
     assert 0.05 < result.before.rms < 1.5

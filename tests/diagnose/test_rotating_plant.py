@@ -6,17 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from diagnoses import balances_with_effects
 from support import registered
 
 from controllers import pid
 from controllers.pid import PID
 from plants.effects.attach import meant
-from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.residual_stage import ResidualStage, residual_stage
+from workbench.diagnose.residual_stage import ResidualStage
 from workbench.parameters.sets import build, named_sets, read_parameters
-from workbench.progress import silent
-from workbench.records.experiment import read_experiment
-from workbench.records.reading import read_records
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Loop
 from workbench.simulation.simulate import simulate
@@ -55,20 +52,16 @@ def stage_of(folder: Path, effects: dict[str, float], duration: float) -> Residu
         'title = "a rod that turns"\n[plant]\nmodel = "rotating_isotropic"\nparameters = "owen2001_simulation"\n'
         f'[channels]\ntime = {{ column = "time", unit = "s" }}\n{channels}\n[[records]]\nfile = "record.parquet"\n'
     )
-    experiment = read_experiment(folder / "experiment.toml")
-    check_experiment(experiment)
-    motions = motions_of(experiment, read_records(experiment))
-    return residual_stage(experiment, motions, declared_values(experiment), None, silent)
+    return balances_with_effects(folder / "experiment.toml")
 
 
 def named(stage: ResidualStage) -> dict[str, dict[str, float]]:
     """What was added, by effect, with the numbers of the last fit."""
-    added = {}
-    for result in stage.results:
-        for step in result.steps:
-            if step.added is not None:
-                added[step.added.effect] = {name: result.after.values[name] for name in step.added.variant}
-    return added
+    return {
+        effect: {name: result.after.values[name] for name in names}
+        for result in stage.results
+        for effect, names in result.effects.items()
+    }
 
 
 def test_a_valve_s_overlap_and_friction_along_the_stroke_are_named(tmp_path: Path) -> None:

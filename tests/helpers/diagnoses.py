@@ -2,13 +2,28 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
+from workbench.diagnose.residual_stage import ResidualStage, baselines, with_effects
 from workbench.diagnose.result import Diagnosis, Errors
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence, OfferedTerm, TermErrors, Unexplained
+from workbench.progress import silent
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+
+
+def balances_with_effects(path: Path) -> ResidualStage:
+    """The balances of an experiment file with the effects that they find by themselves, whatever a simulation says."""
+    experiment = read_experiment(path)
+    check_experiment(experiment)
+    motions = motions_of(experiment, read_records(experiment))
+    stage = baselines(experiment, motions, declared_values(experiment), None, silent)
+    return with_effects(stage, experiment, silent)
 
 
 def without_effects(diagnosis: Diagnosis) -> Diagnosis:
@@ -23,15 +38,20 @@ def unexplained(diagnosis: Diagnosis, balance: str, shares: Mapping[str, float])
 
 
 def rejected(diagnosis: Diagnosis) -> Diagnosis:
-    """What was found doubles the error of each balance on held-out records."""
+    """What was found doubles the error of each balance and of a free run on held-out records."""
     before = diagnosis.errors.held_out.before
-    return with_held_out(diagnosis, {name: 2.0 * rms for name, rms in before.balances.items()})
+    assert before.position is not None
+    balances = {name: 2.0 * rms for name, rms in before.balances.items()}
+    return with_held_out(diagnosis, balances, 2.0 * before.position)
 
 
-def with_held_out(diagnosis: Diagnosis, balances: Mapping[str, float]) -> Diagnosis:
-    """These errors (SI) of balances on held-out records, with what was found."""
+def with_held_out(diagnosis: Diagnosis, balances: Mapping[str, float], position: float | None = None) -> Diagnosis:
+    """These errors (SI) of balances, and of a free run's position if one is given, on held-out records, with what was
+    found.
+    """
     tested = diagnosis.errors.held_out
-    after: Errors = replace(tested.after, balances={**tested.after.balances, **balances})
+    run = tested.after.position if position is None else position
+    after: Errors = replace(tested.after, balances={**tested.after.balances, **balances}, position=run)
     return replace(diagnosis, errors=replace(diagnosis.errors, held_out=replace(tested, after=after)))
 
 

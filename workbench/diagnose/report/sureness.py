@@ -1,6 +1,6 @@
 """How sure a diagnosis is, a line each: what speaks for an effect, what stopped the others, what is left over the
-floor, what simulation says, which parameters the records do not identify, and what was
-done to the records.
+floor, what simulation says, which parameters the records do not identify, and what was done to
+the records.
 """
 
 from collections.abc import Mapping
@@ -144,7 +144,7 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
 
 
 def _of_worse(diagnosis: Diagnosis) -> list[str]:
-    """Figures of held-out records that get worse with what was found, and yet do not reject it: free runs."""
+    """Figures of held-out records that get worse with what was found, and yet do not reject it."""
     errors = diagnosis.errors.held_out
     before, after = errors.before.by_key, errors.after.by_key
     if diagnosis.is_rejected or not diagnosis.effects or not before:
@@ -157,9 +157,11 @@ def _of_worse(diagnosis: Diagnosis) -> list[str]:
     ]
     if not worse:
         return []
+    trusted = diagnosis.simulation is not None and diagnosis.simulation.is_trusted
+    judge = "free run" if trusted else "balances that have effects"
     return [
         f"Not all gets better on held-out records: worse is {listed(worse)}. It does not reject what was found, which "
-        "is judged by the balances; but a study that simulates the corrected plant should not rest on it."
+        f"is judged by the {judge}; but a study that simulates the corrected plant should not rest on it."
     ]
 
 

@@ -12,7 +12,7 @@ from workbench.diagnose.report.series import title_of
 from workbench.diagnose.report.tables import outcome
 from workbench.diagnose.selection.selection import BalanceResult, Step
 from workbench.publish.pictures import Picture
-from workbench.publish.style import COLOURS, PlainTicks, figure_style
+from workbench.publish.style import COLOURS, figure_style, plain_numbers
 from workbench.publish.words import plain_name
 
 OUTCOMES = {"added": COLOURS[0], "as good": COLOURS[5], "": "#bbbbbb"}
@@ -109,7 +109,7 @@ def draw_evidence(data: EvidenceData) -> Picture:
             axes.set_ylim(len(round_.bars) - 0.4, -0.6)
             axes.set_xscale("log")
             axes.set_xlim(LEAST_SHOWN, 2.0 * data.widest)
-            axes.xaxis.set_major_formatter(PlainTicks())
+            plain_numbers(axes.xaxis)
             axes.grid(visible=False, axis="y")
             axes.set_title(round_.title, fontsize="small", loc="left")
             axes.set_xlabel("stands out by so many standard deviations of the noise")

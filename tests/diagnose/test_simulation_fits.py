@@ -1,0 +1,112 @@
+"""A plant that is simulated along a record: declared values that are far off, and wrong starts, are found again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from plants.registry import plants
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.simulation.fits import NOISE, Fitting, fit_simulation
+from workbench.diagnose.simulation.setup import follows, shooting_of
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Setup
+from workbench.simulation.simulate import simulate
+
+TRUTH = {**read_parameters(named_sets()["owen2001_simulation"]), "spring_stiffness": 2e4}
+POSITION_NOISE = 5e-6
+"""m."""
+
+NAMES = ("mass", "coulomb", "viscous")
+
+DRIVE = """\
+title = "a drive"
+[plant]
+model = "drive_force"
+parameters = "owen2001_simulation"
+[plant.set]
+spring_stiffness = "20000 N/m"
+[channels]
+time = { column = "time", unit = "s" }
+command = { column = "force", unit = "N" }
+position = { column = "position", unit = "m" }
+[[records]]
+file = "record.parquet"
+"""
+
+Made = tuple[Shooting, list[Motion], dict[str, float]]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """6 s of a mass that a force of 900 N drives against a spring, how it is simulated, and its true parameters."""
+    folder, plant = tmp_path_factory.mktemp("drive"), plants()["drive_force"]
+    parameters = build(plant.Parameters, TRUTH)
+    state, inputs = plant.equilibrium(parameters, 0.0)
+    feed = Feed(plant.command, Multisine(900.0, 0.5, (1, 2, 3)))
+    run = simulate(Setup(plant, parameters, state, inputs, 6.0, feeds=(feed,)))
+    position = run.measurements[:, 0] + POSITION_NOISE * np.random.default_rng(1).standard_normal(run.time.size)
+    force = run.inputs[:, plant.input_index(plant.command)]
+    pd.DataFrame({"time": run.time, "force": force, "position": position}).to_parquet(folder / "record.parquet")
+    (folder / "experiment.toml").write_text(DRIVE)
+    experiment = read_experiment(folder / "experiment.toml")
+    motions = motions_of(experiment, read_records(experiment))
+    how = shooting_of(experiment, motions, held=False)  # the force of this record is no computer's
+    assert how is not None
+    return how, motions, declared_values(experiment)
+
+
+def test_of_the_true_plant_the_sensor_s_noise_is_left(made: Made) -> None:
+    how, motions, truth = made
+    begun = Fitting(motions, (), {}).begun(how, truth)
+    assert begun.fit.rms == pytest.approx(1.0, abs=0.1)
+    assert begun.is_near
+    assert follows(how, motions, truth)
+
+
+@pytest.mark.parametrize("factors", [(2.0, 0.5, 2.0)])
+def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tuple[float, ...]) -> None:
+    how, motions, truth = made
+    declared = {**truth, **{name: factor * truth[name] for name, factor in zip(NAMES, factors, strict=True)}}
+    assert not follows(how, motions, declared)
+    found = fit_simulation(how, motions, declared, NAMES, {})
+    assert found.is_near
+    assert found.fit.rms == pytest.approx(1.0, abs=0.1)
+    for name in NAMES:
+        assert found.fit.values[name] == pytest.approx(truth[name], rel=2e-3), name
+        assert abs(found.fit.values[name] - truth[name]) < 4.0 * found.fit.deviations[name], name
+        assert 0.0 < found.fit.deviations[name] < 1e-3 * truth[name], name
+
+
+def test_starts_that_are_wrong_are_found(made: Made) -> None:
+    """0.2 mm beside where the record begins, in each of 6 pieces of 1 s."""
+    how, motions, truth = made
+    pieces = replace(how, length=1.0)
+    count, states = len(pieces.starts(motions[0])), len(how.along.names)
+    assert count >= 6
+    wrong = np.zeros((count, states))
+    wrong[:, how.along.names.index("position")] = 2e-4
+    off = replace(pieces, begins={motions[0].record: wrong})
+    fitting = Fitting(motions, (), {})
+    before = float(np.sqrt(np.mean(off.balance(motions, ()).stacked(truth) ** 2)))
+    assert before > 10.0
+    found = fitting.found(off, truth)
+    assert found.fit.rms < NOISE
+    assert not found.is_near, "in pieces nothing is known of the long run"
+
+
+def test_values_and_starts_that_are_both_wrong_are_found_together(made: Made) -> None:
+    how, motions, truth = made
+    pieces = replace(how, length=1.0)
+    wrong = np.zeros((len(pieces.starts(motions[0])), len(how.along.names)))
+    wrong[:, how.along.names.index("position")] = 1e-4
+    off = replace(pieces, begins={motions[0].record: wrong})
+    found = Fitting(motions, ("coulomb",), {}).found(off, {**truth, "coulomb": 1.05 * truth["coulomb"]})
+    assert found.fit.rms < NOISE
+    assert found.fit.values["coulomb"] == pytest.approx(truth["coulomb"], rel=1e-3)

@@ -1,0 +1,121 @@
+"""What is tried of an effect: numbers that size it, shapes to begin with, and periods that stand out."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from made_up_balances import FORCE, SCALES, made_balance, made_motion
+
+from plants.effects.loads import COGGING, CUSHION
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.selection.trials import PEAKS, UNSEEN, Trial, columns_of, looks, sizing, trials_of
+
+TRAVEL = 0.04
+AMPLITUDE = 1.0
+"""N, about the noise of one instant."""
+
+
+def ripple(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A force that repeats along the way, and a load."""
+    angle = 2.0 * np.pi * motion.position / values.get("cogging_pitch", 0.01)
+    waves = values.get("cogging_cosine", 0.0) * np.cos(angle) + values.get("cogging_sine", 0.0) * np.sin(angle)
+    return np.asarray(waves + values.get("load_force", 0.0))
+
+
+def rippled(pitch: float = 0.01, amplitude: float = 0.0, duration: float = 20.0) -> Balance:
+    truth = {"cogging_cosine": 0.6 * amplitude, "cogging_sine": -0.8 * amplitude, "cogging_pitch": pitch}
+    motion = made_motion(duration, TRAVEL)
+    return made_balance([motion], ripple, truth, effects=("cogging", "cushion", "constant_load"))
+
+
+def unfitted(balance: Balance) -> Fit:
+    return fit(balance, {}, ())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_drawn_pitch_stands_out_of_the_residual(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    frequency = draw.uniform(60.0, 400.0)  # 1/m
+    trials = [t for t in trials_of(unfitted(rippled(1.0 / frequency, AMPLITUDE)), (), {}) if t.effect == "cogging"]
+    assert len(trials) == PEAKS
+    assert all(t.sized == ("cogging_cosine", "cogging_sine") for t in trials)
+    first = dict(trials[0].shapes)["cogging_pitch"]
+    assert abs(1.0 / first - frequency) < 0.5 / TRAVEL, "half of what this way resolves"
+
+
+def test_frequencies_that_are_tried_can_be_told_apart() -> None:
+    trials = [t for t in trials_of(unfitted(rippled()), (), {}) if t.effect == "cogging"]
+    frequencies = np.array([1.0 / dict(t.shapes)["cogging_pitch"] for t in trials])
+    assert np.min(np.abs(np.subtract.outer(frequencies, frequencies) + 1e9 * np.eye(PEAKS))) > 0.99 / TRAVEL
+    assert np.all(frequencies > 0.49 / TRAVEL)
+
+
+def test_a_shape_that_is_known_is_the_only_one() -> None:
+    known = (("cogging_pitch", 0.0123),)
+    trials = trials_of(unfitted(rippled()), (), {"cogging": [known]})
+    assert [t.shapes for t in trials if t.effect == "cogging"] == [known]
+
+
+def test_of_a_shape_without_a_period_every_value_of_its_grid_is_tried() -> None:
+    trials = [t for t in trials_of(unfitted(rippled()), (), {}) if t.effect == "cushion"]
+    grid = CUSHION.numbers["cushion_start"].grid
+    assert [dict(t.shapes)["cushion_start"] for t in trials] == pytest.approx([SCALES.travel * g for g in grid])
+    assert all(t.names == ("cushion_stiffness", "cushion_start") for t in trials)
+
+
+def test_numbers_that_size_an_effect_are_counted_without_those_that_shape_it() -> None:
+    balance = rippled()
+    assert sizing(balance, "constant_load", ("load_force",)) == 1
+    assert sizing(balance, "cogging", tuple(COGGING.numbers)) == 2
+    assert sizing(balance, "cushion", tuple(CUSHION.numbers)) == 1
+
+
+def test_every_shape_that_could_be_told_apart_is_a_look() -> None:
+    balance = rippled()
+    assert looks(balance, "constant_load", ("load_force",)) == 1
+    assert looks(balance, "cushion", tuple(CUSHION.numbers)) == len(CUSHION.numbers["cushion_start"].grid)
+    assert looks(balance, "cushion", ("cushion_stiffness",)) == 1, "the start is held"
+    assert looks(balance, "cogging", ("cogging_cosine", "cogging_sine")) == 1, "the pitch is held"
+
+
+def test_over_a_way_as_many_periods_are_looked_at_as_it_tells_apart() -> None:
+    """From half a period on the way to a quarter of a period from instant to instant, each 1 / way from the next."""
+    balance = rippled()
+    thin = balance.motions[0].thinned
+    way, step = np.ptp(thin.position), np.median(np.abs(np.diff(thin.position)))
+    told = looks(balance, "cogging", tuple(COGGING.numbers))
+    assert told == pytest.approx(way * (0.25 / step - 0.5 / way), abs=1.0)
+
+
+def test_what_was_taken_is_not_tried_again() -> None:
+    fitted = fit(rippled(), {"load_force": 0.0}, ["load_force"])
+    assert "constant_load" not in {t.effect for t in trials_of(fitted, ("constant_load",), {})}
+    assert "constant_load" in {t.effect for t in trials_of(unfitted(rippled()), (), {})}
+
+
+def test_a_column_is_what_a_number_changes() -> None:
+    fitted = unfitted(rippled())
+    trial = Trial("cogging", ("cogging_cosine", "cogging_sine"), (("cogging_pitch", 0.01),))
+    (columns,) = columns_of(fitted, [trial], {}).values()
+    motion = fitted.balance.motions[0]
+    known, position = fitted.balance.known(motion), motion.thinned.position
+    unit = COGGING.numbers["cogging_cosine"].size * SCALES.drive / (FORCE * np.sqrt(np.mean(known)))
+    assert columns.block[known, 0] == pytest.approx(-unit * np.cos(2.0 * np.pi * position[known] / 0.01), rel=1e-4)
+    assert not np.any(columns.block[~known])
+    assert columns.values(np.array([2.0, -1.0])) == pytest.approx(
+        {"cogging_cosine": 10.0, "cogging_sine": -5.0, "cogging_pitch": 0.01}
+    )
+
+
+def test_what_no_record_could_show_is_no_candidate() -> None:
+    """At its largest plausible size it stays below the noise."""
+
+    def hidden(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        share = 0.5 * UNSEEN / SCALES.drive / np.sqrt(motion.time.size)
+        return np.full(motion.time.size, share * FORCE * values.get("load_force", 0.0))
+
+    balance = made_balance([made_motion()], hidden, {}, effects=("constant_load",))
+    fitted = unfitted(balance)
+    assert not columns_of(fitted, trials_of(fitted, (), {}), {})
