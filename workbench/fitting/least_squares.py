@@ -20,6 +20,9 @@ EASIER, HARDER = 0.2, 4.0
 FIRST, LEAST, MOST = 1e-4, 1e-12, 1e8
 """Damping at first, and between which values."""
 
+ACTIVE = 4
+"""Times the number of unknowns that one is held at a bound, or let go, at most."""
+
 ROUNDING = 1e-12
 """Of an unknown's own curvature: keeps two that records cannot tell apart from running away together."""
 
@@ -143,20 +146,25 @@ def _bounded_step(
 
 def bounded_minimum(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """x between `low` and `high`, which have 0 between them, where slope' x + x' curvature x / 2 is least: what would
-    go farthest beyond its bound is held there, until nothing does.
+    go farthest beyond its bound is held there, and let go where that was too early.
     """
     scale = np.sqrt(np.maximum(np.diag(curvature), 0.0))
     scale[scale == 0.0] = 1.0
     h, g = curvature / np.outer(scale, scale) + ROUNDING * np.eye(slope.size), slope / scale
     least, most = low * scale, high * scale
     free, x = np.ones(slope.size, dtype=bool), np.zeros(slope.size)
-    for _ in range(slope.size):
-        known = h[np.ix_(free, ~free)] @ x[~free]
-        x[free] = np.linalg.solve(h[np.ix_(free, free)], -(g[free] + known))
+    for _ in range(ACTIVE * slope.size):
+        x[free] = np.linalg.solve(h[np.ix_(free, free)], -(g[free] + h[np.ix_(free, ~free)] @ x[~free]))
         beyond = np.where(free, np.maximum(least - x, x - most), -np.inf)
         worst = int(np.argmax(beyond))
-        if beyond[worst] <= 0.0:
+        if beyond[worst] > 0.0:
+            x[worst] = np.clip(x[worst], least[worst], most[worst])
+            free[worst] = False
+            continue
+        rising = g + h @ x  # inward at a bound: it was held too early
+        inward = np.where(free, -np.inf, np.where(x <= least, -rising, rising))
+        let_go = int(np.argmax(inward))
+        if inward[let_go] <= ROUNDING * float(np.max(np.abs(g), initial=0.0)):
             break
-        x[worst] = np.clip(x[worst], least[worst], most[worst])
-        free[worst] = False
+        free[let_go] = True
     return np.asarray(np.clip(x, least, most) / scale)

@@ -154,7 +154,8 @@ def _taken(
         beside = _beside(nearer, found, ask)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
         enough = not ask.least_share or found.rms <= (1.0 - ask.least_share * len(proposal.added)) * beside.rms
-        if gained > 0.0 and enough and _holds(beside, found, proposal, taken, ask):
+        known = _is_estimated(found, current.balance)
+        if gained > 0.0 and known and enough and _holds(beside, found, proposal, taken, ask):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.squares - 1.0:
             nearer = beside
@@ -260,8 +261,9 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
         score = outlook.proposal([trial], {}, _asked(trial, outlook.fitted, ask)).score
         if trial.effect not in best or score > best[trial.effect][0]:
             best[trial.effect] = (score, trial)
-    leading = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])[:LEADING]]
-    alone = [outlook.alone(trial, _asked(trial, outlook.fitted, ask)) for trial in leading]
+    ordered = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])]
+    alone = [outlook.alone(trial, _asked(trial, outlook.fitted, ask)) for trial in ordered]
+    leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):
         sets += list(combinations(leading, count))
