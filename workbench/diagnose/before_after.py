@@ -37,9 +37,10 @@ def errors_of(
             return BeforeAfter(Errors({}), Errors({}))
         whole = None if simulation is None else shooting_of(experiment, motions, held=simulation.how.held)
         before, after = (None, None) if simulation is None else (simulation.before, simulation.after)
-        return BeforeAfter(
-            _errors(results, motions, baseline, whole, before), _errors(results, motions, corrected, whole, after)
-        )
+        first = _errors(results, motions, baseline, whole, before)
+        if after is before and corrected == baseline:
+            return BeforeAfter(first, first)
+        return BeforeAfter(first, _errors(results, motions, corrected, whole, after))
 
     fitted, tested = on(results[0].balance.motions), on(held_out)
     own = None

@@ -66,13 +66,13 @@ def _diagnosis(
     if simulation is not None:
         stage = with_effects_of(stage, experiment, effects, simulation)
         effects = effects_of_both(effects, simulation)
-        if simulation.starts_anew_every is None and simulation.lacks is None:
+        if simulation.is_near and simulation.lacks is None:
             stage = with_simulated_floors(stage, simulation)
     fits = [*stage.results]
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances
     unexplained = None
-    if simulation is not None and simulation.starts_anew_every is None:
+    if simulation is not None and simulation.is_near:
         left = simulation.lacks
     else:
         left = strongest(stage.dependences)

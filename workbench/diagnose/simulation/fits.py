@@ -49,8 +49,8 @@ ASTRAY = 30.0
 FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 """Of a parameter, at which a fit that went astray begins anew."""
 
-SCANS = 2
-"""Times that it does."""
+SCANS, HOPELESS = 2, 300.0
+"""Times that it does, and standard deviations of noise beyond which it is no parameter that is missing."""
 
 SHARES = (1.0, 0.3, 0.1)
 """Of a step of the states at a start that are tried."""
@@ -74,8 +74,10 @@ class Simulated:
 
     @property
     def is_near(self) -> bool:
-        """Whether it follows its records so far that effects need not be found elsewhere first."""
-        return bool(np.isinf(self.how.length))
+        """Whether it follows its records from end to end, and so near to noise, which may be slow, that what it leaves
+        tells what it lacks.
+        """
+        return bool(np.isinf(self.how.length)) and self.fit.rms < ASTRAY
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,13 @@ def fit_simulation(
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best."""
     fitting = Fitting(motions, (), {})
-    return fitting.begun(fitting.begun(how, values).how, values).how
+    best = fitting.begun(how, values)
+    for _ in range(ROUNDS - 1):
+        again = fitting.begun(best.how, values)
+        if not again.fit.rms < GOES_ON * best.fit.rms:
+            break
+        best = again
+    return best.how
 
 
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:
@@ -211,7 +219,7 @@ def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.n
 def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
     """The fit from where each positive parameter in turn leaves least of most of its records, if that is better."""
     for _ in range(SCANS):
-        if best.fit.rms < NOISE:
+        if not NOISE < best.fit.rms < HOPELESS:
             break
         balance, values = best.fit.balance, dict(best.fit.values)
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)

@@ -46,11 +46,14 @@ PUSHES: Mapping[str, Sequence[tuple[str, bool]]] = {
 }
 """By balance the signals over which something may be missing, and whether it turns with the direction of motion."""
 
+CERTAIN = 2.0
+"""Times what is asked of a curve from which it is told."""
+
 LEVEL = 0.5
 """Share of what the best curve gains from which another signal is told beside it."""
 
-STANDS_IN = 0.1
-"""Share of what effects gained from which a curve beside them says that they stand in for it."""
+STANDS_IN = 1.0
+"""Times what effects gained from which a curve beside them says that they stand in for it."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,8 @@ class Lacking:
 
     @property
     def is_certain(self) -> bool:
-        """Whether noise would not gain so much."""
-        return self.gain > self.asked
+        """Whether noise would not gain so much, nor an integrator that is not quite exact."""
+        return self.gain > CERTAIN * self.asked
 
 
 def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:

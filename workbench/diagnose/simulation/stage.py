@@ -14,7 +14,7 @@ import numpy as np
 from workbench.diagnose.residuals.fit import Fit, again
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.search import Asked, search
+from workbench.diagnose.selection.search import Asked, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
@@ -59,11 +59,14 @@ class SimulationStage:
         return None if np.isinf(self.how.length) else self.how.length
 
     @property
+    def is_near(self) -> bool:
+        """Whether it tells by itself what is missing, and that nothing is."""
+        return Simulated(self.how, self.after).is_near
+
+    @property
     def is_trusted(self) -> bool:
-        """Whether the plant follows its records from end to end, or what is left is near to noise: then the parameters
-        are those of the machine.
-        """
-        return bool(np.isinf(self.how.length)) or self.after.rms < TRUSTED
+        """Whether what is left is near to noise, which may be slow: then the parameters are those of the machine."""
+        return self.is_near or self.after.rms < TRUSTED
 
     @property
     def follows(self) -> bool:
@@ -136,23 +139,17 @@ def simulation_stage(
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
-    progress("what the simulated plant lacks", 0.6)
-
-    def settled(found: Fit) -> Fit:
-        return settle(how, motions, found, bounds)
-
-    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
-    found = search(current, effects, ask)
-    progress("what no effect explains", 0.8)
-    curves = lacking(how, found.fit) if np.isinf(how.length) else []
-    lacks = dependence_of(curves)
-    if lacks is not None and found.effects:
-        without = again(replace(current, balance=found.fit.balance), found.fit.weighing, bounds, QUICK)
-        gained = 0.5 * (without.squares - found.fit.squares)
-        if curves[0].gain > STANDS_IN * gained:  # what was found stands in for it
-            found = replace(found, fit=current, effects={}, gains={}, alternatives={})
-        else:
-            lacks = None
+    lacks = None
+    if Simulated(how, current).is_near:
+        progress("what the simulated plant lacks", 0.6)
+        ask = Asked(
+            start.declared, bounds, len(how.effects), start.shapes, settle=lambda fit: settle(how, motions, fit, bounds)
+        )
+        found = search(current, effects, ask)
+        progress("what no effect explains", 0.8)
+        found, lacks = _without_stand_ins(how, current, found, bounds)
+    else:  # so far from noise stand-ins gain most
+        found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
     return SimulationStage(
         how=how,
@@ -167,3 +164,17 @@ def simulation_stage(
         dropped=dropped,
         lacks=lacks,
     )
+
+
+def _without_stand_ins(
+    how: Shooting, before: Fit, found: Found, bounds: Mapping[str, tuple[float, float]]
+) -> tuple[Found, Dependence | None]:
+    """What was found, and on what depends that which no effect explains; nothing found where that is more."""
+    curves = lacking(how, found.fit)
+    lacks = dependence_of(curves)
+    if lacks is not None and found.effects:
+        without = again(replace(before, balance=found.fit.balance), found.fit.weighing, bounds, QUICK)
+        gained = 0.5 * (without.squares - found.fit.squares)
+        if curves[0].gain > STANDS_IN * gained:
+            found = replace(found, fit=before, effects={}, gains={}, alternatives={})
+    return found, lacks
