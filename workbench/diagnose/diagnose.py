@@ -72,10 +72,7 @@ def _diagnosis(
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.result)  # its parameters count before those of the balances
     unexplained = None
-    if simulation is not None and simulation.is_near:
-        left = simulation.lacks
-    else:
-        left = strongest(stage.dependences)
+    left = simulation.lacks if simulation is not None and simulation.is_near else strongest(stage.dependences)
     after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
     if left is not None and after is not None:
         unexplained = unexplained_of(after, left, held_out)
