@@ -25,6 +25,9 @@ BOUNDED = 1e-3
 NEAR_NOISE = 3.0
 """Floors up to which what is left may be noise of a colour that the floor does not know."""
 
+AT_FLOOR = 1.3
+"""Floors up to which what is left of a balance is its noise: beyond, its spectrum is of what is missing, too."""
+
 THOROUGH = Search()
 """When the fit ends whose parameters count."""
 
@@ -168,7 +171,7 @@ def weighing_at(fitted: Fit) -> Weighing:
     """How residuals weigh if what a fit leaves is noise: by its spectrum, unless that is no noise's: where a balance is
     far from any sensors' noise. Of a simulation sensors alone decide, and nobody knows how slow their noise is.
     """
-    is_noise = fitted.rms < NEAR_NOISE or fitted.balance.name == SIMULATION
+    is_noise = fitted.rms < AT_FLOOR or fitted.balance.name == SIMULATION
     return weighed_by(weighing_of if is_noise else by_scatter, fitted)
 
 
