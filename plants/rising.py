@@ -1,6 +1,7 @@
 """Where a function of one number that never falls is 0: for what a machine or a controller is once designed with."""
 
 from collections.abc import Callable
+from math import isnan, nan
 
 HALVINGS = 60
 """Of an interval: to the last bit of a double, whatever its size."""
@@ -25,12 +26,15 @@ def zeros(function: Callable[[float], float], low: float, high: float) -> tuple[
 
 
 def rising(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where it crosses 0; the nearer end where it does not."""
+    """Where it crosses 0; the nearer end where it does not; NaN of a function that is no number at an end."""
     from scipy.optimize import brentq  # no command waits for it that asks of no machine
 
-    if function(low) >= 0.0:
+    first, last = function(low), function(high)
+    if isnan(first) or isnan(last):
+        return nan
+    if first >= 0.0:
         return low
-    if function(high) <= 0.0:
+    if last <= 0.0:
         return high
     return float(brentq(function, low, high, xtol=1e-15 * (high - low), rtol=1e-15, maxiter=10 * HALVINGS))
 

@@ -245,7 +245,8 @@ class Along:
             rates = tracked.rates[:, place]
             if made is not None:
                 rates = rates + smoothed(made[:, place], window_points(motion.sample_time)) - made[:, place]
-            residual = scale * (rate_along(name, seen, values) - rates)
+            with np.errstate(over="ignore", invalid="ignore"):  # of a plant that runs away
+                residual = scale * (rate_along(name, seen, values) - rates)
             left.append(np.where(motion.resting & tracked.still & (name == "velocity"), 0.0, residual)[::every])
         return left
 

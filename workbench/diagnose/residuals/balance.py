@@ -14,6 +14,9 @@ from workbench.diagnose.residuals.unknowns import Values
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
 
+RUNS_AWAY = 1e30
+"""Floors beyond which a residual is no number: the plant diverges, and squares overflow."""
+
 LEAST_BLOCKS = 4
 """Parts of each record at least: blocks of several records must not be so few that none can be sure."""
 
@@ -56,18 +59,20 @@ class Balance:
 
     def stacked(self, values: Values) -> np.ndarray:
         """Residuals of all records over the floor, 0 where nothing is known, as large as their mean square over what is
-        known: of records of which different shares are, the errors can be compared.
+        known: of records of which different shares are, the errors can be compared. NaN where a plant runs away.
         """
         known = [self.known(motion) for motion in self.motions]
         share = sum(map(np.sum, known)) / max(sum(map(np.size, known)), 1)
         scale = 1.0 / (self.floor * np.sqrt(share)) if share > 0.0 else 0.0
-        return np.concatenate(
-            [
-                np.where(where, scale * part, 0.0)
-                for motion, where in zip(self.motions, known, strict=True)
-                for part in self.residuals(motion, values)
-            ]
-        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            stack = np.concatenate(
+                [
+                    np.where(where, scale * part, 0.0)
+                    for motion, where in zip(self.motions, known, strict=True)
+                    for part in self.residuals(motion, values)
+                ]
+            )
+        return np.where(np.abs(stack) < RUNS_AWAY, stack, np.nan)
 
     @cached_property
     def series(self) -> list[list[slice]]:
