@@ -122,7 +122,7 @@ def why_no_friction(record: Record, experiment: Experiment) -> str:
 
 def is_rotary(record: Record) -> bool:
     """Whether a record shows friction around the rod, there being no axial one."""
-    return "position" not in record.channels and all(name in record.channels for name in ROTARY)
+    return _showing(record) == ROTARY
 
 
 def directions(record: Record, experiment: Experiment) -> list[int]:

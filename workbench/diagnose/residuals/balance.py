@@ -14,11 +14,11 @@ from workbench.diagnose.residuals.unknowns import Values
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
 
-RUNS_AWAY = 1e30
-"""Floors beyond which a residual is no number: the plant diverges, and squares overflow."""
-
 LEAST_BLOCKS = 4
 """Parts of each record at least: blocks of several records must not be so few that none can be sure."""
+
+RUNS_AWAY = 1e30
+"""Floors beyond which a residual is no number: the plant diverges, and squares overflow."""
 
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance at the thinned instants of a motion, one array or more."""

@@ -2,7 +2,6 @@
 
 from matplotlib.figure import Figure
 
-from workbench.errors import UserError
 from workbench.identify.report.figures.correlation import draw_correlation
 from workbench.identify.report.figures.friction import draw_friction, friction_data
 from workbench.identify.report.figures.over_rpm import draw_over_rpm, over_rpm_data
@@ -18,9 +17,6 @@ DEFAULT = FigureTable(name="friction_velocity", title="Friction over velocity")
 def figures_of(identification: Identification) -> tuple[dict[str, Figure], dict[str, str]]:
     """Those that the experiment names, records against their simulation, and the correlation of several estimates; and
     why others are left out, by their names.
-
-    Raises:
-        UserError: a figure at a speed of rotation that no record has.
     """
     requested, left_out = _requested(identification)
     figures = {**requested, **record_figures(identification)}
@@ -41,13 +37,6 @@ def _requested(identification: Identification) -> tuple[dict[str, Figure], dict[
         if spec.parameter:
             figures[spec.name] = draw_over_rpm(over_rpm_data(identification, spec.parameter), spec.title)
             continue
-        speeds = sorted({record.rpm for record in identification.records})
-        if specs and spec.rpm not in speeds:
-            shown = ", ".join(f"{rpm:g}" for rpm in speeds)
-            raise UserError(
-                f"{identification.experiment.path}: figures: {spec.name}: no record at {spec.rpm:g} rpm, "
-                f"expected one of {shown}"
-            )
         data = friction_data(identification, spec.rpm if specs else None)
         if data.lacking:
             left_out[spec.name] = data.lacking
