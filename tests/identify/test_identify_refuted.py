@@ -127,6 +127,23 @@ def test_a_fit_without_pressures_is_written_without_a_figure_of_friction(
     assert ("Figure friction is left out: no record shows friction" in answer.out) == bool(figure)
 
 
+@pytest.mark.parametrize(
+    ("figure", "name"),
+    [("", "friction_velocity"), ('[[figures]]\nname = "friction"\ntitle = "Friction"\n', "friction")],
+    ids=["default", "asked"],
+)
+def test_a_figure_of_friction_that_a_record_is_too_short_for_is_left_out_with_that_reason(
+    tmp_path: Path, png_alone: None, figure: str, name: str
+) -> None:
+    """18 samples at 10 Hz are 1.8 s; the record, with both pressures, has 1.5 s."""
+    save_record(tmp_path / "record.parquet", moved(duration=1.5), seed=3)
+    answer = identify(tmp_path, experiment_text({"coulomb": 1.3}, ["coulomb", "viscous"]) + figure, "simulation")
+    assert (answer.code, answer.err) == (0, "")
+    said = f"Figure {name} is left out: 1501 samples are too few for the averaging, expected at least 1800."
+    assert said in answer.out
+    assert "no record shows friction" not in answer.out
+
+
 # --- several starts ---
 
 

@@ -56,11 +56,14 @@ def _errors(
     whole: Shooting | None,
     simulated: Fit | None,
 ) -> Errors:
-    """Errors of one model: `values` in the balances, those of the fit `simulated` in a free run."""
+    """Errors of one model: `values` in the balances, those of the fit `simulated` in a free run; that of a balance is
+    infinite where the plant runs away.
+    """
     balances = {}
     for result in results:
         over = replace(result.balance, motions=behind_backlash(whole, motions, values))
-        balances[over.name] = float(np.sqrt(np.mean(over.stacked(values) ** 2))) * over.floor
+        rms = float(np.sqrt(np.mean(over.stacked(values) ** 2)))
+        balances[over.name] = float(np.nan_to_num(rms, nan=np.inf)) * over.floor
     run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated.values)
     units = {result.balance.name: result.balance.unit for result in results}
     speed, axis = _of_pump(results, motions, values), results[0].balance.axis

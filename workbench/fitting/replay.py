@@ -171,17 +171,20 @@ def _integrators(setup: Setup) -> Sequence[Integrator]:
 
 def _input(record: Record, values: np.ndarray) -> Sampled:
     """A measured input between its samples: a straight line, or in a slow record a curve without overshoot."""
-    known = np.isfinite(values)
-    time, values = record.time[known], values[known]
+    line = _line(record, values)
     if record.sample_time <= SLOW:
-        return Sampled(time, values)
-    points = np.linspace(time[0], time[-1], CURVED * (record.time.size - 1) + 1)
-    return Sampled(points, PchipInterpolator(time, values)(points))
+        return line
+    points = np.linspace(line.times[0], line.times[-1], CURVED * (record.time.size - 1) + 1)
+    return Sampled(points, PchipInterpolator(line.times, line.values)(points))
 
 
 def straight(record: Record, name: str) -> Sampled:
     """A measured input, or the command in its place, on straight lines between its samples."""
-    values = record.channels[name if name in record.channels else "command"]
+    return _line(record, record.channels[name if name in record.channels else "command"])
+
+
+def _line(record: Record, values: np.ndarray) -> Sampled:
+    """Values of a record where they are known."""
     known = np.isfinite(values)
     return Sampled(record.time[known], values[known])
 

@@ -4,6 +4,7 @@ Positions are averaged to 100 Hz (10 samples at 1 kHz) and differentiated by a n
 velocity is averaged to 10 Hz. A record that is slower than that is taken as it is.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,56 +59,70 @@ def fewest_samples(sample_time: float) -> int:
     return max(fine * meant(fine * sample_time, COARSE) * FEWEST_COARSE, fine * (ORDER + 2))
 
 
-SHOWING = (AXIAL, ("position", "force"), ROTARY)
-"""The sets of channels that show friction while the acceleration is negligible."""
+SHOWING: Mapping[tuple[str, ...], tuple[str, tuple[str, ...]]] = {
+    AXIAL: ("friction from pressures", ("piston_area_1", "piston_area_2")),
+    ("position", "force"): ("measured friction", ()),
+    ROTARY: ("rotary friction", ("torque_constant", "piston_radius")),
+}
+"""The sets of channels that show friction while the acceleration is negligible: what that is, and by which parameters.
+"""
 
 
 def friction_of(record: Record, experiment: Experiment) -> Slow:
     """Velocity and friction force of a record, averaged to 100 Hz.
 
     Raises:
-        UserError: the channels give neither axial nor rotary friction.
+        UserError: the channels give neither axial nor rotary friction, or a parameter for it is not declared.
     """
-    channels = record.channels
-    values = experiment.known_values()
-    if all(name in channels for name in AXIAL):
-        _check_known(record, values, "friction from pressures", ("piston_area_1", "piston_area_2"))
+    channels, values, showing = record.channels, experiment.known_values(), _showing(record)
+    if showing is None:
+        raise UserError(
+            f"{record.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, or "
+            "rotation_speed and motor_current; add the channels, or take --method simulation"
+        )
+    if lacking := _lacking(showing, values):
+        raise UserError(f"{record.path}: {lacking}")
+    if showing == ROTARY:
+        radius = values["piston_radius"]
+        force = motor_force(channels["motor_current"], values["torque_constant"], radius)
+        return from_speed(record.time, radius * channels["rotation_speed"], force)
+    if showing == AXIAL:
         force = pressure_force(
             channels["pressure_1"], channels["pressure_2"], values["piston_area_1"], values["piston_area_2"]
         )
-        return from_position(record.time, channels["position"], force)
-    if "position" in channels and "force" in channels:
-        return from_position(record.time, channels["position"], channels["force"])
-    if all(name in channels for name in ROTARY):
-        return _rotary(record, values)
-    raise UserError(
-        f"{record.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, or "
-        "rotation_speed and motor_current; add the channels, or take --method simulation"
-    )
+    else:
+        force = channels["force"]
+    return from_position(record.time, channels["position"], force)
 
 
-def _check_known(record: Record, values: dict[str, float], what: str, names: tuple[str, ...]) -> None:
-    for name in names:
-        if name not in values:
-            raise UserError(f"{record.path}: {what} needs the parameter {name}; set it in [plant.set]")
+def _showing(record: Record) -> tuple[str, ...] | None:
+    """The channels that show friction in a record: the first set that it has."""
+    return next((names for names in SHOWING if all(name in record.channels for name in names)), None)
 
 
-def _rotary(record: Record, values: dict[str, float]) -> Slow:
-    _check_known(record, values, "rotary friction", ("torque_constant", "piston_radius"))
-    radius = values["piston_radius"]
-    force = motor_force(record.channels["motor_current"], values["torque_constant"], radius)
-    return from_speed(record.time, radius * record.channels["rotation_speed"], force)
+def _lacking(showing: tuple[str, ...], values: Mapping[str, float]) -> str:
+    """What has to be declared before these channels show friction; empty where nothing has."""
+    what, needed = SHOWING[showing]
+    name = next((name for name in needed if name not in values), None)
+    return f"{what} needs the parameter {name}; set it in [plant.set]" if name else ""
 
 
 def shows_friction(record: Record) -> bool:
-    """Whether a record has the channels and the length that friction over velocity needs."""
-    known = any(all(name in record.channels for name in names) for names in SHOWING)
-    return known and record.time.size >= fewest_samples(record.sample_time)
+    """Whether a record has channels of which friction over velocity can be made."""
+    return _showing(record) is not None
+
+
+def why_no_friction(record: Record, experiment: Experiment) -> str:
+    """Why a record with such channels gives no friction over velocity; empty where it does."""
+    if record.time.size < (fewest := fewest_samples(record.sample_time)):
+        return f"{record.time.size} samples are too few for the averaging, expected at least {fewest}"
+    showing = _showing(record)
+    return "" if showing is None else _lacking(showing, experiment.known_values())
 
 
 def is_rotary(record: Record) -> bool:
     """Whether a record shows friction around the rod, there being no axial one."""
-    return "position" not in record.channels and all(name in record.channels for name in ROTARY)
+    return _showing(record) == ROTARY
 
 
 def directions(record: Record, experiment: Experiment) -> list[int]:

@@ -64,6 +64,11 @@ OPEN_GAIN, DAMPING, INTEGRAL, FILTER = range(4)
 """Places in a loop: u a m, u a m/s, u a (m s), time constant (s) of the velocity's filter."""
 
 
+def numbers(machine: Machine) -> Numbers:
+    """A machine as `run` and `resisting` take it."""
+    return np.array([tuple(machine)], dtype=_RECORD)[0]
+
+
 @njit(cache=True, error_model="numpy", inline="always")
 def _root(drop: float) -> float:
     """sgn(d) sqrt(|d|), laminar within `LAMINAR_DROP`."""
@@ -272,7 +277,7 @@ def _arriving(u: np.ndarray, at: float, step: float, sample_time: float) -> floa
 
 
 @njit(cache=True, error_model="numpy")
-def _run(
+def run(
     p: Numbers,
     start: np.ndarray,
     u: np.ndarray,
@@ -284,7 +289,24 @@ def _run(
     sample_time: float,
     substeps: int,
 ) -> np.ndarray:
-    """See `run`."""
+    """One record: read the sensors, give the command, hold it, integrate.
+
+    Args:
+        p: `numbers` of the machine with its effects.
+        start: state at the first sample, shape (STATES,).
+        u: the command, shape (samples,); of a closed loop what is added to the controller's, and after the call the
+            whole command.
+        closed: whether there is a controller: u = k (r - x_m) - d v_f + i sum(r - x_m), within the command's limit.
+        loop: its gains, by `OPEN_GAIN`, `DAMPING`, `INTEGRAL` and `FILTER`.
+        reference: wanted position, shape (samples,).
+        noise: of the position that the controller sees, shape (samples,).
+        quantum: converter step of it; 0 for none.
+        sample_time: s.
+        substeps: integration steps a sample.
+
+    Returns:
+        shape (samples, 5): see `POSITION` and those behind it; NaN where it diverges.
+    """
     samples = u.size
     shown = np.zeros((samples, 5))
     y, trial = start.copy(), start.copy()
@@ -358,10 +380,14 @@ def _run(
 
 
 @njit(cache=True, error_model="numpy")
-def _resisting(
+def resisting(
     p: Numbers, place: np.ndarray, speed: np.ndarray, sample_time: float, substeps: int, bent: float
 ) -> np.ndarray:
-    """See `resisting`."""
+    """Force (N) that it takes to move a drive's mass along a motion, at the samples.
+
+    The velocity is a line from sample to sample; `bent` is the bristle's deflection at first, `p` the machine's
+    `numbers`.
+    """
     shown = np.zeros(place.size)
     y, trial = np.zeros(STATES), np.zeros(STATES)
     k1, k2 = np.zeros(STATES), np.zeros(STATES)
@@ -400,56 +426,4 @@ def _resisting(
         if not abs(y[Z]) < 1e6:
             shown[k:] = np.nan
             return shown
-    return shown
-
-
-def _numbers(machine: Machine) -> Numbers:
-    return np.array([tuple(machine)], dtype=_RECORD)[0]
-
-
-def run(
-    machine: Machine,
-    start: np.ndarray,
-    u: np.ndarray,
-    closed: bool,
-    loop: np.ndarray,
-    reference: np.ndarray,
-    noise: np.ndarray,
-    quantum: float,
-    sample_time: float,
-    substeps: int,
-) -> np.ndarray:
-    """One record: read the sensors, give the command, hold it, integrate.
-
-    Args:
-        machine: with its effects.
-        start: state at the first sample, shape (STATES,).
-        u: the command, shape (samples,); of a closed loop what is added to the controller's, and after the call the
-            whole command.
-        closed: whether there is a controller: u = k (r - x_m) - d v_f + i sum(r - x_m), within the command's limit.
-        loop: its gains, by `OPEN_GAIN`, `DAMPING`, `INTEGRAL` and `FILTER`.
-        reference: wanted position, shape (samples,).
-        noise: of the position that the controller sees, shape (samples,).
-        quantum: converter step of it; 0 for none.
-        sample_time: s.
-        substeps: integration steps a sample.
-
-    Returns:
-        shape (samples, 5): see `POSITION` and those behind it; NaN where it diverges.
-    """
-    shown: np.ndarray = _run(
-        _numbers(machine), start, u, closed, loop, reference, noise, quantum, sample_time, substeps
-    )
-    return shown
-
-
-def resisting(
-    machine: Machine, place: np.ndarray, speed: np.ndarray, sample_time: float, substeps: int, bent: float
-) -> np.ndarray:
-    """Force (N) that it takes to move a drive's mass along a motion, at the samples.
-
-    The velocity is a line from sample to sample; `bent` is the bristle's deflection at first.
-    """
-    place, speed = np.ascontiguousarray(place), np.ascontiguousarray(speed)
-    shown: np.ndarray = _resisting(_numbers(machine), place, speed, sample_time, substeps, bent)
     return shown

@@ -7,7 +7,7 @@ import numpy as np
 
 from .machines import HAND, INTEGRATING, OPEN, Rig, resting, stream, substeps
 from .parameters import Machine
-from .physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN, PLACE, SPEED, resisting, run
+from .physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN, PLACE, SPEED, numbers, resisting, run
 from .reference import make_reference
 
 CHANNELS = ("position", "pressure_1", "pressure_2")
@@ -70,7 +70,8 @@ def record(rig: Rig, machine: Machine, use: str) -> Record:
     command = added.copy()
     count = substeps(rig)
     quantum = noise.quantum if sees else 0.0
-    clean = run(machine, resting(rig.machine), command, True, loop, wanted, seen, quantum, rig.sample_time, count)
+    p, start = numbers(machine), resting(rig.machine)
+    clean = run(p, start, command, True, loop, wanted, seen, quantum, rig.sample_time, count)
     return Record(rig, machine, use, command, clean)
 
 
@@ -122,9 +123,9 @@ def _steps(rig: Rig, draw: np.random.Generator) -> np.ndarray:
 def replayed(of: Record, machine: Machine, start: np.ndarray | None = None) -> np.ndarray:
     """What the sensors of a machine would have shown under a record's command, shape (samples, 5)."""
     rig, nothing = of.rig, np.zeros(of.command.size)
-    begins = resting(rig.machine) if start is None else start
+    p, begins = numbers(machine), resting(rig.machine) if start is None else start
     count = substeps(rig)
-    return run(machine, begins, of.command.copy(), False, np.zeros(4), nothing, nothing, 0.0, rig.sample_time, count)
+    return run(p, begins, of.command.copy(), False, np.zeros(4), nothing, nothing, 0.0, rig.sample_time, count)
 
 
 def whitened(of: Record, shown: np.ndarray) -> np.ndarray:
@@ -144,7 +145,8 @@ def outputs(of: Record, machine: Machine, start: np.ndarray | None = None, bent:
     rig = of.rig
     if rig.motion == HAND:
         count = 2 * substeps(rig)
-        taken = resisting(machine, of.clean[:, PLACE], of.clean[:, SPEED], rig.sample_time, count, bent)
+        place, speed = np.ascontiguousarray(of.clean[:, (PLACE, SPEED)].T)
+        taken = resisting(numbers(machine), place, speed, rig.sample_time, count, bent)
         return whitened(of, taken)
     return whitened(of, replayed(of, machine, start))
 

@@ -56,13 +56,8 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     """All files, into an empty folder."""
     experiment, thesis = identification.experiment, identification.thesis
     frame, notes = table_of(identification), notes_of(identification)
-    figures = figures_of(identification)
-    notes += [
-        f"Figure {spec.name} is left out: no record shows friction, which takes both pressures or a force beside the "
-        "position."
-        for spec in experiment.figures
-        if spec.name not in figures
-    ]
+    figures, left_out = figures_of(identification)
+    notes += [f"Figure {name} is left out: {why}." for name, why in left_out.items()]
     title = experiment.title
     if identification.refuted:
         title = f"Not identified: {identification.refuted}. {title}"

@@ -2,6 +2,7 @@
 follows the record best."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -157,13 +158,11 @@ def _beyond_held(
 
     By the weights of the fit, which know a misfit only as noise, what is declared would count for more than it should.
     """
-    weights = problem.weights
-    problem.weights = np.concatenate(
-        [np.full(place.stop - place.start, 1.0 / noise[name]) for _, name, place in problem.series()]
-    )
-    ratio = (problem.weights / weights)[:, None]
-    left = without_held(problem, theta, ratio * jacobian, ratio * columns, held)
-    problem.weights = weights
+    weights = [np.full(place.stop - place.start, 1.0 / noise[name]) for _, name, place in problem.series()]
+    by_noise = replace(problem, weights=np.concatenate(weights))  # what was simulated holds for both
+    ratio = (by_noise.weights / problem.weights)[:, None]
+    left = without_held(by_noise, theta, ratio * jacobian, ratio * columns, held)
+    problem.evaluations = by_noise.evaluations
     return np.asarray(left / ratio[:, 0])
 
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from workbench.errors import UserError
 from workbench.identify.report.figures.frame import panels_of
 from workbench.identify.result import Identification
 from workbench.identify.thesis.method import STATIC as STEADY
 from workbench.identify.thesis.method import steady
 from workbench.publish.along import SHOWN
 from workbench.publish.style import figure_style, line_style
-from workbench.records.friction import Slow, friction_of, is_rotary, shows_friction, slower
+from workbench.records.experiment import Experiment
+from workbench.records.friction import Slow, friction_of, is_rotary, shows_friction, slower, why_no_friction
 from workbench.records.reading import Record
 from workbench.records.schema import STATIC, SUFFIXES
 
@@ -39,7 +39,7 @@ class SteadyCurve:
 class FrictionOverVelocity:
     """What was measured, a record each, and the curves beside it; `rotary`: all of it around the rod.
 
-    `simulated`: the records are made, and their truth is known.
+    `simulated`: the records are made, and their truth is known. `lacking`: why nothing was measured; else empty.
     """
 
     measured: Sequence[Slow]
@@ -47,14 +47,15 @@ class FrictionOverVelocity:
     rotary: bool
     simulated: bool
     axis: str
+    lacking: str
 
 
 def friction_data(identification: Identification, rpm: float | None) -> FrictionOverVelocity:
     """The numbers of the figure, of the records at one speed of rotation or (None) of all."""
     records = [record for record in identification.records if rpm is None or record.rpm == rpm]
-    axis, rotary = identification.experiment.plant.axis, all(is_rotary(record) for record in records)
-    found = [_measured(identification, record) for record in records if shows_friction(record)]
-    measured = [data for data in found if data is not None]
+    experiment, rotary = identification.experiment, all(is_rotary(record) for record in records)
+    showing = [record for record in records if shows_friction(record)]
+    measured = [_measured(identification, record) for record in showing if not why_no_friction(record, experiment)]
     forward, backward = (
         max((float(np.nanmax(sign * data.velocity)) for data in measured), default=0.0) for sign in (1.0, -1.0)
     )
@@ -63,7 +64,8 @@ def friction_data(identification: Identification, rpm: float | None) -> Friction
         _steady_curve(source, values, *way) for source, values in _sets(identification, rpm).items() for way in ways
     )
     curves = [curve for curve in drawn if curve is not None]
-    return FrictionOverVelocity(measured, curves, rotary, identification.experiment.truth is not None, axis)
+    lacking = "" if measured else _why_none(showing, experiment)
+    return FrictionOverVelocity(measured, curves, rotary, experiment.truth is not None, experiment.plant.axis, lacking)
 
 
 def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
@@ -85,13 +87,17 @@ def draw_friction(data: FrictionOverVelocity, title: str) -> Figure:
     return figure
 
 
-def _measured(identification: Identification, record: Record) -> Slow | None:
-    """What a record shows; None where a parameter is not declared without which channels are no friction."""
+def _measured(identification: Identification, record: Record) -> Slow:
+    """What a record shows."""
     known = identification.thesis.curves.get(record) if identification.thesis is not None else None
-    try:
-        return known or slower(friction_of(record, identification.experiment))
-    except UserError:
-        return None
+    return known or slower(friction_of(record, identification.experiment))
+
+
+def _why_none(showing: Sequence[Record], experiment: Experiment) -> str:
+    """Why none of the records gives friction, of which these have channels that show it."""
+    if not showing:
+        return "no record shows friction, which takes both pressures or a force beside the position"
+    return why_no_friction(max(showing, key=lambda record: record.time.size), experiment)
 
 
 def _sets(identification: Identification, rpm: float | None) -> dict[str, dict[str, float]]:
