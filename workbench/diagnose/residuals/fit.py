@@ -25,9 +25,6 @@ BOUNDED = 1e-3
 NEAR_NOISE = 3.0
 """Floors up to which what is left may be noise of a colour that the floor does not know."""
 
-AT_FLOOR = 1.3
-"""Floors up to which what is left of a balance is its noise: beyond, its spectrum is of what is missing, too."""
-
 THOROUGH = Search()
 """When the fit ends whose parameters count."""
 
@@ -167,12 +164,17 @@ def over(fitted: Fit, balance: Balance) -> Fit:
     )
 
 
-def weighing_at(fitted: Fit) -> Weighing:
-    """How residuals weigh if what a fit leaves is noise: by its spectrum, unless that is no noise's: where a balance is
-    far from any sensors' noise. Of a simulation sensors alone decide, and nobody knows how slow their noise is.
+def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
+    """How residuals of a balance weigh if they are noise: of a simulation by their spectrum, since sensors alone decide
+    it, and nobody knows how slow their noise is; of others by their scatter, since smoothing, contacts and what is
+    missing decide it.
     """
-    is_noise = fitted.rms < AT_FLOOR or fitted.balance.name == SIMULATION
-    return weighed_by(weighing_of if is_noise else by_scatter, fitted)
+    return weighing_of if balance.name == SIMULATION else by_scatter
+
+
+def weighing_at(fitted: Fit) -> Weighing:
+    """How residuals weigh if what a fit leaves is noise."""
+    return weighed_by(noise_like(fitted.balance), fitted)
 
 
 def weighed_by(

@@ -150,6 +150,23 @@ def fit_simulation(
     return fitting.final(best)
 
 
+def fit_further(
+    base: Simulated,
+    motions: Sequence[Motion],
+    start: Values,
+    names: Sequence[str],
+    bounds: Mapping[str, tuple[float, float]],
+) -> Simulated:
+    """The plant of a fit with further parameters, as far as that one followed its records: from its values, with those
+    of the further ones as they start, or from where all start, what leaves less.
+    """
+    fitting = Fitting(motions, names, bounds)
+    further = {name: start[name] for name in names if name not in base.fit.names}
+    starts = [{**base.fit.values, **further}, start]
+    best = min((fitting.begun(base.how, values) for values in starts), key=lambda one: one.fit.rms)
+    return fitting.final(fitting.found(best.how, best.fit.values))
+
+
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best."""
     fitting = Fitting(motions, (), {})

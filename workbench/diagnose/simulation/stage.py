@@ -18,7 +18,7 @@ from workbench.diagnose.selection.search import Asked, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_simulation, mean_square, settle
+from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_further, fit_simulation, mean_square, settle
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -132,10 +132,8 @@ def simulation_stage(
     if given:
         progress("simulating the plant with what was found", 0.5)
         names = [*before.names, *(name for own in given.values() for name in own)]
-        whole = replace(base.how, length=np.inf, begins={})
-        with_them = fit_simulation(whole, motions, start.corrected, names, bounds)
-        farther = with_them.how.length > how.length
-        if farther or (with_them.how.length == how.length and with_them.fit.rms < before.rms):
+        with_them = fit_further(base, motions, start.corrected, names, bounds)
+        if with_them.fit.rms < before.rms or not base.is_near:
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
