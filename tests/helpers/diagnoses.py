@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
-from workbench.diagnose.residual_stage import ResidualStage, baselines, with_effects
+from workbench.diagnose.residual_stage import ResidualStage, baselines, with_effects, with_floors
 from workbench.diagnose.result import Diagnosis, Errors
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence, OfferedTerm, TermErrors, Unexplained
@@ -23,7 +23,7 @@ def balances_with_effects(path: Path) -> ResidualStage:
     check_experiment(experiment)
     motions = motions_of(experiment, read_records(experiment))
     stage = baselines(experiment, motions, declared_values(experiment), None, silent)
-    return with_effects(stage, experiment, silent)
+    return with_effects(with_floors(stage, experiment, silent), experiment, silent)
 
 
 def without_effects(diagnosis: Diagnosis) -> Diagnosis:

@@ -52,6 +52,9 @@ FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 SCANS, HOPELESS = 2, 300.0
 """Times that it does, and standard deviations of noise beyond which it is no parameter that is missing."""
 
+LEADS_ON = 10.0
+"""Standard deviations of noise that a piece may be off and lead to a longer one: else something is missing."""
+
 SHARES = (1.0, 0.3, 0.1)
 """Of a step of the states at a start that are tried."""
 
@@ -116,7 +119,8 @@ class Fitting:
     def final(self, of: Simulated) -> Simulated:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         balance = of.how.balance(self.motions, self.names)
-        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, FINAL, weighing_at(of.fit)))
+        weighing = weighing_at(of.fit) if of.fit.rms < ASTRAY else weighed_by(by_scatter, of.fit)
+        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, FINAL, weighing))
 
 
 def mean_square(how: Shooting, fitted: Fit) -> float:
@@ -128,43 +132,33 @@ def mean_square(how: Shooting, fitted: Fit) -> float:
 def fit_simulation(
     whole: Shooting,
     motions: Sequence[Motion],
-    start: Values,
+    starts: Sequence[Values],
     names: Sequence[str],
     bounds: Mapping[str, tuple[float, float]],
 ) -> Simulated:
-    """The plant fitted to its records from end to end; to pieces of them where it does not follow them so far."""
+    """The plant fitted to its records from end to end, from the best of some starts; to pieces of them where it does
+    not follow them so far.
+    """
     fitting = Fitting(motions, names, bounds)
-    best, pieces = fitting.begun(whole, start), list[Simulated]()
+    begun = [fitting.begun(whole, start) for start in starts]
+    best, pieces = min(begun, key=lambda one: one.fit.rms), list[Simulated]()
+    values = best.fit.values
     if best.fit.rms < ASTRAY:
-        best = _scanned(fitting, fitting.found(whole, start))
+        best = _scanned(fitting, fitting.found(best.how, values))
     if best.fit.rms > NEAR_NOISE:
-        values = dict(start)
         for how in _ladder(whole, motions):
             pieces.append(fitting.found(how, values))
             values = pieces[-1].fit.values
-        climbed = _scanned(fitting, fitting.found(whole, values))
+            if pieces[-1].fit.rms > LEADS_ON:
+                break
+        climbed = fitting.found(whole, values)
+        if pieces and pieces[-1].fit.rms < LEADS_ON:
+            climbed = _scanned(fitting, climbed)
         best = climbed if climbed.fit.rms < best.fit.rms else best
         if best.fit.rms > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
             longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
             best = (longest or pieces or [best])[-1]
     return fitting.final(best)
-
-
-def fit_further(
-    base: Simulated,
-    motions: Sequence[Motion],
-    start: Values,
-    names: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]],
-) -> Simulated:
-    """The plant of a fit with further parameters, as far as that one followed its records: from its values, with those
-    of the further ones as they start, or from where all start, what leaves less.
-    """
-    fitting = Fitting(motions, names, bounds)
-    further = {name: start[name] for name in names if name not in base.fit.names}
-    starts = [{**base.fit.values, **further}, start]
-    best = min((fitting.begun(base.how, values) for values in starts), key=lambda one: one.fit.rms)
-    return fitting.final(fitting.found(best.how, best.fit.values))
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

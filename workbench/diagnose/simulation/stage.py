@@ -18,7 +18,7 @@ from workbench.diagnose.selection.search import Asked, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_further, fit_simulation, mean_square, settle
+from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_simulation, mean_square, settle
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -112,12 +112,12 @@ def simulated_baseline(
         return None
     progress("simulating the declared plant", 0.2)
     free = [name for name in start.free if name in held.along.parameter_names]
-    best = fit_simulation(held, motions, start.baseline, free, experiment.bounds)
+    best = fit_simulation(held, motions, [start.baseline], free, experiment.bounds)
     ramps = shooting_of(experiment, motions, held=False)
     if best.fit.rms > NOISE and ramps is not None:
         tried = replace(ramps, length=best.how.length, begins=best.how.begins)
         if mean_square(tried, best.fit) < mean_square(best.how, best.fit):  # the voltage was no computer's
-            other = fit_simulation(ramps, motions, best.fit.values, free, experiment.bounds)
+            other = fit_simulation(ramps, motions, [best.fit.values], free, experiment.bounds)
             best = min(best, other, key=lambda either: either.fit.rms)
     return best
 
@@ -132,7 +132,9 @@ def simulation_stage(
     if given:
         progress("simulating the plant with what was found", 0.5)
         names = [*before.names, *(name for own in given.values() for name in own)]
-        with_them = fit_further(base, motions, start.corrected, names, bounds)
+        further = {name: start.corrected[name] for name in names if name not in before.names}
+        starts = [{**before.values, **further}, start.corrected]
+        with_them = fit_simulation(replace(base.how, length=np.inf, begins={}), motions, starts, names, bounds)
         if with_them.fit.rms < before.rms or not base.is_near:
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
