@@ -161,9 +161,9 @@ def stuck(command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction)
 def sticking(slip: Scalar, command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction) -> Stuck:
     """dV_s/dt = m (V - V_s)/T (V/s),  dr/dt = (w - r)/T (1/s),  m = max(2 r - 1, 0),  T = `RELEASE`.
 
-        w = 1    where |V - V_s| > the stiction
-            0    where |V - V_s| < `ARRIVED` of it
-            1 for r > 1/2, else 0, between                       it goes on, or goes on sticking
+        w = 1                                      where |V - V_s| > the stiction
+            0                                      else, where r < 1/2: it goes on sticking
+            0 to 1 from half of `ARRIVED` of the stiction to all of it, where r > 1/2: it goes on, and arrives
 
     A spool that silt or a bent sleeve holds (Choudhury, Thornhill and Shah 2005): it stays, then jumps. Looks like flow
     in steps while the command moves slowly; hysteresis follows beyond its play, this jumps as far as its whole band.
@@ -171,7 +171,8 @@ def sticking(slip: Scalar, command: Scalar, moment: Moment, memory: Stuck, p: An
     sticks = own.spool_stiction > 0.0
     away = np.abs(command - memory.stuck_command) / select(sticks, own.spool_stiction, 1.0)
     going = select(memory.spool_free > 0.5, 1.0, 0.0)
-    wanted = select(away > 1.0, 1.0, select(away < ARRIVED, 0.0, going))
+    left = np.minimum(np.maximum(2.0 * away / ARRIVED - 1.0, 0.0), 1.0)
+    wanted = select(away > 1.0, 1.0, going * left)
     free = np.maximum(2.0 * memory.spool_free - 1.0, 0.0)
     return Stuck(
         select(sticks, free * (command - memory.stuck_command) / RELEASE, 0.0),

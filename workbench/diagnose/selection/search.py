@@ -316,6 +316,11 @@ def _fitted(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit
     return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
 
 
+def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:
+    """The fit without its effects, by the same noise."""
+    return _fitted(found, taken, Proposal((), tuple(taken), 0.0, 0.0, {}), ask)
+
+
 def _is_estimated(found: Fit, balance: Balance) -> bool:
     """Whether every number of an effect is an estimate, and no end of its range."""
     return not found.bounded - set(balance.free)

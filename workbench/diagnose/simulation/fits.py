@@ -55,11 +55,8 @@ SCANS, HOPELESS = 2, 300.0
 LEADS_ON = 10.0
 """Standard deviations of noise that a piece may be off and lead to a longer one: else something is missing."""
 
-SHARES = (1.0, 0.3, 0.1)
-"""Of a step of the states at a start that are tried."""
-
-TOLD = 1e-4
-"""Share of the largest direction of those states below which a piece does not tell one."""
+DAMPED = (1e-3, 0.1, 1.0)
+"""Dampings, of each state's own curvature, of the steps of the states at a start that are tried."""
 
 BETTER = 0.98
 """Rms over that of another fit from which it is better."""
@@ -189,32 +186,33 @@ def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
 
 def restarted(how: Shooting, fitted: Fit, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Shooting:
     """The same with the states at each start where they leave least of its piece, by `columns` of what they change: by
-    a Gauss-Newton step, or a part of it where that leaves less.
+    a damped Gauss-Newton step.
     """
     motions, values = fitted.balance.motions, fitted.values
     weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.rms < NEAR_NOISE else None
     block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
-    steps = np.array([_step(block[rows], left[rows]) for rows in groups])
-    squares, shares = [_squares(left, groups)], [0.0]
-    for share in SHARES:
-        moved = fit(_begun(how, motions, values, share * steps).balance(motions, ()), values, ()).residual
+    squares, steps = [_squares(left, groups)], [np.zeros((len(groups), columns.shape[1]))]
+    for damping in DAMPED:
+        steps.append(np.array([_step(block[rows], left[rows], damping) for rows in groups]))
+        moved = fit(_begun(how, motions, values, steps[-1]).balance(motions, ()), values, ()).residual
         squares.append(_squares(moved if weigh is None else weigh(moved), groups))
-        shares.append(share)
         if np.all(squares[-1] < squares[0]):
             break
-    best = np.array(shares)[np.argmin(squares, axis=0)]
-    return _begun(how, motions, values, best[:, None] * steps) if np.any(best) else how
+    best = np.argmin(squares, axis=0)
+    chosen = np.array(steps)[best, np.arange(len(groups))]
+    return _begun(how, motions, values, chosen) if np.any(best) else how
 
 
 def _squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
     return np.array([float(residual[rows] @ residual[rows]) for rows in groups])
 
 
-def _step(block: np.ndarray, left: np.ndarray) -> np.ndarray:
+def _step(block: np.ndarray, left: np.ndarray, damping: float) -> np.ndarray:
     """By how many of their moves states go where they leave least."""
     norms = np.linalg.norm(block, axis=0)
     scale = np.where(norms > 0.0, norms, 1.0)
-    return np.asarray(-np.linalg.lstsq(block / scale, left, rcond=TOLD)[0] / scale)
+    unit = block / scale
+    return np.asarray(-np.linalg.solve(unit.T @ unit + damping * np.eye(scale.size), unit.T @ left) / scale)
 
 
 def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.ndarray) -> Shooting:

@@ -37,6 +37,9 @@ MOST_PIECES = 60
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
 
+FOLLOWS = "spool_position"
+"""The state that follows the command, which is known: where it starts is soon forgotten."""
+
 VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
 
@@ -119,9 +122,11 @@ class Shooting:
         return np.concatenate(self.errors(motion, values, moved))
 
     def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
-        """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
+        """A change of each of the plant's own states at a start that no command sets: by its sensor's noise, or a
+        little.
+        """
         plant = self.along.plant
-        own = {item.name for item in fields((plant.bare or plant).State)}
+        own = {item.name for item in fields((plant.bare or plant).State)} - {FOLLOWS}
         moves = []
         for place, item in enumerate(fields(plant.State)):
             if item.name in own:

@@ -11,19 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit, again
+from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.search import Asked, Found, search
+from workbench.diagnose.selection.search import Asked, Found, search, without_effects
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.fits import NOISE, QUICK, TRUSTED, Simulated, fit_simulation, mean_square, settle
+from workbench.diagnose.simulation.fits import BETTER, NOISE, TRUSTED, Simulated, fit_simulation, mean_square, settle
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
+
+SHARP = 1.1
+"""Standard deviations of noise from which a voltage is tried that is a straight line between samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,22 +106,27 @@ class SimulationStart:
 def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
-    """The declared plant simulated along the records; None where they cannot be simulated.
-
-    The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
-    """
-    held = shooting_of(experiment, motions)
-    if held is None:
-        return None
+    """The declared plant simulated along the records; None where they cannot be simulated."""
     progress("simulating the declared plant", 0.2)
-    free = [name for name in start.free if name in held.along.parameter_names]
-    best = fit_simulation(held, motions, [start.baseline], free, experiment.bounds)
-    ramps = shooting_of(experiment, motions, held=False)
-    if best.fit.rms > NOISE and ramps is not None:
-        tried = replace(ramps, length=best.how.length, begins=best.how.begins)
-        if mean_square(tried, best.fit) < mean_square(best.how, best.fit):  # the voltage was no computer's
-            other = fit_simulation(ramps, motions, [best.fit.values], free, experiment.bounds)
-            best = min(best, other, key=lambda either: either.fit.rms)
+    return _simulated(experiment, motions, [start.baseline], start.free)
+
+
+def _simulated(
+    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
+) -> Simulated | None:
+    """The plant fitted to simulation error from some starts, with those parameters that it has; None where the records
+    cannot be simulated. The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
+    """
+    held, ramps = (shooting_of(experiment, motions, held=held) for held in (True, False))
+    if held is None or ramps is None:
+        return None
+    names, bounds = [name for name in names if name in held.along.parameter_names], experiment.bounds
+    best = fit_simulation(held, motions, starts, names, bounds)
+    tried = replace(ramps, length=best.how.length, begins=best.how.begins)
+    squares = [mean_square(how, best.fit) for how in (tried, best.how)]
+    if squares[0] < BETTER**2 * squares[1] or (best.is_near and best.fit.rms > SHARP):  # the voltage was no computer's
+        other = fit_simulation(ramps, motions, [best.fit.values], names, bounds)
+        best = min(best, other, key=lambda either: either.fit.rms)
     return best
 
 
@@ -134,8 +142,8 @@ def simulation_stage(
         names = [*before.names, *(name for own in given.values() for name in own)]
         further = {name: start.corrected[name] for name in names if name not in before.names}
         starts = [{**before.values, **further}, start.corrected]
-        with_them = fit_simulation(replace(base.how, length=np.inf, begins={}), motions, starts, names, bounds)
-        if with_them.fit.rms < before.rms or not base.is_near:
+        with_them = _simulated(experiment, motions, starts, names)
+        if with_them is not None and (with_them.fit.rms < before.rms or not base.is_near):
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
@@ -147,7 +155,7 @@ def simulation_stage(
         )
         found = search(current, effects, ask)
         progress("what no effect explains", 0.8)
-        found, lacks = _without_stand_ins(how, current, found, bounds)
+        found, lacks = _without_stand_ins(how, found, ask)
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
@@ -166,15 +174,13 @@ def simulation_stage(
     )
 
 
-def _without_stand_ins(
-    how: Shooting, before: Fit, found: Found, bounds: Mapping[str, tuple[float, float]]
-) -> tuple[Found, Dependence | None]:
+def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains; nothing found where that is more."""
     curves = lacking(how, found.fit)
     lacks = dependence_of(curves)
     if lacks is not None and found.effects:
-        without = again(replace(before, balance=found.fit.balance), found.fit.weighing, bounds, QUICK)
+        without = without_effects(found.fit, found.effects, ask)
         gained = 0.5 * (without.squares - found.fit.squares)
         if curves[0].gain > STANDS_IN * gained:
-            found = replace(found, fit=before, effects={}, gains={}, alternatives={})
+            found = replace(found, fit=without, effects={}, gains={}, alternatives={})
     return found, lacks
