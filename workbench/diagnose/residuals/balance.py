@@ -40,7 +40,8 @@ def nothing(values: Values) -> tuple[np.ndarray, Sequence[np.ndarray]]:
 class Balance:
     """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
 
-    The floor is `simulated` where it is the residual of a plant that lacks nothing, else the sensors' noise alone.
+    The floor is `simulated` where it is the residual of a plant that lacks nothing, on the motions in `null` if that is
+    kept, else the sensors' noise alone.
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
     these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
     nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
@@ -60,6 +61,7 @@ class Balance:
     simulated: bool = False
     axis: str = LINEAR
     beside: Beside = nothing
+    null: Sequence[Motion] = ()
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something: a simulation is not smoothed, and says

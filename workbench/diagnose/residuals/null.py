@@ -107,9 +107,9 @@ def with_floor(balance: Balance, motions: Sequence[Motion], values: Values, leas
     """The balance with the residual of motions on which nothing is missing as its floor, at `least` so many of its
     own.
     """
-    null = replace(balance, motions=motions)
+    null = replace(balance, motions=motions, null=())
     floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
-    return replace(balance, floor=balance.floor * max(floors, least), simulated=True)
+    return replace(balance, floor=balance.floor * max(floors, least), simulated=True, null=motions)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

@@ -87,11 +87,11 @@ def plain(series: Slices, size: int) -> Weighing:
 
 
 def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
-    """Every row alike, by the residual's own scatter, and as often as it has independent values: what is far from noise
-    has a spectrum of what is missing, which must not be taken off.
+    """Every row alike, by the residual's own scatter, or the floor where that is more, and as often as it has independent
+    values: what is far from noise has a spectrum of what is missing, which must not be taken off.
     """
     known = residual[residual != 0.0]
-    deviation = float(np.sqrt(np.mean(known**2))) if known.size else 1.0
+    deviation = max(float(np.sqrt(np.mean(known**2))) if known.size else 1.0, 1.0)
     remembered = max((_remembered(residual[place]) for slices in series for place in slices), default=1.0)
     return Weighing(series, [np.array([1.0 / (deviation * np.sqrt(remembered))])] * len(series[0]), residual != 0.0)
 

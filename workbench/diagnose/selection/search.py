@@ -6,7 +6,7 @@ is taken, and the search goes on from there. So one effect that stood in for two
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -153,9 +153,11 @@ def _taken(
         found = ask.settled(tried)
         beside = _beside(nearer, found, ask)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
-        enough = not ask.least_share or found.rms <= (1.0 - ask.least_share * len(proposal.added)) * beside.rms
+        least = ask.least_share * len(proposal.added)
+        enough = not least or found.rms <= (1.0 - least) * beside.rms
         known = _is_estimated(found, current.balance)
-        if gained > 0.0 and known and enough and _holds(beside, found, proposal, taken, ask):
+        holds = gained > 0.0 and known and enough and _holds(beside, found, proposal, taken, ask)
+        if holds and gained > _by_itself(beside, found, ask):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.squares - 1.0:
             nearer = beside
@@ -358,10 +360,23 @@ def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
 
 
 def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Asked) -> bool:
-    """Whether what a set gains it gains on blocks left out, too."""
+    """Whether what a set gains it gains on blocks left out, too; what is only dropped has nothing to show."""
+    if not proposal.added:
+        return True
     there = before if before.weighing is found.weighing else again(before, found.weighing, ask.bounds, QUICK)
     left = 0.5 * (float(there.left_out @ there.left_out) - float(found.left_out @ found.left_out))
     return left > BY_BLOCKS * _price(proposal, taken, before, ask)
+
+
+def _by_itself(before: Fit, found: Fit, ask: Asked) -> float:
+    """What a set gains on motions on which nothing is missing: what smoothing and contacts leave there, effects take."""
+    null = replace(before.balance, motions=before.balance.null, null=())
+    if not null.motions:
+        return 0.0
+    plain = fit(null, before.values, before.names, ask.bounds, QUICK)
+    rival = fit(null, found.values, found.names, ask.bounds, QUICK)
+    rival = again(rival, weighing_at(rival), ask.bounds, QUICK)
+    return 0.5 * max(plain.seen_by(rival.weighing) - rival.squares, 0.0)
 
 
 def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:

@@ -116,8 +116,10 @@ class Fitting:
     def final(self, of: Simulated) -> Simulated:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         balance = of.how.balance(self.motions, self.names)
-        weighing = weighing_at(of.fit) if of.fit.rms < ASTRAY else weighed_by(by_scatter, of.fit)
-        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, FINAL, weighing))
+        weighing, search = weighing_at(of.fit), FINAL
+        if of.fit.rms > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
+            weighing, search = weighed_by(by_scatter, of.fit), Search(most_steps=1)
+        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
 def mean_square(how: Shooting, fitted: Fit) -> float:
@@ -140,8 +142,9 @@ def fit_simulation(
     begun = [fitting.begun(whole, start) for start in starts]
     best, pieces = min(begun, key=lambda one: one.fit.rms), list[Simulated]()
     values = best.fit.values
+    best = fitting.found(best.how, values)
     if best.fit.rms < ASTRAY:
-        best = _scanned(fitting, fitting.found(best.how, values))
+        best = _scanned(fitting, best)
     if best.fit.rms > NEAR_NOISE:
         for how in _ladder(whole, motions):
             pieces.append(fitting.found(how, values))
