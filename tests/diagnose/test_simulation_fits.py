@@ -75,7 +75,7 @@ def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tup
     how, motions, truth = made
     declared = {**truth, **{name: factor * truth[name] for name, factor in zip(NAMES, factors, strict=True)}}
     assert not follows(how, motions, declared)
-    found = fit_simulation(how, motions, declared, NAMES, {})
+    found = fit_simulation(how, motions, [declared], NAMES, {})
     assert found.is_near
     assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in NAMES:

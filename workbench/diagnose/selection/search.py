@@ -150,7 +150,9 @@ def _taken(
     for proposal, tried in better[:WEIGHED]:
         if frozenset(_after(taken, proposal)) in seen:
             continue
-        found = ask.settled(tried)
+        proposal, found = _needed(proposal, ask.settled(tried), current, taken, ask)
+        if frozenset(_after(taken, proposal)) in seen:
+            continue
         beside = _beside(nearer, found, ask)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
         least = ask.least_share * len(proposal.added)
@@ -162,6 +164,19 @@ def _taken(
         if beside is not nearer and beside.squares < nearer.squares - 1.0:
             nearer = beside
     return None, nearer
+
+
+def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:
+    """A set with its fit, less what it has that is not worth what is asked of it beside the others."""
+    for trial in proposal.added if len(proposal.added) > 1 else ():
+        others = tuple(other for other in proposal.added if other is not trial)
+        start = {name: value for name, value in proposal.start.items() if any(name in other.names for other in others)}
+        fewer = replace(proposal, added=others, start=start)
+        without = ask.settled(_fitted(current, taken, fewer, ask))
+        lost = 0.5 * (without.seen_by(found.weighing) - found.squares)
+        if lost < _asked(trial, current, ask) or found.rms > (1.0 - ask.least_share) * without.rms:
+            return _needed(fewer, without, current, taken, ask)
+    return proposal, found
 
 
 def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
