@@ -9,7 +9,7 @@ import pytest
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.simulation.fits import NOISE, Fitting, fit_simulation
+from workbench.diagnose.simulation.fits import NOISE, Fitting, fit_farther, fit_simulation
 from workbench.diagnose.simulation.setup import follows, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.parameters.sets import build, named_sets, read_parameters
@@ -75,7 +75,8 @@ def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tup
     how, motions, truth = made
     declared = {**truth, **{name: factor * truth[name] for name, factor in zip(NAMES, factors, strict=True)}}
     assert not follows(how, motions, declared)
-    found = fit_simulation(how, motions, [declared], NAMES, {})
+    fitting = Fitting(motions, NAMES, {})
+    found = fit_farther(fit_simulation(how, fitting, [declared]), fitting, declared)
     assert found.is_near
     assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in NAMES:

@@ -87,8 +87,8 @@ def plain(series: Slices, size: int) -> Weighing:
 
 
 def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
-    """Every row alike, by the residual's own scatter, or the floor where that is more, and as often as it has independent
-    values: what is far from noise has a spectrum of what is missing, which must not be taken off.
+    """Every row alike, by the residual's own scatter, or the floor where that is more, and as often as it has
+    independent values: what is far from noise has a spectrum of what is missing, which must not be taken off.
     """
     known = residual[residual != 0.0]
     deviation = max(float(np.sqrt(np.mean(known**2))) if known.size else 1.0, 1.0)

@@ -384,7 +384,7 @@ def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Ask
 
 
 def _by_itself(before: Fit, found: Fit, ask: Asked) -> float:
-    """What a set gains on motions on which nothing is missing: what smoothing and contacts leave there, effects take."""
+    """What a set gains on motions on which nothing is missing: what smoothing and contacts leave, effects take."""
     null = replace(before.balance, motions=before.balance.null, null=())
     if not null.motions:
         return 0.0

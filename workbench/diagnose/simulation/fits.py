@@ -122,30 +122,20 @@ class Fitting:
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
-def mean_square(how: Shooting, fitted: Fit) -> float:
-    """Mean square of the simulation error with the values of a fit."""
-    balance = how.balance(fitted.balance.motions, fitted.names)
-    return float(np.nan_to_num(np.mean(balance.stacked(fitted.values) ** 2), nan=np.inf))
+def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
+    """The plant fitted to its records from end to end, from the best of some starts."""
+    best = min((fitting.begun(whole, start) for start in starts), key=lambda one: one.fit.rms)
+    return fitting.final(fitting.found(best.how, best.fit.values))
 
 
-def fit_simulation(
-    whole: Shooting,
-    motions: Sequence[Motion],
-    starts: Sequence[Values],
-    names: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]],
-) -> Simulated:
-    """The plant fitted to its records from end to end, from the best of some starts; to pieces of them where it does
-    not follow them so far.
+def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
+    """The same, if it is not near noise, by way of pieces, and from where its parameters leave least of most of its
+    records; to pieces alone where it does not follow them from end to end.
     """
-    fitting = Fitting(motions, names, bounds)
-    begun = [fitting.begun(whole, start) for start in starts]
-    best, pieces = min(begun, key=lambda one: one.fit.rms), list[Simulated]()
-    values = best.fit.values
-    best = fitting.found(best.how, values)
-    if best.fit.rms < ASTRAY:
-        best = _scanned(fitting, best)
+    whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
+    best = _scanned(fitting, first) if first.fit.rms < ASTRAY else first
     if best.fit.rms > NEAR_NOISE:
+        pieces, values = list[Simulated](), dict(start)
         for how in _ladder(whole, motions):
             pieces.append(fitting.found(how, values))
             values = pieces[-1].fit.values
@@ -158,7 +148,7 @@ def fit_simulation(
         if best.fit.rms > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
             longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
             best = (longest or pieces or [best])[-1]
-    return fitting.final(best)
+    return first if best is first else fitting.final(best)
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

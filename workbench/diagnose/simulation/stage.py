@@ -11,14 +11,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Asked, Found, search, without_effects
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.fits import BETTER, NOISE, TRUSTED, Simulated, fit_simulation, mean_square, settle
+from workbench.diagnose.simulation.fits import (
+    ASTRAY,
+    BETTER,
+    NOISE,
+    TRUSTED,
+    Fitting,
+    Simulated,
+    fit_farther,
+    fit_simulation,
+    settle,
+)
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -120,20 +130,34 @@ def _simulated(
     held, ramps = (shooting_of(experiment, motions, held=held) for held in (True, False))
     if held is None or ramps is None:
         return None
-    names, bounds = [name for name in names if name in held.along.parameter_names], experiment.bounds
-    best = fit_simulation(held, motions, starts, names, bounds)
-    tried = replace(ramps, length=best.how.length, begins=best.how.begins)
-    squares = [mean_square(how, best.fit) for how in (tried, best.how)]
-    if squares[0] < BETTER**2 * squares[1] or (best.is_near and best.fit.rms > SHARP):  # the voltage was no computer's
-        other = fit_simulation(ramps, motions, [best.fit.values], names, bounds)
+    fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
+    best = fit_simulation(held, fitting, starts)
+    if best.fit.rms > SHARP:
+        other = fit_simulation(ramps, fitting, [best.fit.values])  # the voltage was no computer's
         best = min(best, other, key=lambda either: either.fit.rms)
-    return best
+    return best if best.is_near else fit_farther(best, fitting, starts[-1])
 
 
 def simulation_stage(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
 ) -> SimulationStage:
-    """Fit the plant to simulation error with the effects that the balances found, and let further ones compete."""
+    """Fit the plant to simulation error with the effects that the balances found, and let further ones compete.
+
+    A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
+    """
+    found = _stage(experiment, motions, start, base, progress)
+    if NEAR_NOISE < found.after.rms < ASTRAY:
+        progress("simulating pieces of the records", 0.7)
+        fitting = Fitting(motions, base.fit.names, experiment.bounds)
+        farther = fit_farther(base, fitting, start.baseline)
+        if farther.fit.rms < BETTER * base.fit.rms:
+            found = _stage(experiment, motions, start, farther, progress)
+    return found
+
+
+def _stage(
+    experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
+) -> SimulationStage:
     holds, bounds = base.how.along.parameter_names, experiment.bounds
     given = {effect: names for effect, names in start.effects.items() if set(names) <= holds}
     before, current, how, effects, dropped = base.fit, base.fit, base.how, {}, list[str]()
