@@ -172,6 +172,15 @@ def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
     return weighing_of if balance.name == SIMULATION else by_scatter
 
 
+def weighed_again(fitted: Fit, weighed: np.ndarray) -> Weighing:
+    """How the weighed residuals of a fit weigh once more if these are its noise."""
+    series = fitted.balance.series
+    if fitted.balance.name == SIMULATION:
+        return weighing_of(series, weighed)
+    scatter = float(fitted.weighing.filters[0][0])  # of each row: a floor has a meaning
+    return by_scatter(series, weighed / scatter).times(1.0 / scatter)
+
+
 def weighing_at(fitted: Fit) -> Weighing:
     """How residuals weigh if what a fit leaves is noise."""
     return weighed_by(noise_like(fitted.balance), fitted)

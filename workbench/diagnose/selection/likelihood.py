@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import chi2
 
-from workbench.diagnose.residuals.fit import Fit, noise_like
+from workbench.diagnose.residuals.fit import Fit, weighed_again
 from workbench.diagnose.residuals.weighing import Weighing
 from workbench.diagnose.selection.trials import Columns, Trial
 from workbench.fitting.least_squares import bounded_minimum
@@ -47,7 +47,7 @@ def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -
         before = _fallen(curvature[:count, :count], slope[:count], low[:count], high[:count])[0]
         fallen, x = _fallen(curvature, slope, low, high)
         gain = fallen - before
-        weigh = noise_like(fitted.balance)(fitted.balance.series, np.where(residual != 0.0, residual + stack @ x, 0.0))
+        weigh = weighed_again(fitted, np.where(residual != 0.0, residual + stack @ x, 0.0))
     return gain, x[count:]
 
 

@@ -31,6 +31,9 @@ FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
 FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=5)
 """When a fit ends that shows whether an effect leads anywhere."""
 
+AT_FLOOR = 1.0
+"""Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
+
 NEARLY = 0.3
 """Share of what the best effect gains in a few steps, from which another is fitted on."""
 
@@ -156,7 +159,7 @@ def _taken(
         beside = _beside(nearer, found, ask)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
         least = ask.least_share * len(proposal.added)
-        enough = not least or found.rms <= (1.0 - least) * beside.rms
+        enough = not least or (beside.rms > AT_FLOOR and found.rms <= (1.0 - least) * beside.rms)
         known = _is_estimated(found, current.balance)
         holds = gained > 0.0 and known and enough and _holds(beside, found, proposal, taken, ask)
         if holds and gained > _by_itself(beside, found, ask):

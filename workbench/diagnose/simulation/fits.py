@@ -52,7 +52,7 @@ FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 SCANS, HOPELESS = 2, 300.0
 """Times that it does, and standard deviations of noise beyond which it is no parameter that is missing."""
 
-LEADS_ON = 10.0
+LEADS_ON = 5.0
 """Standard deviations of noise that a piece may be off and lead to a longer one: else something is missing."""
 
 DAMPED = (1e-3, 0.1, 1.0)
