@@ -116,6 +116,8 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
             fitted = _explored(current, taken, ask)
         else:
             proposals = _worth(_proposals(outlook, taken, ask))
+            if ask.least_share and current.rms <= AT_FLOOR:
+                proposals = [proposal for proposal in proposals if not proposal.added]
             fitted = [(proposal, _fitted(current, taken, proposal, ask)) for proposal in proposals]
         candidates = _candidates(outlook, fitted, ask)
         better = [pair for pair in fitted if _is_estimated(pair[1], current.balance)]

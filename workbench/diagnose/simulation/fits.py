@@ -141,10 +141,9 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
             values = pieces[-1].fit.values
             if pieces[-1].fit.rms > LEADS_ON:
                 break
-        climbed = fitting.found(whole, values)
         if pieces and pieces[-1].fit.rms < LEADS_ON:
-            climbed = _scanned(fitting, climbed)
-        best = climbed if climbed.fit.rms < best.fit.rms else best
+            climbed = _scanned(fitting, fitting.found(whole, values))
+            best = climbed if climbed.fit.rms < best.fit.rms else best
         if best.fit.rms > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
             longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
             best = (longest or pieces or [best])[-1]

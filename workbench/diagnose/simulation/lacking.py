@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.diagnose.residuals.fit import LOST, Fit
-from workbench.diagnose.residuals.motion import Motion, signals_of
+from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
 from workbench.diagnose.selection.likelihood import asked, gain_of
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.shooting import Push, Shooting
@@ -74,13 +74,14 @@ class Lacking:
 def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     """What a fit of the simulated plant lacks, over each signal, from what gains most."""
     motions = fitted.balance.motions
+    followed = [_simulated(how, motion, fitted) for motion in motions]
     base = how.balance(motions, ()).stacked(fitted.values)
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
     found = []
     for balance, signal, turns in wanted:
-        pushes = _hats(how, motions, balance, signal, turns)
+        pushes = _hats(motions, followed, signal, turns)
         if pushes:
             block = _columns(how, fitted, base, balance, pushes)
             wide = np.full(block.shape[1], np.inf)
@@ -108,19 +109,25 @@ def _is_there(how: Shooting, motions: Sequence[Motion], balance: str, signal: st
     return all(signal in signals_of(motion) for motion in motions)
 
 
+def _simulated(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
+    """The motion as the plant shows it: a measured signal has in it the noise that is to be explained."""
+    channels = {**motion.record.channels, **how.simulated(motion, fitted.values)}
+    return motion_of(replace(motion.record, channels=channels))
+
+
 def _hats(
-    how: Shooting, motions: Sequence[Motion], balance: str, signal: str, turns: bool
+    motions: Sequence[Motion], followed: Sequence[Motion], signal: str, turns: bool
 ) -> list[dict[Record, np.ndarray]]:
     """Hats over a signal at every sample of each record, with nodes at even shares of its values."""
-    along = [signals_of(motion)[signal] for motion in motions]
+    along = [signals_of(motion)[signal] for motion in followed]
     nodes = np.unique(np.quantile(np.concatenate(along), np.linspace(0.0, 1.0, NODES)))
     hats = []
     for k in range(nodes.size if nodes.size > 1 else 0):
         heights = np.zeros(nodes.size)
         heights[k] = 1.0
         hat = {}
-        for motion, values in zip(motions, along, strict=True):
-            ways = motion.velocity / (np.abs(motion.velocity) + max(motion.creep, 1e-30)) if turns else 1.0
+        for motion, smooth, values in zip(motions, followed, along, strict=True):
+            ways = smooth.velocity / (np.abs(smooth.velocity) + max(motion.creep, 1e-30)) if turns else 1.0
             hat[motion.record] = ways * np.interp(values, nodes, heights)
         hats.append(hat)
     return hats

@@ -132,7 +132,7 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    if best.fit.rms > SHARP:
+    if best.is_near and best.fit.rms > SHARP:
         other = fit_simulation(ramps, fitting, [best.fit.values])  # the voltage was no computer's
         best = min(best, other, key=lambda either: either.fit.rms)
     return best if best.is_near else fit_farther(best, fitting, starts[-1])
