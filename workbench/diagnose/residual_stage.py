@@ -35,6 +35,10 @@ LEFT_OVER = 1.5
 TAKEN = 0.3
 """Share of the residual that effects may leave, however much that is over the floor, and still be named."""
 
+PARTLY = 0.7
+"""Share of the residual that effects have to lower at least to be named where what they leave is not explained: half of
+its square is then another's."""
+
 FAR = 10.0
 """Floors above which what effects leave is none of them, on whatever signals it depends or not: a play in the valve
 depends on where it was before."""
@@ -218,4 +222,4 @@ def _leaves_too_much(result: BalanceResult) -> bool:
             return True
     if after.rms < LEFT_OVER or after.rms < TAKEN * before.rms:
         return False
-    return bool(after.rms > FAR) or _depends(after) is not None
+    return bool(after.rms > min(FAR, PARTLY * before.rms)) or _depends(after) is not None

@@ -167,7 +167,8 @@ def _stage(
         further = {name: start.corrected[name] for name in names if name not in before.names}
         starts = [{**before.values, **further}, start.corrected]
         with_them = _simulated(experiment, motions, starts, names)
-        if with_them is not None and (with_them.fit.rms < before.rms or not base.is_near):
+        farther = with_them is not None and with_them.how.length > how.length
+        if with_them is not None and (farther or with_them.fit.rms < before.rms):
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
