@@ -8,6 +8,7 @@ found with its parameters.
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -178,17 +179,18 @@ def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
 
 def restarted(how: Shooting, fitted: Fit, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Shooting:
     """The same with the states at each start where they leave least of its piece, by `columns` of what they change: by
-    a damped Gauss-Newton step.
+    a damped Gauss-Newton step, of those that a command sets only if that is better.
     """
     motions, values = fitted.balance.motions, fitted.values
     weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.rms < NEAR_NOISE else None
     block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
     squares, steps = [_squares(left, groups)], [np.zeros((len(groups), columns.shape[1]))]
-    for damping in DAMPED:
-        steps.append(np.array([_step(block[rows], left[rows], damping) for rows in groups]))
-        moved = fit(_begun(how, motions, values, steps[-1]).balance(motions, ()), values, ()).residual
-        squares.append(_squares(moved if weigh is None else weigh(moved), groups))
-        if np.all(squares[-1] < squares[0]):
+    moving = [~how.follows, *([np.ones_like(how.follows)] if np.any(how.follows) else [])]
+    for damping, moved in product(DAMPED, moving):
+        steps.append(np.array([_step(moved * block[rows], left[rows], damping) for rows in groups]))
+        other = fit(_begun(how, motions, values, steps[-1]).balance(motions, ()), values, ()).residual
+        squares.append(_squares(other if weigh is None else weigh(other), groups))
+        if moved is moving[-1] and np.all(np.min(squares[1:], axis=0) < squares[0]):
             break
     best = np.argmin(squares, axis=0)
     chosen = np.array(steps)[best, np.arange(len(groups))]

@@ -31,14 +31,14 @@ SOLVER = 1e-5
 NUDGED = 1e-2
 """Of the typical magnitude of a state that no sensor shows, by which it is moved at a start."""
 
-MOST_PIECES = 60
+MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
 
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
 
 FOLLOWS = "spool_position"
-"""The state that follows the command, which is known: where it starts is soon forgotten."""
+"""The state that follows the command, which is known: it starts where the command set it, unless that is off."""
 
 VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
@@ -121,13 +121,20 @@ class Shooting:
     def _stacked(self, motion: Motion, values: Values, moved: np.ndarray) -> np.ndarray:
         return np.concatenate(self.errors(motion, values, moved))
 
-    def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
-        """A change of each of the plant's own states at a start that no command sets: by its sensor's noise, or a
-        little.
-        """
+    @property
+    def _own(self) -> list[str]:
         plant = self.along.plant
-        own = {item.name for item in fields((plant.bare or plant).State)} - {FOLLOWS}
-        moves = []
+        bare = {item.name for item in fields((plant.bare or plant).State)}
+        return [item.name for item in fields(plant.State) if item.name in bare]
+
+    @property
+    def follows(self) -> np.ndarray:
+        """Which of these states a command sets, shape (states,)."""
+        return np.array([name == FOLLOWS for name in self._own])
+
+    def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
+        """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
+        plant, own, moves = self.along.plant, self._own, []
         for place, item in enumerate(fields(plant.State)):
             if item.name in own:
                 size = (
