@@ -127,3 +127,10 @@ def test_what_is_no_noise_counts_by_its_scatter_and_as_often_as_it_has_independe
     weighed = weighing(residual)
     assert weighed @ weighed == pytest.approx(size * (1.0 - 0.9) / (1.0 + 0.9), rel=0.15)
     assert weighed / residual == pytest.approx(np.full(size, weighed[0] / residual[0]))
+
+
+def test_what_is_below_its_floor_counts_by_the_floor() -> None:
+    """The likelihood of a residual of a tenth of the floor is that of noise of the floor: nothing there is certain."""
+    residual = 0.1 * np.random.default_rng(4).standard_normal(ROWS)
+    weighed = by_scatter([[slice(0, ROWS)]], residual)(residual)
+    assert float(np.std(weighed)) < 0.11

@@ -134,7 +134,7 @@ def test_a_spool_that_sticks_jumps_by_its_stiction() -> None:
     """A slow ramp makes stairs: it stays, then goes to where the command is by then."""
     stiction, rate = 0.2, 0.5
     plant, p = having("non_rotating", {"spool_stiction": stiction})
-    times = np.linspace(0.0, 4.0, 40_001)
+    times = np.linspace(0.0, 2.0, 20_001)
     held = remembered(plant, p, lambda time: (0.0, 0.0), lambda time: rate * time, times)[:, 0]
     level = rate * times
     gap = level - held

@@ -28,7 +28,7 @@ QUICK = Search(flat=1e-5, near=1e-4, most_steps=15, learns=True)
 FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
 """When the fit ends from which a search goes on."""
 
-FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=5)
+FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=8, learns=True)
 """When a fit ends that shows whether an effect leads anywhere."""
 
 AT_FLOOR = 1.0

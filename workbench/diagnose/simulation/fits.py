@@ -41,6 +41,9 @@ PIECES = (20, 80, 320)
 ROUNDS = 4
 """Times that parameters, and then states at the starts, are found, at most."""
 
+PASSING = 2
+"""The same of pieces from which longer ones go on."""
+
 GOES_ON = 0.9
 """Share of the rms that a round has to leave at most for another."""
 
@@ -138,7 +141,7 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     if best.fit.rms > NEAR_NOISE:
         pieces, values = list[Simulated](), dict(start)
         for how in _ladder(whole, motions):
-            pieces.append(fitting.found(how, values))
+            pieces.append(fitting.found(how, values, PASSING))
             values = pieces[-1].fit.values
             if pieces[-1].fit.rms > LEADS_ON:
                 break
