@@ -61,6 +61,9 @@ LEVEL = 3.0
 EXCHANGED, REACH = 3, 2.0
 """Effects that are tried in the place of one, at most; times `LEVEL` within which first order has to see them."""
 
+BESIDE = 1.1
+"""Times the least rms that a fit may leave which is weighed: noise of any colour hides what drifts away slowly."""
+
 BY_BLOCKS = 0.3
 """Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
 
@@ -376,7 +379,9 @@ def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
     start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
     begun = current if ask.settle is None else rival
     other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
-    return other if other.squares < current.seen_by(rival.weighing) else current
+    fits = [current, other, *([ask.settle(other)] if ask.settle is not None else [])]
+    nearest = min(one.rms for one in fits)
+    return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: one.seen_by(rival.weighing))
 
 
 def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Asked) -> bool:

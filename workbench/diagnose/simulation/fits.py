@@ -104,7 +104,16 @@ class Fitting:
         return best
 
     def begun(self, how: Shooting, values: Values) -> Simulated:
-        """The plant with these values, from the starts that suit them best."""
+        """The plant with these values, from the starts that suit them best: near those that suited others, or near what
+        was measured, since a long run may not find back from the one to the other.
+        """
+        near = self._begun(how, values)
+        if not how.begins or not np.isinf(how.length):
+            return near
+        measured = self._begun(replace(how, begins={}), values)
+        return min(near, measured, key=lambda one: one.fit.rms)
+
+    def _begun(self, how: Shooting, values: Values) -> Simulated:
         starting = how.starting(self.motions, values)
         begun = restarted(how, fit(how.balance(self.motions, ()), values, ()), *starting)
         return Simulated(begun, fit(begun.balance(self.motions, ()), values, ()), starting)
