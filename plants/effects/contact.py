@@ -85,6 +85,10 @@ SHORTEST_SLIP = 1e-7
 """m. Deflection of sliding below which an element is no faster: no solver could follow it."""
 
 
+SOONEST = 1e-4
+"""s. An element that slips within less is as one that slips at once, and would make equations stiff [assumed]."""
+
+
 class Element(NamedTuple):
     """Level at which an element beside the contact slips, and its stiffness before."""
 
@@ -112,12 +116,12 @@ def carried(disturbance: Scalar, moment: Moment, memory: Bent, p: Any, own: Elem
 
 @equation
 def _bent_force(memory: Bent, own: Element) -> Scalar:
-    return own.slip_level * (memory.slip_deflection / slip_length(own))
+    return own.slip_level * np.minimum(np.maximum(memory.slip_deflection / slip_length(own), -1.0), 1.0)
 
 
 @equation
 def bending(slip: Scalar, command: Scalar, moment: Moment, memory: Bent, p: Any, own: Element) -> Bent:
-    """dz/dt = v - |v| k z / level (m/s), |v| over the helix where the rod turns.
+    """dz/dt = v - |v| k z / level (m/s), |v| over the helix where the rod turns; it slips after `SOONEST` at least.
 
     One element of Iwan's (1966) and of the generalised Maxwell slip law (Al-Bender, Lampaert and Swevers 2005), beside
     the contact: with it the force before sliding depends on where the motion turned before. Looks like a spring that
@@ -129,7 +133,7 @@ def bending(slip: Scalar, command: Scalar, moment: Moment, memory: Bent, p: Any,
 @equation
 def _bending(moment: Moment, memory: Bent, own: Element) -> Scalar:
     speed = length(moment.velocity, moment.surface_speed)
-    return moment.velocity - speed * memory.slip_deflection / slip_length(own)
+    return moment.velocity - speed * memory.slip_deflection / np.maximum(slip_length(own), SOONEST * speed)
 
 
 MAXWELL_SLIP = Effect(
