@@ -108,7 +108,7 @@ class Fitting:
         was measured, since a long run may not find back from the one to the other.
         """
         near = self._begun(how, values)
-        if not how.begins or not np.isinf(how.length):
+        if not how.begins or not np.isinf(how.length) or near.fit.rms > ASTRAY:
             return near
         measured = self._begun(replace(how, begins={}), values)
         return min(near, measured, key=lambda one: one.fit.rms)

@@ -35,7 +35,7 @@ from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
-SHARP = 1.1
+SHARP = 1.03
 """Standard deviations of noise from which a voltage is tried that is a straight line between samples."""
 
 
