@@ -62,7 +62,8 @@ def test_what_is_not_identified_is_marked_and_by_which_fit(diagnosis: Diagnosis)
     marked = doubting(diagnosis, "baseline_parameters", "stribeck", std=1e4)
     table = parameter_table(marked).set_index("parameter")
     assert table.loc["stribeck", "remark"] == "not identified by the baseline"
-    assert table.loc["valve_flow_gain", "remark"] == ""
+    assert table.loc["coulomb", "remark"] == ""
+    assert table.loc["valve_flow_gain", "remark"] == "not identified by the baseline"  # the overlap moves it
     assert table.loc["valve_overlap", "remark"] == "of an effect"
     lines = sureness(marked)
     baseline = next(line for line in lines if line.startswith("Without effects (baseline) the records do not identify"))
@@ -151,8 +152,8 @@ def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
     step = flow.steps[0]
     best = step.candidates[0]
 
-    def said(one: Any = best) -> str:
-        return why_none(replace(flow, steps=[replace(step, candidates=[one], added=())]))
+    def said(one: Any = best, before: Any = step.before) -> str:
+        return why_none(replace(flow, steps=[replace(step, before=before, candidates=[one], added=())]))
 
     known = f"the best, {plain_name(best.effect)}, stands out by {best.deviations:.1f} standard deviations of the noise"
     assert said().startswith(f"No effect was added to the flow balance: {known}, ")
@@ -160,6 +161,8 @@ def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
     fitted = best.fit if best.fit is not None else step.before
     ended = replace(best, fit=replace(fitted, bounded=frozenset({"valve_overlap"})))
     assert "but valve_overlap ran to the end of its range, and so is no estimate." in said(ended)
+    at_floor = replace(step.before, residual=step.before.residual / step.before.rms)
+    assert "but the balance is at its noise floor without any." in said(best, at_floor)
     poor = replace(best, gain=2.0, asked=8.0)
     assert "stands out by 2.0 standard deviations of the noise, where 4.0 are asked of one among so many." in said(poor)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
 from workbench.diagnose.residual_stage import ResidualStage, baselines, with_effects, with_floors
-from workbench.diagnose.result import Diagnosis, Errors
+from workbench.diagnose.result import ENDED, VAGUE, Diagnosis, Errors
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence, OfferedTerm, TermErrors, Unexplained
 from workbench.progress import silent
@@ -73,5 +73,6 @@ def doubting(
 ) -> Diagnosis:
     """One of both fits does not identify a parameter."""
     parameters = getattr(diagnosis, fit)
-    doubted = replace(parameters[name], identified=False, **changes)
+    doubt = VAGUE if changes.get("std") else ENDED
+    doubted = replace(parameters[name], doubt=doubt, **changes)
     return replace(diagnosis, **{fit: {**parameters, name: doubted}})

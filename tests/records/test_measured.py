@@ -85,7 +85,11 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
     before, after = tested.before.pump_speed / RPM, tested.after.pump_speed / RPM
     assert 150.0 < before < 200.0
     assert after < 31.2
-    assert any("worse is load pressure, simulated against measured (from" in line for line in sureness(diagnosis))
+    assert tested.before.load_pressure is not None
+    assert tested.after.load_pressure is not None
+    assert tested.after.load_pressure > tested.before.load_pressure
+    told = f"worse is load pressure, simulated against measured (from {tested.before.load_pressure / 1e3:.3g} to "
+    assert any(told in line for line in sureness(diagnosis))
     assert tested.before.position is not None
     assert tested.after.position is not None
     assert tested.after.position < 0.15 * tested.before.position  # a free run

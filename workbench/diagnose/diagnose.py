@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from workbench.diagnose.before_after import errors_of
-from workbench.diagnose.effects import effects_of_both, effects_of_result, fitted_parameters, sensor_offset
+from workbench.diagnose.effects import effects_of_both, effects_of_result, fitted_parameters, misled, sensor_offset
 from workbench.diagnose.readiness import check_experiment, declared_values, motions_of
 from workbench.diagnose.residual_stage import (
     ResidualStage,
@@ -68,9 +68,12 @@ def _diagnosis(
         effects = effects_of_both(effects, simulation)
         if simulation.is_near and simulation.lacks is None:
             stage = with_simulated_floors(stage, simulation)
-    fits = [*stage.results]
+    before, fits = [result.before for result in stage.results], [result.after for result in stage.results]
+    if simulation is not None and simulation.baseline_is_trusted:  # its parameters count before those of the balances
+        before.append(simulation.before)
     if simulation is not None and simulation.is_trusted:
-        fits.append(simulation.result)  # its parameters count before those of the balances
+        fits.append(simulation.after)
+    final = fitted_parameters(fits)
     unexplained = None
     left = simulation.lacks if simulation is not None and simulation.is_near else strongest(stage.dependences)
     after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
@@ -88,6 +91,6 @@ def _diagnosis(
         declared=declared,
         baseline=stage.baseline,
         corrected=stage.corrected,
-        baseline_parameters=fitted_parameters([result.before for result in fits]),
-        fitted_parameters=fitted_parameters([result.after for result in fits]),
+        baseline_parameters=misled(fitted_parameters(before), final) if effects else fitted_parameters(before),
+        fitted_parameters=final,
     )

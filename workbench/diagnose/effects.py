@@ -1,5 +1,6 @@
 """The effects of a diagnosis with their numbers: of a sensor, of the balances, of the simulated plant."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -8,7 +9,7 @@ import numpy as np
 from plants.effects.registry import effects as registered
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, load_pressure
-from workbench.diagnose.result import Estimate, Evidence, FittedParameter, FoundEffect
+from workbench.diagnose.result import ENDED, MISLED, VAGUE, Estimate, Evidence, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, stands_out
 from workbench.diagnose.simulation.stage import SimulationStage
 
@@ -20,6 +21,9 @@ OFFSET_SURE = 4.0
 
 CONFOUNDED = 0.2
 """Correlation between speed and pressure from which friction's dependence on them is said to be confounded."""
+
+CONTRADICTS = 3.0
+"""Standard deviations by which two fits of a parameter contradict each other."""
 
 
 def sensor_offset(motions: Sequence[Motion], values: Mapping[str, float]) -> FoundEffect | None:
@@ -92,10 +96,26 @@ def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage)
 def fitted_parameters(fits: Sequence[Fit]) -> dict[str, FittedParameter]:
     """Every fitted parameter by name; of several fits the last counts."""
     return {
-        name: FittedParameter(number.value, number.std, identified=bool(name not in fitted.bounded and number.is_known))
+        name: FittedParameter(
+            number.value, number.std, VAGUE if not number.is_known else ENDED if name in fitted.bounded else ""
+        )
         for fitted in fits
         for name, number in _estimates(fitted, fitted.names).items()
     }
+
+
+def misled(baseline: Mapping[str, FittedParameter], final: Mapping[str, FittedParameter]) -> dict[str, FittedParameter]:
+    """The baseline's parameters, doubted where the fit with effects contradicts them: they stood in for what lacked."""
+    return {
+        name: replace(before, doubt=MISLED)
+        if before.identified and name in final and _contradict(before, final[name])
+        else before
+        for name, before in baseline.items()
+    }
+
+
+def _contradict(one: FittedParameter, other: FittedParameter) -> bool:
+    return other.identified and abs(one.value - other.value) > CONTRADICTS * math.hypot(one.std, other.std)
 
 
 def _estimates(fitted: Fit, names: Sequence[str]) -> dict[str, Estimate]:

@@ -11,8 +11,9 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored, surrogate, with_floor
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
-from workbench.diagnose.selection.search import Asked, best_shapes, search
+from workbench.diagnose.selection.search import best_shapes, search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
+from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes
 from workbench.diagnose.selection.unexplained import Dependence, dependence
 from workbench.diagnose.simulation.fits import begun

@@ -24,6 +24,7 @@ WORSE = 1.02
 
 ENDED = "the fit ran to the end of its range"
 VAGUE = "its standard deviation exceeds half its value"
+MISLED = "what was found moves it beyond what its standard deviation allows"
 """Why a parameter is not identified."""
 
 BALANCE_ERRORS = {
@@ -109,18 +110,18 @@ class FoundEffect:
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A parameter that a fit moved: value and standard deviation (SI), and whether the records identify it."""
+    """A parameter that a fit moved: value and standard deviation (SI), and why the records do not identify it, empty
+    where they do.
+    """
 
     value: float
     std: float
-    identified: bool
+    doubt: str = ""
 
     @property
-    def doubt(self) -> str:
-        """Why it is not identified; empty if it is."""
-        if self.identified:
-            return ""
-        return ENDED if Estimate(self.value, self.std).is_known else VAGUE
+    def identified(self) -> bool:
+        """Whether the records identify it."""
+        return not self.doubt
 
     def to_json(self, unit: str) -> dict[str, object]:
         """As report.json holds it."""

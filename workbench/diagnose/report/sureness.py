@@ -10,8 +10,10 @@ from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
+from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
+from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
@@ -98,19 +100,22 @@ def why_none(result: BalanceResult) -> str:
     best = result.steps[0].candidates[0]
     return (
         f"No effect was added to the {words_of(result.balance)} balance: the best, {plain_name(best.effect)}, stands "
-        f"out by {best.deviations:.1f} standard deviations of the noise, {_stopped(best)}."
+        f"out by {best.deviations:.1f} standard deviations of the noise, {_stopped(best, result.steps[0].before)}."
     )
 
 
-def _stopped(best: Candidate) -> str:
-    """The rule that stopped a candidate."""
+def _stopped(best: Candidate, before: Fit) -> str:
+    """The rule that stopped a candidate for a balance, which is as `before` without it."""
+    if before.rms <= AT_FLOOR:
+        return "but the balance is at its noise floor without any"
     if best.gain <= best.asked:
         return f"where {best.asked_deviations:.1f} are asked of one among so many"
     if best.fit is not None and (ended := sorted(best.fit.bounded - set(best.fit.balance.free))):
         return f"but {listed(ended)} ran to the end of its range, and so is no estimate"
     return (
         "but it was not taken: it takes too little of the residual, or not on parts that were left out of its fit, or "
-        "what it leaves depends on a signal, so that it stands in for something else"
+        "a plant that lacks nothing would gain as much, or what it leaves depends on a signal, so that it stands in "
+        "for something else"
     )
 
 

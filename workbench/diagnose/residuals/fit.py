@@ -173,12 +173,9 @@ def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
 
 
 def weighed_again(fitted: Fit, weighed: np.ndarray) -> Weighing:
-    """How the weighed residuals of a fit weigh once more if these are its noise."""
-    series = fitted.balance.series
-    if fitted.balance.name == SIMULATION:
-        return weighing_of(series, weighed)
-    scatter = float(fitted.weighing.filters[0][0])  # of each row: a floor has a meaning
-    return by_scatter(series, weighed / scatter).times(1.0 / scatter)
+    """How the weighed residuals of a fit weigh once more if these are its noise: in floors, which have a meaning."""
+    unit = float(fitted.weighing.filters[0][0])
+    return noise_like(fitted.balance)(fitted.balance.series, weighed / unit).times(1.0 / unit)
 
 
 def weighing_at(fitted: Fit) -> Weighing:

@@ -5,34 +5,26 @@ are there dropped or exchanged. The sets that promise most are fitted; the best 
 is taken, and the search goes on from there. So one effect that stood in for two others is dropped again.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from plants.effects.registry import effects as registered
 from plants.equation import NEGATIVE
-from workbench.diagnose.residuals.balance import SIMULATION, Balance
-from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
-from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked, effects_of
+from workbench.diagnose.residuals.balance import SIMULATION
+from workbench.diagnose.residuals.fit import Fit, again, fit
+from workbench.diagnose.selection.judging import choose
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
-from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, looks, sizing, trials_of
+from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
+from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import NEUTRAL
 
-QUICK = Search(flat=1e-5, near=1e-4, most_steps=15, learns=True)
-"""When a fit ends by which sets are ranked."""
-
-FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
-"""When the fit ends from which a search goes on."""
-
 FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=8, learns=True)
 """When a fit ends that shows whether an effect leads anywhere."""
-
-AT_FLOOR = 1.0
-"""Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
 
 NEARLY = 0.3
 """Share of what the best effect gains in a few steps, from which another is fitted on."""
@@ -46,8 +38,8 @@ TOGETHER = 3
 LEADING = 8
 """Effects of those that promise most, of which sets are made."""
 
-TRIED, WEIGHED = 4, 2
-"""Sets that are fitted in a round, and of these looked at by the noise that they leave themselves."""
+TRIED = 4
+"""Sets that are fitted in a round."""
 
 SHARE = 0.6
 """Of what the best set promises, from which another is fitted beside it: a promise is of first order."""
@@ -60,12 +52,6 @@ LEVEL = 3.0
 
 EXCHANGED, REACH = 3, 2.0
 """Effects that are tried in the place of one, at most; times `LEVEL` within which first order has to see them."""
-
-BESIDE = 1.1
-"""Times the least rms that a fit may leave which is weighed: noise of any colour hides what drifts away slowly."""
-
-BY_BLOCKS = 0.3
-"""Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,29 +68,6 @@ class Found:
     shapes: Shapes
 
 
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
-    candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
-    set has to take away, beside what its likelihood has to gain.
-    """
-
-    declared: Values
-    bounds: Mapping[str, tuple[float, float]]
-    candidates: int
-    shapes: Shapes
-    least_share: float = 0.0
-    settle: Callable[[Fit], Fit] | None = None
-
-    def of(self, effect: str, names: Collection[str], balance: Balance) -> float:
-        """Gain that an effect with these numbers has to exceed."""
-        return asked(sizing(balance, effect, names), self.candidates * looks(balance, effect, names))
-
-    def settled(self, found: Fit) -> Fit:
-        """A fit by the likelihood of the noise that it leaves itself."""
-        return again(found, weighing_at(found), self.bounds, FINAL) if self.settle is None else self.settle(found)
-
-
 def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     """Add, drop and exchange effects until no set gains more than is asked of it."""
     current = start
@@ -119,13 +82,13 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
             fitted = _explored(current, taken, ask)
         else:
             proposals = _worth(_proposals(outlook, taken, ask))
-            if ask.least_share and current.rms <= AT_FLOOR:
+            if ask.is_at_floor(current):
                 proposals = [proposal for proposal in proposals if not proposal.added]
-            fitted = [(proposal, _fitted(current, taken, proposal, ask)) for proposal in proposals]
+            fitted = [(proposal, fitted_with(current, taken, proposal, ask)) for proposal in proposals]
         candidates = _candidates(outlook, fitted, ask)
-        better = [pair for pair in fitted if _is_estimated(pair[1], current.balance)]
+        better = [pair for pair in fitted if is_estimated(pair[1], current.balance)]
         better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))
-        taking, nearer = _taken(better, current, taken, seen, ask)
+        taking, nearer = choose(better, current, taken, seen, ask)
         if taking is None:
             if nearer is current:
                 steps.append(Step(current, candidates))
@@ -134,7 +97,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
             continue
         proposal, found = taking
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
-        current, taken = found, _after(taken, proposal)
+        current, taken = found, after(taken, proposal)
         seen.add(frozenset(taken))
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(outlook if outlook.fitted is current else _outlook(current, taken, ask), taken, ask)
@@ -145,46 +108,11 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
 def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Asked, explored: bool) -> float:
     """By what fitted sets are ordered: half the squares that they leave, and their price; far from noise the rms."""
     proposal, found = pair
-    return found.rms if explored else 0.5 * found.squares + _price(proposal, taken, current, ask)
-
-
-def _taken(
-    better: Sequence[tuple[Proposal, Fit]], current: Fit, taken: Effects, seen: Set[frozenset[str]], ask: Asked
-) -> tuple[tuple[Proposal, Fit] | None, Fit]:
-    """The first set that gains what is asked of it by the noise that it leaves itself, on blocks left out, too; and the
-    fit without it, which may be nearer than it was.
-    """
-    nearer = current
-    for proposal, tried in better[:WEIGHED]:
-        if frozenset(_after(taken, proposal)) in seen:
-            continue
-        proposal, found = _needed(proposal, ask.settled(tried), current, taken, ask)
-        if frozenset(_after(taken, proposal)) in seen:
-            continue
-        beside = _beside(nearer, found, ask)
-        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - _price(proposal, taken, current, ask)
-        least = ask.least_share * len(proposal.added)
-        enough = not least or (beside.rms > AT_FLOOR and found.rms <= (1.0 - least) * beside.rms)
-        known = _is_estimated(found, current.balance)
-        holds = gained > 0.0 and known and enough and _holds(beside, found, proposal, taken, ask)
-        if holds and gained > _by_itself(beside, found, ask):
-            return (proposal, found), nearer
-        if beside is not nearer and beside.squares < nearer.squares - 1.0:
-            nearer = beside
-    return None, nearer
-
-
-def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:
-    """A set with its fit, less what it has that is not worth what is asked of it beside the others."""
-    for trial in proposal.added if len(proposal.added) > 1 else ():
-        others = tuple(other for other in proposal.added if other is not trial)
-        start = {name: value for name, value in proposal.start.items() if any(name in other.names for other in others)}
-        fewer = replace(proposal, added=others, start=start)
-        without = ask.settled(_fitted(current, taken, fewer, ask))
-        lost = 0.5 * (without.seen_by(found.weighing) - found.squares)
-        if lost < _asked(trial, current, ask) or found.rms > (1.0 - ask.least_share) * without.rms:
-            return _needed(fewer, without, current, taken, ask)
-    return proposal, found
+    return (
+        found.rms
+        if explored
+        else 0.5 * found.squares + ask.price(proposal.added, proposal.dropped, taken, current.balance)
+    )
 
 
 def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
@@ -237,7 +165,7 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
         offers: dict[str, Proposal] = {}
         for trial in outlook.columns:
             if trial.effect not in taken:
-                price = _asked(trial, current, ask) - _asked_of(taken, effect, current, ask)
+                price = ask.of_trial(trial, current.balance) - ask.of(effect, taken[effect], current.balance)
                 offer = outlook.proposal([trial], away, price)
                 if trial.effect not in offers or offer.score > offers[trial.effect].score:
                     offers[trial.effect] = offer
@@ -245,9 +173,11 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
         for offer in near:
             if offer.score < -REACH * LEVEL:
                 continue
-            other = _fitted(current, taken, offer, ask)
-            lost = 0.5 * (other.squares - current.squares) + _price(offer, taken, current, ask)
-            if lost < LEVEL and _is_estimated(other, current.balance):
+            other = fitted_with(current, taken, offer, ask)
+            lost = 0.5 * (other.squares - current.squares) + ask.price(
+                offer.added, offer.dropped, taken, current.balance
+            )
+            if lost < LEVEL and is_estimated(other, current.balance):
                 level[effect].append(offer.added[0].effect)
     return level
 
@@ -267,7 +197,7 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
         start = {**current.values, **own, **dict(trial.shapes)}
         found = fit(current.balance, start, names, ask.bounds, FIRST_STEPS)
         gain = 0.5 * found.residual.size * float(np.log(current.rms**2 / found.rms**2))
-        tried.append((Proposal((trial,), (), gain, gain - _asked(trial, current, ask), {}), found))
+        tried.append((Proposal((trial,), (), gain, gain - ask.of_trial(trial, current.balance), {}), found))
     tried.sort(key=lambda pair: -pair[0].score)
     near = [(p, found) for p, found in tried if p.score > NEARLY * max(tried[0][0].score, 0.0)][:TRIED]
     return [(p, again(found, found.weighing, ask.bounds, QUICK)) for p, found in near]
@@ -283,11 +213,11 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     """
     best: dict[str, tuple[float, Trial]] = {}
     for trial in outlook.columns:
-        score = outlook.proposal([trial], {}, _asked(trial, outlook.fitted, ask)).score
+        score = outlook.proposal([trial], {}, ask.of_trial(trial, outlook.fitted.balance)).score
         if trial.effect not in best or score > best[trial.effect][0]:
             best[trial.effect] = (score, trial)
     ordered = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])]
-    alone = [outlook.alone(trial, _asked(trial, outlook.fitted, ask)) for trial in ordered]
+    alone = [outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)) for trial in ordered]
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):
@@ -297,9 +227,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     for dropped in drops:
         for added in [(), *((trial,) for trial in leading)] if dropped else sets:
             away = {effect: _away(outlook.fitted, taken[effect], ask) for effect in dropped}
-            price = sum(_asked(trial, outlook.fitted, ask) for trial in added)
-            price -= sum(_asked_of(taken, effect, outlook.fitted, ask) for effect in dropped)
-            found.append(outlook.proposal(added, away, price))
+            found.append(outlook.proposal(added, away, ask.price(added, dropped, taken, outlook.fitted.balance)))
     most = max((proposal.score for proposal in alone), default=0.0)
     found = [proposal for proposal in found if proposal.score > most or proposal.dropped]  # else one goes first
     return sorted([*alone, *found], key=lambda proposal: -proposal.score)
@@ -331,79 +259,6 @@ def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
     return away
 
 
-def _fitted(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
-    """The plant with the set that is proposed, fitted from where first order leads."""
-    dropped = {name for effect in proposal.dropped for name in taken[effect]}
-    names = [name for name in current.names if name not in dropped]
-    names += [name for trial in proposal.added for name in trial.names if name not in names]
-    values = {name: value for name, value in current.values.items() if name not in dropped}
-    values |= {name: ask.declared[name] for name in dropped if name in ask.declared}
-    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
-
-
-def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:
-    """The fit without its effects, by the same noise."""
-    return _fitted(found, taken, Proposal((), tuple(taken), 0.0, 0.0, {}), ask)
-
-
-def _is_estimated(found: Fit, balance: Balance) -> bool:
-    """Whether every number of an effect is an estimate, and no end of its range."""
-    return not found.bounded - set(balance.free)
-
-
-def _after(taken: Effects, proposal: Proposal) -> dict[str, tuple[str, ...]]:
-    kept = {effect: names for effect, names in taken.items() if effect not in proposal.dropped}
-    for trial in proposal.added:
-        kept[trial.effect] = tuple(dict.fromkeys([*kept.get(trial.effect, ()), *trial.names]))
-    return kept
-
-
-def _asked(trial: Trial, fitted: Fit, ask: Asked) -> float:
-    return ask.of(trial.effect, trial.names, fitted.balance)
-
-
-def _asked_of(taken: Effects, effect: str, fitted: Fit, ask: Asked) -> float:
-    return ask.of(effect, taken[effect], fitted.balance)
-
-
-def _price(proposal: Proposal, taken: Effects, fitted: Fit, ask: Asked) -> float:
-    return sum(_asked(trial, fitted, ask) for trial in proposal.added) - sum(
-        _asked_of(taken, each, fitted, ask) for each in proposal.dropped
-    )
-
-
-def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
-    """A fit again without what a rival has, from where that one found the parameters of both, if that is better: what
-    the rival gains is then no effect's.
-    """
-    start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
-    begun = current if ask.settle is None else rival
-    other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
-    fits = [current, other, *([ask.settle(other)] if ask.settle is not None else [])]
-    nearest = min(one.rms for one in fits)
-    return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: one.seen_by(rival.weighing))
-
-
-def _holds(before: Fit, found: Fit, proposal: Proposal, taken: Effects, ask: Asked) -> bool:
-    """Whether what a set gains it gains on blocks left out, too; what is only dropped has nothing to show."""
-    if not proposal.added:
-        return True
-    there = before if before.weighing is found.weighing else again(before, found.weighing, ask.bounds, QUICK)
-    left = 0.5 * (float(there.left_out @ there.left_out) - float(found.left_out @ found.left_out))
-    return left > BY_BLOCKS * _price(proposal, taken, before, ask)
-
-
-def _by_itself(before: Fit, found: Fit, ask: Asked) -> float:
-    """What a set gains on motions on which nothing is missing: what smoothing and contacts leave, effects take."""
-    null = replace(before.balance, motions=before.balance.null, null=())
-    if not null.motions:
-        return 0.0
-    plain = fit(null, before.values, before.names, ask.bounds, QUICK)
-    rival = fit(null, found.values, found.names, ask.bounds, QUICK)
-    rival = again(rival, weighing_at(rival), ask.bounds, QUICK)
-    return 0.5 * max(plain.seen_by(rival.weighing) - rival.squares, 0.0)
-
-
 def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
     """What an effect gains that is there: how much would be lost without it, to first order."""
     outlook = Outlook(current, {})
@@ -415,12 +270,14 @@ def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: A
     best: dict[str, Candidate] = {}
     for trial in outlook.columns:
         gain = outlook.proposal([trial], {}, 0.0).gain
-        candidate = Candidate(trial.effect, trial.names, gain, _asked(trial, outlook.fitted, ask))
+        candidate = Candidate(trial.effect, trial.names, gain, ask.of_trial(trial, outlook.fitted.balance))
         if trial.effect not in best or gain - candidate.asked > best[trial.effect].gain - best[trial.effect].asked:
             best[trial.effect] = candidate
     for proposal, found in fitted:
         if len(proposal.added) == 1 and not proposal.dropped:
             (trial,) = proposal.added
             gain = 0.5 * (outlook.fitted.squares - found.squares)
-            best[trial.effect] = Candidate(trial.effect, trial.names, gain, _asked(trial, outlook.fitted, ask), found)
+            best[trial.effect] = Candidate(
+                trial.effect, trial.names, gain, ask.of_trial(trial, outlook.fitted.balance), found
+            )
     return sorted(best.values(), key=lambda candidate: candidate.asked - candidate.gain)

@@ -165,14 +165,7 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best."""
-    fitting = Fitting(motions, (), {})
-    best = fitting.begun(how, values)
-    for _ in range(ROUNDS - 1):
-        again = fitting.begun(best.how, values)
-        if not again.fit.rms < GOES_ON * best.fit.rms:
-            break
-        best = again
-    return best.how
+    return Fitting(motions, (), {}).found(how, values).how
 
 
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:

@@ -14,8 +14,9 @@ import numpy as np
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.search import Asked, Found, search, without_effects
+from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
+from workbench.diagnose.selection.sets import Asked, without_effects
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
@@ -80,6 +81,11 @@ class SimulationStage:
     def is_trusted(self) -> bool:
         """Whether what is left is near to noise, which may be slow: then the parameters are those of the machine."""
         return self.is_near or self.after.rms < TRUSTED
+
+    @property
+    def baseline_is_trusted(self) -> bool:
+        """The same of the plant without effects."""
+        return self.before.rms < TRUSTED or (self.before is self.after and self.is_trusted)
 
     @property
     def follows(self) -> bool:
@@ -158,6 +164,7 @@ def simulation_stage(
 def _stage(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
 ) -> SimulationStage:
+    """One search from one fit of the plant without effects, and what it lacks after that."""
     holds, bounds = base.how.along.parameter_names, experiment.bounds
     given = {effect: names for effect, names in start.effects.items() if set(names) <= holds}
     before, current, how, effects, dropped = base.fit, base.fit, base.how, {}, list[str]()

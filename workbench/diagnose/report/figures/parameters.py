@@ -98,8 +98,9 @@ def draw_parameters(data: ParametersData) -> Picture:
     caption = (
         "Each parameter that the fit may move, over its declared value, with its 95 % interval; autocorrelation of the "
         "residual is taken into account. An open marker is not identified: its standard deviation exceeds half its "
-        "value, or the fit ran to the end of its range. The axis is chosen for the values; an arrow is an interval "
-        "that goes on beyond it, or on a logarithmic axis to 0 and below."
+        "value, the fit ran to the end of its range, or what was found moves it by more than it allows. The "
+        "axis is chosen for the values; an arrow is an interval that goes on beyond it, or on a logarithmic axis to 0 "
+        "and below."
     )
     return Picture(figure, caption)
 

@@ -1,0 +1,90 @@
+"""Whether a set of effects that was fitted is taken: by the noise that it leaves itself, against the best fit without
+it, on parts that were left out, and against what it would gain where nothing is missing.
+"""
+
+from collections.abc import Sequence, Set
+from dataclasses import replace
+
+from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
+from workbench.diagnose.selection.likelihood import Proposal
+from workbench.diagnose.selection.selection import Effects
+from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
+
+WEIGHED = 2
+"""Sets of a round that are looked at by the noise that they leave themselves."""
+
+BESIDE = 1.1
+"""Times the least rms that a fit may leave which is weighed: noise of any colour hides what drifts away slowly."""
+
+BY_BLOCKS = 0.3
+"""Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
+
+
+def choose(
+    better: Sequence[tuple[Proposal, Fit]], current: Fit, taken: Effects, seen: Set[frozenset[str]], ask: Asked
+) -> tuple[tuple[Proposal, Fit] | None, Fit]:
+    """The first set that gains what is asked of it by the noise that it leaves itself, on blocks left out, too; and the
+    fit without it, which may be nearer than it was.
+    """
+    nearer = current
+    for proposal, tried in better[:WEIGHED]:
+        if frozenset(after(taken, proposal)) in seen:
+            continue
+        proposal, found = _needed(proposal, ask.settled(tried), current, taken, ask)
+        if frozenset(after(taken, proposal)) in seen:
+            continue
+        beside = _beside(nearer, found, ask)
+        price = ask.price(proposal.added, proposal.dropped, taken, current.balance)
+        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - price
+        least = ask.least_share * len(proposal.added)
+        enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
+        known = is_estimated(found, current.balance)
+        holds = gained > 0.0 and known and enough and (not proposal.added or _holds(beside, found, price, ask))
+        if holds and gained > _by_itself(beside, found, ask):
+            return (proposal, found), nearer
+        if beside is not nearer and beside.squares < nearer.squares - 1.0:
+            nearer = beside
+    return None, nearer
+
+
+def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:
+    """A set with its fit, less what it has that is not worth what is asked of it beside the others."""
+    for trial in proposal.added if len(proposal.added) > 1 else ():
+        others = tuple(other for other in proposal.added if other is not trial)
+        start = {name: value for name, value in proposal.start.items() if any(name in other.names for other in others)}
+        fewer = replace(proposal, added=others, start=start)
+        without = ask.settled(fitted_with(current, taken, fewer, ask))
+        lost = 0.5 * (without.seen_by(found.weighing) - found.squares)
+        if lost < ask.of_trial(trial, current.balance) or found.rms > (1.0 - ask.least_share) * without.rms:
+            return _needed(fewer, without, current, taken, ask)
+    return proposal, found
+
+
+def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
+    """A fit again without what a rival has, from where that one found the parameters of both, if that is better: what
+    the rival gains is then no effect's.
+    """
+    start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
+    begun = current if ask.settle is None else rival
+    other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
+    fits = [current, other, *([ask.settle(other)] if ask.settle is not None else [])]
+    nearest = min(one.rms for one in fits)
+    return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: one.seen_by(rival.weighing))
+
+
+def _holds(before: Fit, found: Fit, price: float, ask: Asked) -> bool:
+    """Whether what a set gains it gains on blocks left out, too."""
+    there = before if before.weighing is found.weighing else again(before, found.weighing, ask.bounds, QUICK)
+    left = 0.5 * (float(there.left_out @ there.left_out) - float(found.left_out @ found.left_out))
+    return left > BY_BLOCKS * price
+
+
+def _by_itself(before: Fit, found: Fit, ask: Asked) -> float:
+    """What a set gains on motions on which nothing is missing: what smoothing and contacts leave, effects take."""
+    null = replace(before.balance, motions=before.balance.null, null=())
+    if not null.motions:
+        return 0.0
+    plain = fit(null, before.values, before.names, ask.bounds, QUICK)
+    rival = fit(null, found.values, found.names, ask.bounds, QUICK)
+    rival = again(rival, weighing_at(rival), ask.bounds, QUICK)
+    return 0.5 * max(plain.seen_by(rival.weighing) - rival.squares, 0.0)

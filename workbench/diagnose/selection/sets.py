@@ -1,0 +1,85 @@
+"""Sets of effects in a search: what is asked of one, how it is fitted, and what it makes of those that are there."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.likelihood import Proposal, asked
+from workbench.diagnose.selection.selection import Effects
+from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
+from workbench.fitting.least_squares import Search
+
+QUICK = Search(flat=1e-5, near=1e-4, most_steps=15, learns=True)
+"""When a fit ends by which sets are ranked."""
+
+FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
+"""When the fit ends from which a search goes on."""
+
+AT_FLOOR = 1.0
+"""Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
+    candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
+    set has to take away, beside what its likelihood has to gain.
+    """
+
+    declared: Values
+    bounds: Mapping[str, tuple[float, float]]
+    candidates: int
+    shapes: Shapes
+    least_share: float = 0.0
+    settle: Callable[[Fit], Fit] | None = None
+
+    def of(self, effect: str, names: Collection[str], balance: Balance) -> float:
+        """Gain that an effect with these numbers has to exceed."""
+        return asked(sizing(balance, effect, names), self.candidates * looks(balance, effect, names))
+
+    def of_trial(self, trial: Trial, balance: Balance) -> float:
+        """The same of a trial."""
+        return self.of(trial.effect, trial.names, balance)
+
+    def price(self, added: Sequence[Trial], dropped: Sequence[str], taken: Effects, balance: Balance) -> float:
+        """Gain that a set has to exceed which has these beside what is `taken`, and does without others."""
+        more = sum(self.of_trial(trial, balance) for trial in added)
+        return more - sum(self.of(effect, taken[effect], balance) for effect in dropped)
+
+    def is_at_floor(self, fitted: Fit) -> bool:
+        """Whether a balance lacks nothing that it could tell from what smoothing leaves."""
+        return self.least_share > 0.0 and fitted.rms <= AT_FLOOR
+
+    def settled(self, found: Fit) -> Fit:
+        """A fit by the likelihood of the noise that it leaves itself."""
+        return again(found, weighing_at(found), self.bounds, FINAL) if self.settle is None else self.settle(found)
+
+
+def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
+    """The plant with the set that is proposed, fitted from where first order leads."""
+    dropped = {name for effect in proposal.dropped for name in taken[effect]}
+    names = [name for name in current.names if name not in dropped]
+    names += [name for trial in proposal.added for name in trial.names if name not in names]
+    values = {name: value for name, value in current.values.items() if name not in dropped}
+    values |= {name: ask.declared[name] for name in dropped if name in ask.declared}
+    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
+
+
+def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:
+    """The fit without its effects, by the same noise."""
+    return fitted_with(found, taken, Proposal((), tuple(taken), 0.0, 0.0, {}), ask)
+
+
+def is_estimated(found: Fit, balance: Balance) -> bool:
+    """Whether every number of an effect is an estimate, and no end of its range."""
+    return not found.bounded - set(balance.free)
+
+
+def after(taken: Effects, proposal: Proposal) -> dict[str, tuple[str, ...]]:
+    """The effects with their numbers once a set is taken."""
+    kept = {effect: names for effect, names in taken.items() if effect not in proposal.dropped}
+    for trial in proposal.added:
+        kept[trial.effect] = tuple(dict.fromkeys([*kept.get(trial.effect, ()), *trial.names]))
+    return kept
