@@ -206,3 +206,27 @@ def test_a_place_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith(f"error: {tmp_path / 'file'}: ")
     assert answer.err.count("\n") == 1
+
+
+RESUMED = "finished cases are kept in {out}: go on with --resume"
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "stopped", "kept"),
+    [
+        ("diagnose", "closed_loop/experiment.toml", "diagnose.diagnose.diagnose", "nothing is written"),
+        ("identify", "closed_loop/experiment.toml", "identify.identification.identify", "nothing is written"),
+        ("run", "comparison.toml", "study.rounds.run_rounds", RESUMED),
+    ],
+)
+def test_a_stop_is_told_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, file: str, stopped: str, kept: str
+) -> None:
+    def kill(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"workbench.{stopped}", kill)
+    out = tmp_path / "out"
+    ended = workbench(command, STUDIES / file, "--out", out)
+    assert (ended.code, ended.err) == (130, f"stopped; {kept.format(out=out)}\n")
+    assert not out.exists()

@@ -1,13 +1,12 @@
 """workbench decide: which controllers meet an accuracy."""
 
-import sys
 import time
 from typing import Annotated
 
 import typer
 
 from workbench.cli.options import Out, Overwrite, StudyFile, print_contents
-from workbench.cli.progress import ProgressLine
+from workbench.cli.progress import ProgressLine, stoppable
 
 
 def command(
@@ -30,13 +29,9 @@ def command(
         print("\n".join(description(planned)))
         return
     check_folder(out, overwrite)
-    try:
-        with ProgressLine() as progress:
-            decision = decide(planned, jobs, progress)
-            progress("tables, figures, page", 1.0)
-            write_decision(decision, out, began, jobs)
-    except KeyboardInterrupt:
-        print("stopped; nothing is written", file=sys.stderr)
-        raise typer.Exit(130) from None
+    with stoppable(), ProgressLine() as progress:
+        decision = decide(planned, jobs, progress)
+        progress("tables, figures, page", 1.0)
+        write_decision(decision, out, began, jobs)
     print(summary(decision) + "\n")
     print_contents(out)

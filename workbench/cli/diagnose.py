@@ -1,7 +1,7 @@
 """workbench diagnose: what a plant lacks, by its records."""
 
 from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
-from workbench.cli.progress import ProgressLine
+from workbench.cli.progress import ProgressLine, stoppable
 
 
 def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) -> None:
@@ -10,7 +10,7 @@ def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) 
     from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
 
     check_folder(out, overwrite)
-    with ProgressLine() as progress:
+    with stoppable(), ProgressLine() as progress:
         diagnosis = diagnose(experiment, progress)
         progress("tables, figures, page", 0.93)
         write_diagnosis(diagnosis, out)

@@ -1,12 +1,11 @@
 """workbench identify: a plant's parameters from records."""
 
-import sys
 from typing import Annotated
 
 import typer
 
 from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
-from workbench.cli.progress import ProgressLine
+from workbench.cli.progress import ProgressLine, stoppable
 from workbench.errors import UserError, nearest
 
 
@@ -26,12 +25,8 @@ def command(
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(experiment)
     check_folder(out, overwrite)
-    try:
-        with ProgressLine() as progress:
-            paths = write_identification(identify(content, method, progress), out)
-    except KeyboardInterrupt:
-        print("stopped; nothing is written", file=sys.stderr)
-        raise typer.Exit(130) from None
+    with stoppable(), ProgressLine() as progress:
+        paths = write_identification(identify(content, method, progress), out)
     for path in paths:
         print(path.read_text(encoding="utf-8"))
     print_contents(out)

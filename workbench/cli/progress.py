@@ -2,16 +2,32 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+import typer
 
 from workbench.progress import Progress
 
 if TYPE_CHECKING:
     from workbench.study.study import Case
 
+NOTHING_WRITTEN = "nothing is written"
+"""What a stop leaves of a command that writes its folder whole or not at all."""
+
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
+
+
+@contextmanager
+def stoppable(kept: str = NOTHING_WRITTEN) -> Iterator[None]:
+    """Ctrl-C ends a command with one line that says what is `kept`, and with 130 as shells expect."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(f"stopped; {kept}", file=sys.stderr)
+        raise typer.Exit(130) from None
 
 
 class Lines:

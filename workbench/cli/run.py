@@ -1,6 +1,5 @@
 """workbench run: every case of a study, then its tables, figures and pages."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,7 +32,7 @@ def command(
     ] = None,
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
-    from workbench.cli.progress import ProgressBar
+    from workbench.cli.progress import ProgressBar, stoppable
     from workbench.study.description import description
     from workbench.study.rounds import run_rounds
     from workbench.study.runner import run_study
@@ -59,11 +58,8 @@ def command(
                 progress=progress,
             )
 
-    try:
+    with stoppable(f"finished cases are kept in {out}: go on with --resume"):
         run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=print)
-    except KeyboardInterrupt:
-        print(f"stopped; finished cases are kept in {out}: go on with --resume", file=sys.stderr)
-        raise typer.Exit(130) from None
     _report(planned, out)
 
 

@@ -1,13 +1,12 @@
 """workbench tune: gains for the controllers of a study."""
 
-import sys
 import time
 from typing import Annotated
 
 import typer
 
 from workbench.cli.options import Out, StudyFile
-from workbench.cli.progress import ProgressLine
+from workbench.cli.progress import ProgressLine, stoppable
 
 
 def command(
@@ -30,13 +29,9 @@ def command(
 
     ready, names = prepared(read_study(study), controller or ["all"], trials)
     database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
-    try:
-        with ProgressLine() as progress:
-            tuning = tune_all(ready, names, database, jobs, progress)
-            written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
-    except KeyboardInterrupt:
-        print(f"stopped; finished trials are kept in {out}: go on with --resume", file=sys.stderr)
-        raise typer.Exit(130) from None
+    with stoppable(f"finished trials are kept in {out}: go on with --resume"), ProgressLine() as progress:
+        tuning = tune_all(ready, names, database, jobs, progress)
+        written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
     say_tuning(written)
     if not any(tuned.best for tuned in tuning.tuned):
         raise typer.Exit(1)

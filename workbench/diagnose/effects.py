@@ -9,7 +9,7 @@ import numpy as np
 from plants.effects.registry import effects as registered
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, load_pressure
-from workbench.diagnose.result import ENDED, MISLED, VAGUE, Estimate, Evidence, FittedParameter, FoundEffect
+from workbench.diagnose.result import MISLED, Estimate, Evidence, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, stands_out
 from workbench.diagnose.simulation.stage import SimulationStage
 
@@ -96,9 +96,7 @@ def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage)
 def fitted_parameters(fits: Sequence[Fit]) -> dict[str, FittedParameter]:
     """Every fitted parameter by name; of several fits the last counts."""
     return {
-        name: FittedParameter(
-            number.value, number.std, VAGUE if not number.is_known else ENDED if name in fitted.bounded else ""
-        )
+        name: FittedParameter.of(number, ended=name in fitted.bounded)
         for fitted in fits
         for name, number in _estimates(fitted, fitted.names).items()
     }

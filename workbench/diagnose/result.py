@@ -118,6 +118,11 @@ class FittedParameter:
     std: float
     doubt: str = ""
 
+    @classmethod
+    def of(cls, number: Estimate, *, ended: bool = False) -> "FittedParameter":
+        """A number that a fit gives, which `ended` at an end of its range or not."""
+        return cls(number.value, number.std, VAGUE if not number.is_known else ENDED if ended else "")
+
     @property
     def identified(self) -> bool:
         """Whether the records identify it."""

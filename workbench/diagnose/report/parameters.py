@@ -6,7 +6,7 @@ from plants.effects.attach import possible
 from plants.equation import fields
 from plants.interface import Plant
 from workbench.diagnose.residuals.balances import richest
-from workbench.diagnose.result import VAGUE, Diagnosis, FittedParameter
+from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.parameters.sets import FLOW_SHARE
 
 
@@ -24,7 +24,7 @@ def parameter_rows(diagnosis: Diagnosis) -> dict[str, Row]:
     baseline, final = diagnosis.baseline_parameters, dict(diagnosis.fitted_parameters)
     for effect in diagnosis.effects:
         for name, number in effect.parameters.items():
-            final.setdefault(name, FittedParameter(number.value, number.std, "" if number.is_known else VAGUE))
+            final.setdefault(name, FittedParameter.of(number))
     return {name: Row(diagnosis.declared.get(name), baseline.get(name), fitted) for name, fitted in final.items()}
 
 

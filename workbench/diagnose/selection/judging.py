@@ -34,7 +34,7 @@ def choose(
         if frozenset(after(taken, proposal)) in seen:
             continue
         beside = _beside(nearer, found, ask)
-        price = ask.price(proposal.added, proposal.dropped, taken, current.balance)
+        price = ask.price_of(proposal, taken, current.balance)
         gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - price
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)

@@ -108,11 +108,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
 def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Asked, explored: bool) -> float:
     """By what fitted sets are ordered: half the squares that they leave, and their price; far from noise the rms."""
     proposal, found = pair
-    return (
-        found.rms
-        if explored
-        else 0.5 * found.squares + ask.price(proposal.added, proposal.dropped, taken, current.balance)
-    )
+    return found.rms if explored else 0.5 * found.squares + ask.price_of(proposal, taken, current.balance)
 
 
 def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
@@ -174,9 +170,7 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
             if offer.score < -REACH * LEVEL:
                 continue
             other = fitted_with(current, taken, offer, ask)
-            lost = 0.5 * (other.squares - current.squares) + ask.price(
-                offer.added, offer.dropped, taken, current.balance
-            )
+            lost = 0.5 * (other.squares - current.squares) + ask.price_of(offer, taken, current.balance)
             if lost < LEVEL and is_estimated(other, current.balance):
                 level[effect].append(offer.added[0].effect)
     return level

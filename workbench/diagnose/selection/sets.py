@@ -48,6 +48,10 @@ class Asked:
         more = sum(self.of_trial(trial, balance) for trial in added)
         return more - sum(self.of(effect, taken[effect], balance) for effect in dropped)
 
+    def price_of(self, proposal: Proposal, taken: Effects, balance: Balance) -> float:
+        """The same of a set that is proposed."""
+        return self.price(proposal.added, proposal.dropped, taken, balance)
+
     def is_at_floor(self, fitted: Fit) -> bool:
         """Whether a balance lacks nothing that it could tell from what smoothing leaves."""
         return self.least_share > 0.0 and fitted.rms <= AT_FLOOR
