@@ -13,7 +13,7 @@ from workbench.diagnose.selection.likelihood import FALSE_ALARMS, Outlook, asked
 from workbench.diagnose.selection.trials import Trial, columns_of
 from workbench.fitting.least_squares import Search
 
-EXACT = Search(flat=1e-14, near=1e-12)
+EXACT = Search(flat=1e-14)
 LOAD, DRAG = Trial("constant_load", ("load_force",)), Trial("quadratic_drag", ("drag_coefficient",))
 TRUTH = {"spring_stiffness": 2000.0, "load_force": 5.0, "drag_coefficient": 3e3}
 START = {"spring_stiffness": 0.0}

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.motion import LEVELS, Motion, motion_of
 from workbench.diagnose.residuals.scales import LOAD_FRICTIONS, scales_of
 from workbench.records.reading import Record
 
@@ -39,3 +39,20 @@ def test_of_a_drive_by_its_limit_or_by_what_it_gave() -> None:
     assert scales_of([moved()], values).drive == pytest.approx(LOAD_FRICTIONS * 4.0)
     turning = scales_of([moved()], {"inertia": 2.0, "coulomb": 4.0, "torque_limit": 12.0})
     assert (turning.drive, turning.turn) == (12.0, pytest.approx(2.0 * np.pi))
+
+
+def test_the_noise_of_a_fine_sensor_is_its_own_and_of_a_balance_that_of_twelve_bits() -> None:
+    fine = moved()
+    assert fine.sensed["position"] == pytest.approx(1e-7, rel=0.05)
+    assert fine.noise["position"] == pytest.approx(0.04 / LEVELS / np.sqrt(12.0), rel=0.01)
+
+
+def test_what_moves_as_a_record_begins_is_measured_as_it_moves() -> None:
+    begun = moved()
+    assert begun.velocity[0] == pytest.approx(0.02 * np.pi, rel=0.01)
+    assert begun.position[0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_record_that_is_blurred_throughout_has_no_better_part() -> None:
+    pressed = 1e6 * np.sign(np.sin(2.0 * np.pi * 60.0 * 1e-3 * np.arange(10_000)))
+    assert not np.any(moved(pressure_1=pressed).blurred)

@@ -8,8 +8,9 @@ import pytest
 
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.simulation.fits import NOISE, Fitting, fit_farther, fit_simulation
+from workbench.diagnose.simulation.fits import NOISE, Fitting, Simulated, exactly, fit_farther, fit_simulation
 from workbench.diagnose.simulation.setup import follows, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.parameters.sets import build, named_sets, read_parameters
@@ -111,3 +112,49 @@ def test_values_and_starts_that_are_both_wrong_are_found_together(made: Made) ->
     found = Fitting(motions, ("coulomb",), {}).found(off, {**truth, "coulomb": 1.05 * truth["coulomb"]})
     assert found.fit.rms < NOISE
     assert found.fit.values["coulomb"] == pytest.approx(truth["coulomb"], rel=1e-3)
+
+
+def test_a_long_run_finds_back_from_a_start_that_made_up_for_wrong_values(made: Made) -> None:
+    how, motions, truth = made
+    wrong = np.zeros((1, len(how.along.names)))
+    wrong[:, how.along.names.index("position")] = 2e-3
+    wrong[:, how.along.names.index("velocity")] = 0.1
+    begun = Fitting(motions, (), {}).begun(replace(how, begins={motions[0].record: wrong}), truth)
+    assert begun.fit.rms == pytest.approx(1.0, abs=0.1)
+
+
+def test_no_start_is_farther_from_what_was_measured_than_the_record_varies(made: Made) -> None:
+    how, motions, truth = made
+    declared = {**truth, "coulomb": 10.0 * truth["coulomb"]}
+    begun = Fitting(motions, (), {}).begun(replace(how, length=0.5), declared)
+    position, velocity = (how.along.names.index(name) for name in ("position", "velocity"))
+    begins = np.abs(begun.how.begins[motions[0].record])
+    assert np.any(begins > 0.0)
+    assert np.all(begins[:, position] <= np.std(motions[0].position))
+    assert np.all(begins[:, velocity] <= np.std(motions[0].velocity))
+
+
+def test_a_solver_is_as_fine_as_the_noise_shows(made: Made) -> None:
+    """Of a sensor that is ten thousand times finer what the solver is off by would be told as an effect."""
+    how, motions, truth = made
+    fitting = Fitting(motions, (), {})
+
+    def tolerance(finer: float) -> float:
+        begun = fitting.begun(how, truth)
+        weighing = begun.fit.weighing.times(finer)
+        fitted = fit(begun.fit.balance, truth, (), weighing=weighing)
+        return exactly(Simulated(begun.how, fitted), fitting).how.tolerance
+
+    assert tolerance(1.0) == how.tolerance
+    assert tolerance(1e4) < 0.2 * how.tolerance
+
+
+def test_what_is_over_noise_is_told_whatever_its_colour(made: Made) -> None:
+    how, motions, truth = made
+    fitted = Fitting(motions, (), {}).begun(how, truth).fit
+    assert fitted.excess == pytest.approx(fitted.rms, rel=0.05)
+    time = np.arange(fitted.residual.size)
+    drifting = replace(fitted, residual=10.0 * np.sin(2.0 * np.pi * time / time.size))
+    assert drifting.excess == pytest.approx(drifting.rms, rel=1e-6)
+    loud = replace(fitted, residual=1.5 * fitted.residual)
+    assert loud.excess == pytest.approx(1.0, abs=0.1)

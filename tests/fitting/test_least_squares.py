@@ -10,7 +10,7 @@ from scipy.optimize import least_squares as by_scipy
 from workbench.fitting.least_squares import Search, Solution, bounded_minimum, least_squares
 
 STEP = 1e-6
-EXACT = Search(flat=1e-14, near=1e-12)
+EXACT = Search(flat=1e-14)
 TIMES = np.linspace(0.0, 4.0, 60)
 FREE = np.full(2, np.inf)
 
@@ -52,7 +52,7 @@ def test_a_valley_is_followed_to_its_end() -> None:
 
 @pytest.mark.parametrize("learns", [False, True])
 def test_a_fit_ends_where_another_solver_ends(learns: bool) -> None:
-    solution = solved(decay, [1.0, 3.0, 0.0], search=Search(flat=1e-14, near=1e-12, learns=learns))
+    solution = solved(decay, [1.0, 3.0, 0.0], search=Search(flat=1e-14, learns=learns))
     assert solution.x == pytest.approx(by_scipy(decay, [1.0, 3.0, 0.0], xtol=1e-14, ftol=1e-14).x, rel=1e-5)
 
 
@@ -67,7 +67,7 @@ def test_a_jacobian_that_is_learnt_costs_fewer_residuals() -> None:
     costs, ends = [], []
     for learns in (False, True):
         residual, calls = counted(bent)
-        solution = solved(residual, [0.0] * 12, search=Search(flat=1e-7, near=1e-6, learns=learns))
+        solution = solved(residual, [0.0] * 12, search=Search(flat=1e-7, learns=learns))
         costs.append(calls[0])
         ends.append(solution.residual @ solution.residual)
     assert ends[1] == pytest.approx(ends[0], rel=1e-5)
@@ -169,3 +169,18 @@ def test_without_bounds_a_quadratic_is_solved() -> None:
 def test_two_unknowns_that_cannot_be_told_apart_share_what_they_explain() -> None:
     x = bounded_minimum(np.ones((2, 2)), -np.ones(2), np.full(2, -np.inf), np.full(2, np.inf))
     assert x == pytest.approx([0.5, 0.5], rel=1e-3)
+
+
+def test_an_unknown_that_is_known_to_a_millionth_is_found_as_well_as_it_is_known() -> None:
+    """Half a millionth beside the least the residual bends: quotients over the longest step would be those beyond."""
+    draw = np.random.default_rng(4)
+    noise, slope = draw.standard_normal(400), draw.standard_normal(400)
+
+    def bent(x: np.ndarray) -> np.ndarray:
+        off = (x[0] - 0.3) / 1e-6
+        return np.asarray(noise + slope * off + 3.0 * np.abs(slope) * max(off - 0.5, 0.0))
+
+    found = least_squares(bent, np.array([0.2999]), -FREE[:1], FREE[:1], 1e-4, Search(flat=1e-9))
+    line = float(-(noise @ slope) / (slope @ slope))
+    assert abs(line) < 0.5, "the least is where nothing bends"
+    assert (found.x[0] - 0.3) / 1e-6 == pytest.approx(line, abs=1e-3)

@@ -29,20 +29,23 @@ ROUNDING = 1e-12
 POOR, GOOD = 0.1, 0.7
 """Shares of the expected gain below which the damping rises, and from which it falls."""
 
+MOVED, SHORTEST = 10.0, 1e-3
+"""Standard deviations of a residual's entry by which difference quotients move it in all; share of the longest step
+that the shortest has."""
+
 FORESEEN = 0.4
 """Share of the expected gain from which a Jacobian is learnt."""
 
 
 @dataclass(frozen=True)
 class Search:
-    """When a search ends: a step gains less of the sum of squares, or moves the unknowns less, or there were many.
+    """When a search ends: a step gains less of the sum of squares, or there were many.
 
     Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which
     is then no exact one, at the end either.
     """
 
     flat: float = 1e-7
-    near: float = 1e-6
     most_steps: int = 100
     learns: bool = False
 
@@ -85,7 +88,7 @@ def least_squares(
         residual: of the unknowns, shape (rows,); finite.
         start: shape (unknowns,), within the bounds.
         low, high: shape (unknowns,), infinite where there is none.
-        step: of difference quotients, of an unknown or of 1, whichever is larger.
+        step: of difference quotients, at most, of an unknown or of 1, whichever is larger.
         search: when it ends.
     """
     x = np.asarray(start, dtype=float)
@@ -93,7 +96,7 @@ def least_squares(
     if not x.size:
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
-    jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
+    jacobian = jacobian_of(residual, x, base, _within(x, high, step * np.maximum(1.0, np.abs(x))))
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
@@ -103,20 +106,19 @@ def least_squares(
         evaluations += 1
         gained = cost - float(new @ new)
         if gained > 0.0:
-            near = float(np.max(np.abs(trial - x))) < search.near * (1.0 + float(np.max(np.abs(x))))
             flat = gained < search.flat * cost
             shown, way = new - base, trial - x
             x, base, cost = trial, new, cost - gained
-            ends = (near or flat) and fresh
-            fresh = not search.learns or not (gained > FORESEEN * expected) or ((near or flat) and not ends)
+            ends = flat and fresh
+            fresh = not search.learns or not (gained > FORESEEN * expected) or (flat and not ends)
             if fresh:
-                jacobian = jacobian_of(residual, x, base, _differences(x, high, step))
+                jacobian = jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
             else:
                 jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
             if ends:
                 break
         elif not fresh:
-            fresh, jacobian = True, jacobian_of(residual, x, base, _differences(x, high, step))
+            fresh, jacobian = True, jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
         elif expected < search.flat * cost or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
@@ -129,9 +131,17 @@ def least_squares(
     return Solution(x, base, jacobian, ~held)
 
 
-def _differences(x: np.ndarray, high: np.ndarray, step: float) -> np.ndarray:
-    """Steps of difference quotients, backward where there is no room forward."""
-    steps = step * np.maximum(1.0, np.abs(x))
+def _differences(x: np.ndarray, high: np.ndarray, step: float, jacobian: np.ndarray, cost: float) -> np.ndarray:
+    """Steps of difference quotients that move the residual by a few of its standard deviations, and are `step` at most:
+    an unknown that is known to a millionth is not to be moved by a thousandth.
+    """
+    felt = MOVED * np.sqrt(cost / jacobian.shape[0]) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    most = step * np.maximum(1.0, np.abs(x))
+    return _within(x, high, np.clip(felt, SHORTEST * most, most))
+
+
+def _within(x: np.ndarray, high: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Steps that are taken backward where there is no room forward."""
     return np.where(x + steps < high, steps, -steps)
 
 

@@ -25,7 +25,7 @@ BETTER = 0.98
 AT_FLOOR = 1.3
 """Floors up to which no other start has to be tried."""
 
-QUICK = Search(flat=1e-5, near=1e-5, most_steps=30)
+QUICK = Search(flat=1e-5, most_steps=30)
 """When a fit ends from another start."""
 
 

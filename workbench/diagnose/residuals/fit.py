@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
+from workbench.diagnose.residuals.motion import fluctuation
 from workbench.diagnose.residuals.unknowns import WIDEST, Unknown, Values, unknown
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
@@ -19,14 +20,18 @@ VAGUE = 0.5 * float(np.log(WIDEST))
 """Standard deviation of the logarithm of a positive parameter about its start, before any record: two that records
 cannot tell apart do not run away together."""
 
-BOUNDED = 1e-3
-"""Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there."""
+BOUNDED = 1e-9
+"""Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there: a fine
+sensor shows what is a millionth of the largest that is plausible."""
 
 NEAR_NOISE = 3.0
 """Floors up to which what is left may be noise of a colour that the floor does not know."""
 
 THOROUGH = Search()
 """When the fit ends whose parameters count."""
+
+COLOURED = 2.0
+"""Times the white noise of its samples by which, and by the root of their number, noise of means may be larger."""
 
 LOST = 1e6
 """Floors in the place of a residual that is no number: the plant diverges."""
@@ -57,6 +62,20 @@ class Fit:
     def rms(self) -> float:
         """Of the residual, in floors."""
         return float(np.sqrt(np.mean(self.residual**2)))
+
+    @cached_property
+    def excess(self) -> float:
+        """The same over the noise in it, which is the floor where noise is white, and what its third differences show,
+        within what colour can make of means, where it is not.
+        """
+        squares, count = 0.0, 0
+        for motion, slices in zip(self.balance.motions, self.balance.series, strict=True):
+            for place in slices:
+                part = self.residual[place]
+                fast = min(fluctuation(part), COLOURED * float(np.sqrt(motion.thinning)))
+                squares += float(part @ part) / max(fast, 1.0) ** 2
+                count += part.size
+        return float(np.sqrt(squares / max(count, 1)))
 
     @property
     def squares(self) -> float:

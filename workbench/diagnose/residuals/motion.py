@@ -37,9 +37,15 @@ LEVELS = 4096
 """Levels that a channel's range has at most, those of twelve bits. A simulated record without any noise would have
 effects of the digits in which its samples differ from its motion."""
 
+UNIFORM = 12.0**-0.5
+"""Standard deviation of what is spread evenly over one step of a converter."""
+
 CLEAN = 5e-3
 """Share of a channel's deviation up to which no difference is a blur: in a record with less noise than that all is
 blurred else, and nothing is left to judge."""
+
+THROUGHOUT = 0.9
+"""Share of a record from which it is blurred throughout."""
 
 DIFFERENTIATED = ("pressure_1", "pressure_2", "rotation_speed", "motor_current")
 """Channels that show a state of which a balance gives the rate."""
@@ -65,7 +71,8 @@ class Motion:
     the rod is, from -1/2 to 1/2 of its width, with two derivatives: it changes at reversals, while the sensor rests.
     `measured` are the channels as they were, gaps bridged.
 
-    `noise` has for each channel the standard deviation of its raw noise, `smooth` what the filter leaves of it, and of
+    `noise` has for each channel the standard deviation of its raw noise, that of twelve bits at least, `sensed` without
+    that limit; `smooth` what the filter leaves of it, and of
     the position's derivatives: factors in 1, 1/s, 1/s^2.
     """
 
@@ -81,6 +88,7 @@ class Motion:
     resting: np.ndarray
     blurred: np.ndarray
     noise: Mapping[str, float]
+    sensed: Mapping[str, float]
     smooth: tuple[float, float, float]
     slack: tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -190,8 +198,13 @@ def _with_rates(values: np.ndarray, points: int, step: float) -> tuple[np.ndarra
 
 
 def smoothed(values: np.ndarray, points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
-    """Values smoothed over a window, or a derivative of them."""
-    return np.asarray(convolve1d(values, _kernel(points, order, sample_time), mode="nearest"))
+    """Values smoothed over a window, or a derivative of them; beyond its ends a record goes on as it came, turned about
+    the end: what moves there keeps its velocity.
+    """
+    kernel = _kernel(points, order, sample_time)
+    reach = min(kernel.size // 2, values.size - 1)
+    padded = np.pad(values, reach, mode="reflect", reflect_type="odd")
+    return np.asarray(convolve1d(padded, kernel, mode="nearest")[reach : reach + values.size])
 
 
 def _kernel(points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
@@ -204,14 +217,17 @@ def white_noise(values: np.ndarray) -> float:
     """Standard deviation of a channel's noise, from its third differences, which a slow signal lacks.
 
     It is at least that of the steps in which a converter counts, uniform over one step: a slow signal rests on them.
-    And it is at least that of twelve bits.
     """
     known = values[np.isfinite(values)]
-    third, levels = np.diff(known, 3), np.diff(np.unique(known))
-    if not third.size:
-        return 0.0
-    step = max(float(np.min(levels)) if levels.size else 0.0, float(np.ptp(known)) / LEVELS)
-    return max(float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)), step / float(np.sqrt(12.0)))
+    levels = np.diff(np.unique(known))
+    step = float(np.min(levels)) if levels.size else 0.0
+    return max(fluctuation(known), step * UNIFORM)
+
+
+def fluctuation(values: np.ndarray) -> float:
+    """Standard deviation of white noise with such third differences, by their median, which few large ones leave."""
+    third = np.diff(values, 3)
+    return float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)) if third.size else 0.0
 
 
 def motion_of(record: Record) -> Motion:
@@ -233,7 +249,8 @@ def motion_of(record: Record) -> Motion:
         name: smoothed(values, points, 1, step) for name, values in bridged.items() if name in DIFFERENTIATED
     }
     smooth = tuple(float(np.linalg.norm(_kernel(points, order, step))) for order in range(3))
-    noise = {name: white_noise(values) for name, values in record.channels.items()}
+    sensed = {name: white_noise(values) for name, values in record.channels.items()}
+    noise = {name: max(std, UNIFORM * float(np.ptp(bridged[name])) / LEVELS) for name, std in sensed.items()}
     velocity = smoothed(position, points, 1, step)
     creep = CREEP * smooth[1] * noise.get("position", 0.0)
     slack = _slack(velocity, creep, step)
@@ -250,6 +267,7 @@ def motion_of(record: Record) -> Motion:
         resting=np.asarray(maximum_filter1d(np.abs(velocity), 2 * points) <= creep),
         blurred=_blurred(bridged, noise, points, step),
         noise=noise,
+        sensed=sensed,
         smooth=(smooth[0], smooth[1], smooth[2]),
         slack=_with_rates(slack, points, step),
     )
@@ -257,7 +275,7 @@ def motion_of(record: Record) -> Motion:
 
 def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], points: int, step: float) -> np.ndarray:
     """Where a pressure or a force differs between the window and half of it by more than noise, and a window around;
-    where none is measured the acceleration.
+    where none is measured the acceleration. A record that is blurred throughout has no better part.
     """
     half = max(2 * (points // 4) + 1, FEWEST - 2)
     fast = np.zeros(next(iter(channels.values())).size)
@@ -267,7 +285,8 @@ def _blurred(channels: Mapping[str, np.ndarray], noise: Mapping[str, float], poi
         left = noise[name] * float(np.linalg.norm(_kernel(half, order, step)))
         least = CLEAN * float(np.std(wide if order else channels[name])) * float(np.linalg.norm(_kernel(half)))
         fast += np.abs(narrow - wide) > SHARP * max(left, least)
-    return np.asarray(maximum_filter1d((fast > 0).astype(float), points) > 0)
+    blurred = np.asarray(maximum_filter1d((fast > 0).astype(float), points) > 0)
+    return blurred if np.mean(blurred) < THROUGHOUT else np.zeros_like(blurred)
 
 
 def _slack(velocity: np.ndarray, creep: float, step: float) -> np.ndarray:

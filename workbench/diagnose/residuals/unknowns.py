@@ -54,6 +54,8 @@ def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]]
         least, most, size = number.low * unit, number.high * unit, number.size * unit
         if start == NEUTRAL.get(name, 0.0) or name not in values:
             start = size if least == 0.0 else NEUTRAL.get(name, 0.0)
+        elif NEUTRAL.get(name, 0.0) == 0.0:
+            size = min(size, abs(start))  # by that much it is moved
         return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
     if start > 0.0 and plain not in EITHER_SIGN:
         widest = float(np.log(WIDEST))

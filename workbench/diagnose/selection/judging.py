@@ -42,7 +42,7 @@ def choose(
         holds = gained > 0.0 and known and enough and (not proposal.added or _holds(beside, found, price, ask))
         if holds and gained > _by_itself(beside, found, ask):
             return (proposal, found), nearer
-        if beside is not nearer and beside.squares < nearer.squares - 1.0:
+        if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:
             nearer = beside
     return None, nearer
 

@@ -23,7 +23,7 @@ from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import NEUTRAL
 
-FIRST_STEPS = Search(flat=1e-3, near=1e-3, most_steps=8, learns=True)
+FIRST_STEPS = Search(flat=1e-3, most_steps=8, learns=True)
 """When a fit ends that shows whether an effect leads anywhere."""
 
 NEARLY = 0.3
@@ -42,7 +42,7 @@ TRIED = 4
 """Sets that are fitted in a round."""
 
 SHARE = 0.6
-"""Of what the best set promises, from which another is fitted beside it: a promise is of first order."""
+"""Of what the best set keeps, from which another that promises so much is fitted beside it."""
 
 ROUNDS = 6
 """Rounds at most."""
@@ -81,10 +81,10 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         if explored:
             fitted = _explored(current, taken, ask)
         else:
-            proposals = _worth(_proposals(outlook, taken, ask))
+            proposals = _proposals(outlook, taken, ask)
             if ask.is_at_floor(current):
                 proposals = [proposal for proposal in proposals if not proposal.added]
-            fitted = [(proposal, fitted_with(current, taken, proposal, ask)) for proposal in proposals]
+            fitted = _promising(proposals, current, taken, ask)
         candidates = _candidates(outlook, fitted, ask)
         better = [pair for pair in fitted if is_estimated(pair[1], current.balance)]
         better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))
@@ -227,12 +227,18 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     return sorted([*alone, *found], key=lambda proposal: -proposal.score)
 
 
-def _worth(proposals: Sequence[Proposal]) -> list[Proposal]:
-    """Those that are worth a fit."""
-    if not proposals or proposals[0].score <= 0.0:
-        return []
-    least = min(SHARE * proposals[0].score, proposals[0].score - LEVEL)
-    return [proposal for proposal in proposals if proposal.score > max(least, 0.0)][:TRIED]
+def _promising(proposals: Sequence[Proposal], current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
+    """Sets that promise something, fitted from the best on, until one keeps what the others do not even promise."""
+    fitted, kept = list[tuple[Proposal, Fit]](), 0.0
+    for proposal in proposals[:TRIED]:
+        if proposal.score <= max(min(SHARE * kept, kept - LEVEL), 0.0):
+            break
+        found = fitted_with(current, taken, proposal, ask)
+        fitted.append((proposal, found))
+        if is_estimated(found, current.balance):
+            price = ask.price(proposal.added, proposal.dropped, taken, current.balance)
+            kept = max(kept, 0.5 * (current.squares - found.squares) - price)
+    return fitted
 
 
 def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:

@@ -11,10 +11,10 @@ from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
 from workbench.fitting.least_squares import Search
 
-QUICK = Search(flat=1e-5, near=1e-4, most_steps=15, learns=True)
+QUICK = Search(flat=1e-5, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
 
-FINAL = Search(flat=1e-5, near=1e-4, most_steps=6)
+FINAL = Search(flat=1e-5, most_steps=6)
 """When the fit ends from which a search goes on."""
 
 AT_FLOOR = 1.0

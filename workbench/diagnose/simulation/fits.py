@@ -8,7 +8,6 @@ found with its parameters.
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
@@ -22,10 +21,10 @@ from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import THREADS, Search
 from workbench.parameters.sets import EITHER_SIGN
 
-QUICK = Search(flat=1e-3, near=1e-4, most_steps=15, learns=True)
+QUICK = Search(flat=1e-3, most_steps=15, learns=True)
 """When a fit ends from which another goes on."""
 
-FINAL = Search(flat=1e-5, near=1e-5, most_steps=6)
+FINAL = Search(flat=1e-5, most_steps=6)
 """When the fit ends whose parameters count."""
 
 NOISE = 1.5
@@ -38,14 +37,17 @@ balances give: beyond it what the model lacks decides them, and what adds up ove
 PIECES = (20, 80, 320)
 """Instants of a fit in a piece, from the shortest."""
 
-ROUNDS = 4
+ROUNDS = 20
 """Times that parameters, and then states at the starts, are found, at most."""
 
-PASSING = 2
-"""The same of pieces from which longer ones go on."""
+STEPS, FALLS = 8, 0.98
+"""Further steps of a start, at most, and the share of its rms that one has to leave at most for another."""
 
 GOES_ON = 0.9
 """Share of the rms that a round has to leave at most for another."""
+
+CLIMBS = 0.8
+"""The same of pieces from which longer ones go on."""
 
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
@@ -59,8 +61,13 @@ SCANS, HOPELESS = 2, 300.0
 LEADS_ON = 5.0
 """Standard deviations of noise that a piece may be off and lead to a longer one: else something is missing."""
 
-DAMPED = (1e-3, 0.1, 1.0)
-"""Dampings, of each state's own curvature, of the steps of the states at a start that are tried."""
+FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
+"""Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
+that leaves less, and after one that does not; and how many are tried."""
+
+FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
+"""Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
+least tolerance."""
 
 BETTER = 0.98
 """Rms over that of another fit from which it is better."""
@@ -68,20 +75,21 @@ BETTER = 0.98
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, and what the states at the
-    starts would change (`Shooting.starting`), if that was found.
+    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, what the states at the
+    starts would change (`Shooting.starting`), if that was found, and whether it went by way of pieces (`climbed`).
     """
 
     how: Shooting
     fit: Fit
     starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
+    climbed: bool = False
 
     @property
     def is_near(self) -> bool:
         """Whether it follows its records from end to end, and so near to noise, which may be slow, that what it leaves
         tells what it lacks.
         """
-        return bool(np.isinf(self.how.length)) and self.fit.rms < ASTRAY
+        return bool(np.isinf(self.how.length)) and self.fit.excess < ASTRAY
 
 
 @dataclass(frozen=True)
@@ -92,12 +100,15 @@ class Fitting:
     names: Sequence[str]
     bounds: Mapping[str, tuple[float, float]]
 
-    def found(self, how: Shooting, values: Values, rounds: int = ROUNDS) -> Simulated:
+    def found(self, how: Shooting, values: Values) -> Simulated:
         """The parameters and the states at the starts that leave least of the records, from these values on."""
-        best = self.begun(how, values)
-        for _ in range(rounds):
+        return self.bettered(self.begun(how, values), GOES_ON)
+
+    def bettered(self, best: Simulated, least: float) -> Simulated:
+        """The same from a plant as it is begun, as long as a round leaves no more than a share of its rms."""
+        for _ in range(ROUNDS):
             again = self._once(best)
-            goes_on = again.fit.rms < GOES_ON * best.fit.rms
+            goes_on = again.fit.rms < least * best.fit.rms
             best = again if again.fit.rms < best.fit.rms else best
             if not goes_on:
                 break
@@ -106,22 +117,50 @@ class Fitting:
     def begun(self, how: Shooting, values: Values) -> Simulated:
         """The plant with these values, from the starts that suit them best: near those that suited others, or near what
         was measured, since a long run may not find back from the one to the other.
-        """
-        near = self._begun(how, values)
-        if not how.begins or not np.isinf(how.length) or near.fit.rms > ASTRAY:
-            return near
-        measured = self._begun(replace(how, begins={}), values)
-        return min(near, measured, key=lambda one: one.fit.rms)
 
-    def _begun(self, how: Shooting, values: Values) -> Simulated:
-        starting = how.starting(self.motions, values)
-        begun = restarted(how, fit(how.balance(self.motions, ()), values, ()), *starting)
-        return Simulated(begun, fit(begun.balance(self.motions, ()), values, ()), starting)
+        Far from noise a long run is begun by what comes soon after: else its start makes up for what its parameters
+        are off by, and does not find back.
+        """
+        if not np.isinf(how.length):
+            return self.stepped(how, values)
+        soon = self._begun_soon(how, values)
+        fresh = fit(soon.balance(self.motions, ()), values, ())
+        if fresh.excess < ASTRAY:
+            measured = self.stepped(soon, values)
+        else:
+            measured = Simulated(soon, fresh, soon.starting(self.motions, values))
+        if not how.begins:
+            return measured
+        before = fit(how.balance(self.motions, ()), values, ())
+        if measured.fit.excess < NOISE and measured.fit.rms <= before.rms:
+            return measured
+        near = self.stepped(how, values)
+        return near if near.fit.rms < measured.fit.rms and near.fit.excess < ASTRAY else measured
+
+    def _begun_soon(self, how: Shooting, values: Values) -> Shooting:
+        """The same from starts that suit the first instants of each record."""
+        instant = self.motions[0].thinning * self.motions[0].record.sample_time
+        soon = replace(how, begins={}, most=1)
+        for count in PIECES:
+            soon = self.stepped(replace(soon, length=count * instant), values).how
+        return replace(how, begins=soon.begins)
+
+    def stepped(self, how: Shooting, values: Values) -> Simulated:
+        """The same by damped Gauss-Newton steps of the starts, as long as these leave clearly less."""
+        best = fit(how.balance(self.motions, ()), values, ())
+        damping = np.array([FIRST])
+        for _ in range(STEPS):
+            starting = how.starting(self.motions, values)
+            how, damping = restarted(how, best, starting, damping)
+            before, best = best, fit(how.balance(self.motions, ()), values, ())
+            if best.rms > FALLS * before.rms:
+                break
+        return Simulated(how, best, starting)
 
     def _once(self, of: Simulated) -> Simulated:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
-        weigh = by_scatter if of.fit.rms > NEAR_NOISE else weighing_of
+        weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
         weighing = weighed_by(weigh, of.fit, of.starting)
         fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
         return self.begun(of.how, fitted.values)
@@ -130,7 +169,7 @@ class Fitting:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         balance = of.how.balance(self.motions, self.names)
         weighing, search = weighing_at(of.fit), FINAL
-        if of.fit.rms > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
+        if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
             weighing, search = weighed_by(by_scatter, of.fit), Search(most_steps=1)
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
@@ -141,38 +180,57 @@ def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) 
     return fitting.final(fitting.found(best.how, best.fit.values))
 
 
+def exactly(of: Simulated, fitting: Fitting) -> Simulated:
+    """A fit once more with a solver whose error does not matter beside the noise: a fine sensor shows it, and effects
+    would explain it.
+    """
+    how, values = of.how, of.fit.values
+    before = of.fit.weighing(how.balance(fitting.motions, ()).stacked(values))
+    while how.tolerance > FINEST:
+        finer = how.with_tolerance(how.tolerance * FINER)
+        after = of.fit.weighing(finer.balance(fitting.motions, ()).stacked(values))
+        if float(np.sum((after - before) ** 2)) < HIDDEN:
+            break
+        how, before = finer, after
+    return of if how is of.how else replace(fitting.final(fitting.begun(how, values)), climbed=of.climbed)
+
+
 def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same, if it is not near noise, by way of pieces, and from where its parameters leave least of most of its
     records; to pieces alone where it does not follow them from end to end.
     """
     whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
-    best = _scanned(fitting, first) if first.fit.rms < ASTRAY else first
-    if best.fit.rms > NEAR_NOISE:
+    best = _scanned(fitting, first) if first.fit.excess < ASTRAY else first
+    if best.fit.excess > NEAR_NOISE:
         pieces, values = list[Simulated](), dict(start)
         for how in _ladder(whole, motions):
-            pieces.append(fitting.found(how, values, PASSING))
+            starts = [values] if pieces else [values, best.fit.values]
+            begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
+            pieces.append(fitting.bettered(begun, CLIMBS))
             values = pieces[-1].fit.values
-            if pieces[-1].fit.rms > LEADS_ON:
+            climbed = fitting.begun(whole, values)
+            if climbed.fit.rms < best.fit.rms:
+                best = fitting.bettered(climbed, GOES_ON)
+            if best.is_near or pieces[-1].fit.excess > LEADS_ON:
                 break
-        if pieces and pieces[-1].fit.rms < LEADS_ON:
-            climbed = _scanned(fitting, fitting.found(whole, values))
-            best = climbed if climbed.fit.rms < best.fit.rms else best
-        if best.fit.rms > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
+        best = _scanned(fitting, best) if best.is_near else best
+        if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
             longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
             best = (longest or pieces or [best])[-1]
-    return first if best is first else fitting.final(best)
+    return replace(first if best is first else fitting.final(best), climbed=True)
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
-    """A plant with these values from the starts that suit them best."""
-    return Fitting(motions, (), {}).found(how, values).how
+    """A plant with these values from the starts that suit them best, from end to end."""
+    fitting = Fitting(motions, (), {})
+    starts = fitting.begun(how, values).how, replace(how, begins={})
+    return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
 
 
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:
     """A fit from the starts that suit its values best, by the likelihood of the noise that it leaves then."""
     fitting = Fitting(motions, found.names, bounds)
-    begun = fitting.begun(how, found.values)
-    return fitting.final(fitting.begun(begun.how, found.values)).fit
+    return fitting.final(fitting.begun(how, found.values)).fit
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
@@ -182,24 +240,33 @@ def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
     return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
 
 
-def restarted(how: Shooting, fitted: Fit, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Shooting:
-    """The same with the states at each start where they leave least of its piece, by `columns` of what they change: by
-    a damped Gauss-Newton step, of those that a command sets only if that is better.
+def restarted(
+    how: Shooting, fitted: Fit, starting: tuple[np.ndarray, Sequence[np.ndarray]], damping: np.ndarray
+) -> tuple[Shooting, np.ndarray]:
+    """The same with the states at each start where they leave less of its piece, by what a change of them does
+    (`Shooting.starting`): by a damped Gauss-Newton step, of those that a command sets only if that is better; and the
+    damping of each start from which to go on.
     """
-    motions, values = fitted.balance.motions, fitted.values
-    weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.rms < NEAR_NOISE else None
+    motions, values, (columns, groups) = fitted.balance.motions, fitted.values, starting
+    weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.excess < NEAR_NOISE else None
     block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
-    squares, steps = [_squares(left, groups)], [np.zeros((len(groups), columns.shape[1]))]
     moving = [~how.follows, *([np.ones_like(how.follows)] if np.any(how.follows) else [])]
-    for damping, moved in product(DAMPED, moving):
-        steps.append(np.array([_step(moved * block[rows], left[rows], damping) for rows in groups]))
-        other = fit(_begun(how, motions, values, steps[-1]).balance(motions, ()), values, ()).residual
-        squares.append(_squares(other if weigh is None else weigh(other), groups))
-        if moved is moving[-1] and np.all(np.min(squares[1:], axis=0) < squares[0]):
+    first = _squares(left, groups)
+    least, chosen = first, np.zeros((len(groups), columns.shape[1]))
+    damping = np.broadcast_to(damping, least.shape)
+    for _ in range(TRIES):
+        for moved in moving:
+            each = zip(groups, damping, strict=True)
+            steps = np.array([_step(moved * block[rows], left[rows], one) for rows, one in each])
+            other = fit(_begun(how, motions, values, steps).balance(motions, ()), values, ()).residual
+            squares = _squares(other if weigh is None else weigh(other), groups)
+            chosen = np.where((squares < least)[:, None], steps, chosen)
+            least = np.minimum(least, squares)
+        lower = least < first
+        damping = np.where(lower, np.maximum(damping * EASIER, LEAST), damping * HARDER)
+        if np.all(lower):
             break
-    best = np.argmin(squares, axis=0)
-    chosen = np.array(steps)[best, np.arange(len(groups))]
-    return _begun(how, motions, values, chosen) if np.any(best) else how
+    return _begun(how, motions, values, chosen), damping
 
 
 def _squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
@@ -219,7 +286,8 @@ def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.n
     begins, at = dict(how.begins), 0
     for motion in motions:
         moves, count = np.array(how.moves(motion, values)), len(how.starts(motion))
-        begins[motion.record] = begins.get(motion.record, 0.0) + steps[at : at + count] @ moves
+        reach, begin = how.reach(motion, values), begins.get(motion.record, 0.0) + steps[at : at + count] @ moves
+        begins[motion.record] = np.clip(begin, -reach, reach)
         at += count
     return replace(how, begins=begins)
 
@@ -227,7 +295,7 @@ def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.n
 def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
     """The fit from where each positive parameter in turn leaves least of most of its records, if that is better."""
     for _ in range(SCANS):
-        if not NOISE < best.fit.rms < HOPELESS:
+        if not NOISE < best.fit.excess < HOPELESS:
             break
         balance, values = best.fit.balance, dict(best.fit.values)
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)

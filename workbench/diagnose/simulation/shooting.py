@@ -18,18 +18,21 @@ from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
-from workbench.diagnose.residuals.shown import deviation, shown
+from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
 
-SOLVER = 1e-5
+SOLVER = 1e-6
 """Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
 
 NUDGED = 1e-2
 """Of the typical magnitude of a state that no sensor shows, by which it is moved at a start."""
+
+ASIDE = 0.3
+"""Standard deviations along a record by which a state may start beside what was measured, at most."""
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
@@ -144,6 +147,16 @@ class Shooting:
                 moves[-1][place] = size
         return moves
 
+    def reach(self, motion: Motion, values: Values) -> np.ndarray:
+        """How far each state may start from what was measured, shape (states,): by how much it varies where a sensor
+        shows it, since smoothing is off by no more.
+        """
+        spread = [
+            ASIDE * float(np.std(state_along(name, motion, values))) if shown(motion.channels, name) else np.inf
+            for name in self.along.names
+        ]
+        return np.array(spread)
+
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
         between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
@@ -160,9 +173,22 @@ class Shooting:
         for name in self.channels:
             error = motion.measured[name] - seen[name]
             error[~covered] = 0.0
-            noise = max(motion.noise[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
+            noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
             out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
         return out
+
+    def with_tolerance(self, tolerance: float) -> "Shooting":
+        """The same with another tolerance of the solver."""
+        setups = {
+            record: replace(setup, integrator=replace(setup.integrator, tolerance=tolerance))
+            for record, setup in self.setups.items()
+        }
+        return replace(self, setups=setups)
+
+    @property
+    def tolerance(self) -> float:
+        """Of the solver, as `Integrator` has it."""
+        return max(setup.integrator.tolerance for setup in self.setups.values())
 
     def samples(self, motion: Motion) -> int:
         """Samples from start to start."""

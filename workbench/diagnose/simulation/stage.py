@@ -26,6 +26,7 @@ from workbench.diagnose.simulation.fits import (
     TRUSTED,
     Fitting,
     Simulated,
+    exactly,
     fit_farther,
     fit_simulation,
     settle,
@@ -35,6 +36,9 @@ from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
+
+LIKELY = 2.0
+"""Times the rms of the one, with its parameters, up to which the other may be better with its own."""
 
 SHARP = 1.03
 """Standard deviations of noise from which a voltage is tried that is a straight line between samples."""
@@ -80,17 +84,17 @@ class SimulationStage:
     @property
     def is_trusted(self) -> bool:
         """Whether what is left is near to noise, which may be slow: then the parameters are those of the machine."""
-        return self.is_near or self.after.rms < TRUSTED
+        return self.is_near or self.after.excess < TRUSTED
 
     @property
     def baseline_is_trusted(self) -> bool:
         """The same of the plant without effects."""
-        return self.before.rms < TRUSTED or (self.before is self.after and self.is_trusted)
+        return self.before.excess < TRUSTED or (self.before is self.after and self.is_trusted)
 
     @property
     def follows(self) -> bool:
         """Whether the plant follows its records within noise: then nothing is missing that they could show."""
-        return self.after.rms < NOISE
+        return self.after.excess < NOISE
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds it: errors in standard deviations of the sensors' noise."""
@@ -138,10 +142,12 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    if best.is_near and best.fit.rms > SHARP:
-        other = fit_simulation(ramps, fitting, [best.fit.values])  # the voltage was no computer's
-        best = min(best, other, key=lambda either: either.fit.rms)
-    return best if best.is_near else fit_farther(best, fitting, starts[-1])
+    if best.is_near and best.fit.excess > SHARP:
+        straight = fitting.begun(ramps, best.fit.values)  # the voltage was no computer's
+        if straight.fit.rms < LIKELY * best.fit.rms:
+            best = min(best, fitting.final(fitting.found(straight.how, best.fit.values)), key=lambda one: one.fit.rms)
+    best = best if best.is_near else fit_farther(best, fitting, starts[-1])
+    return exactly(best, fitting) if best.is_near else best
 
 
 def simulation_stage(
@@ -152,7 +158,7 @@ def simulation_stage(
     A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
     """
     found = _stage(experiment, motions, start, base, progress)
-    if NEAR_NOISE < found.after.rms < ASTRAY:
+    if not base.climbed and NEAR_NOISE < found.after.excess < ASTRAY:
         progress("simulating pieces of the records", 0.7)
         fitting = Fitting(motions, base.fit.names, experiment.bounds)
         farther = fit_farther(base, fitting, start.baseline)
