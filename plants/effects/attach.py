@@ -161,8 +161,13 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
         """At rest for long, with parameters as the effects make them there: of the pressures that hold a load, too."""
         state, inputs = plant.equilibrium(p, surface_speed)
+        before = p
         for _ in range(PASSES):
-            state, inputs = plant.equilibrium(resting(p, rested(state, inputs), inputs), surface_speed)
+            there = resting(p, rested(state, inputs), inputs)
+            if there == before:
+                break
+            state, inputs = plant.equilibrium(there, surface_speed)
+            before = there
         return rested(state, inputs), inputs
 
     def scaled(balance: Balance) -> Balance:

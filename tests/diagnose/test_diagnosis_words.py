@@ -16,7 +16,7 @@ from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
 from workbench.diagnose.report.verdict import verdict_sentence
-from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.result import BeforeAfter, Diagnosis
 from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
 from workbench.publish.words import plain_name
@@ -49,6 +49,16 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     worse = rejected(diagnosis)
     assert worse.verdict == "rejected_on_held_out"
     assert verdict_sentence(worse).startswith("Rejected on held-out records: valve dead")
+
+
+def test_what_gets_worse_and_rejects_nothing_is_told(diagnosis: Diagnosis) -> None:
+    tested = diagnosis.errors.held_out
+    before, after = replace(tested.before, load_pressure=1.0e4), replace(tested.after, load_pressure=1.45e4)
+    worse = replace(diagnosis, errors=replace(diagnosis.errors, held_out=BeforeAfter(before, after)))
+    assert worse.verdict == "effect_found"
+    told = "worse is load pressure, simulated against measured (from 10.0 to 14.5 kPa). It does not reject what was found"
+    assert any(told in line for line in sureness(worse))
+    assert not any("Not all gets better" in line for line in sureness(rejected(worse)))
 
 
 def test_on_rejection_the_plant_stays_as_declared(diagnosis: Diagnosis, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, plain, weighing_of, without
@@ -27,7 +28,7 @@ def test_coloured_noise_is_whitened_to_a_deviation_of_1(numbers: list[float]) ->
     series = [[slice(0, ROWS)]]
     white = weighing_of(series, residual)(residual)
     known = white[white != 0.0]
-    assert known.size > ROWS - 30
+    assert known.size == ROWS
     assert np.std(known) == pytest.approx(1.0, abs=0.02)
     for lag in range(1, 6):
         assert abs(correlation(known, lag)) < 3.0 / np.sqrt(ROWS), lag
@@ -42,7 +43,7 @@ def test_every_kind_of_residual_has_a_noise_of_its_own_alike_in_all_records() ->
     white = weighing(residual)
     for place in places:
         assert np.std(white[place]) == pytest.approx(1.0, abs=0.05)
-    assert weighing.filters[0][1] / weighing.filters[0][0] == pytest.approx(-0.9, abs=0.03)
+    assert weighing.filters[0].numbers[1] / weighing.filters[0].numbers[0] == pytest.approx(-0.9, abs=0.03)
     assert len(weighing.filters) == 2
 
 
@@ -50,13 +51,30 @@ def test_what_is_exactly_0_says_nothing_nor_does_what_remembers_it() -> None:
     residual = coloured([1.0, -0.9], 1.0, 1)
     residual[1000:1200] = 0.0
     weighing = weighing_of([[slice(0, ROWS)]], residual)
-    order = weighing.filters[0].size - 1
+    order = weighing.filters[0].numbers.size - 1
     assert order >= 1
     assert not np.any(weighing.counts[1000 : 1200 + order])
     assert np.all(weighing.counts[1200 + order :])
-    assert np.all(weighing.counts[order:1000])
+    assert np.all(weighing.counts[:1000])
     moved = weighing(residual + 1.0)
     assert not np.any(moved[1000 : 1200 + order]), "a step there must not count either"
+
+
+def test_the_first_of_a_series_weigh_by_their_covariance() -> None:
+    residual = coloured([1.0, -1.6, 0.9], 1.0, 1)
+    white = weighing_of([[slice(0, ROWS)]], residual).filters[0]
+    size = white.head.shape[0]
+    lags = [float(residual[lag:] @ residual[: ROWS - lag]) / ROWS for lag in range(size)]
+    assert size >= 2
+    assert white.head @ toeplitz(lags) @ white.head.T == pytest.approx(np.eye(size), abs=0.03)
+
+
+def test_what_a_series_begins_with_counts() -> None:
+    residual = coloured([1.0, -0.9], 1.0, 1)
+    weighing = weighing_of([[slice(0, ROWS)]], residual)
+    begun = residual.copy()
+    begun[0] += 30.0
+    assert np.sum(weighing(begun) ** 2) > np.sum(weighing(residual) ** 2) + 100.0
 
 
 def test_columns_weigh_as_residuals_do() -> None:

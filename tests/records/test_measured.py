@@ -16,7 +16,6 @@ from workbench.diagnose.report.series import parts_of, shown_signals
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.residuals.motion import motion_of
 from workbench.diagnose.result import Diagnosis
-from workbench.publish.tables import shown_number
 from workbench.records.reading import read_records
 
 MEASURED = Path(__file__).parents[2] / "studies" / "measured"
@@ -88,13 +87,10 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
     assert after < 31.2
     assert tested.before.load_pressure is not None
     assert tested.after.load_pressure is not None
-    assert tested.after.load_pressure > tested.before.load_pressure
-    before_kpa = shown_number(tested.before.load_pressure / 1e3, 3)
-    told = f"worse is load pressure, simulated against measured (from {before_kpa} to "
-    assert any(told in line for line in sureness(diagnosis))
+    assert tested.after.load_pressure == pytest.approx(tested.before.load_pressure, rel=0.01)  # it drifts either way
     assert tested.before.position is not None
     assert tested.after.position is not None
-    assert tested.after.position < 0.4 * tested.before.position  # a free run from what the sensors show of its start
+    assert tested.after.position < 0.2 * tested.before.position  # a free run from what the sensors show of its start
 
 
 def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tmp_path: Path) -> None:

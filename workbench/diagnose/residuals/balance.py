@@ -1,6 +1,7 @@
 """A physical balance of some records: what is left of it with values of the parameters, over its noise floor."""
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from plants.axis import LINEAR
 from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.fitting.least_squares import THREADS
 
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
@@ -83,14 +85,13 @@ class Balance:
         known = [self.known(motion) for motion in self.motions]
         share = sum(map(np.sum, known)) / max(sum(map(np.size, known)), 1)
         scale = 1.0 / (self.floor * np.sqrt(share)) if share > 0.0 else 0.0
-        with np.errstate(over="ignore", invalid="ignore"):
-            stack = np.concatenate(
-                [
-                    np.where(where, scale * part, 0.0)
-                    for motion, where in zip(self.motions, known, strict=True)
-                    for part in self.residuals(motion, values)
-                ]
-            )
+
+        def over_floor(motion: Motion, where: np.ndarray) -> list[np.ndarray]:
+            with np.errstate(over="ignore", invalid="ignore"):
+                return [np.where(where, scale * part, 0.0) for part in self.residuals(motion, values)]
+
+        with ThreadPoolExecutor(THREADS) as pool:
+            stack = np.concatenate([part for parts in pool.map(over_floor, self.motions, known) for part in parts])
         return np.where(np.abs(stack) < RUNS_AWAY, stack, np.nan)
 
     @cached_property

@@ -193,7 +193,7 @@ def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
 
 def weighed_again(fitted: Fit, weighed: np.ndarray) -> Weighing:
     """How the weighed residuals of a fit weigh once more if these are its noise: in floors, which have a meaning."""
-    unit = float(fitted.weighing.filters[0][0])
+    unit = float(fitted.weighing.filters[0].numbers[0])
     return noise_like(fitted.balance)(fitted.balance.series, weighed / unit).times(1.0 / unit)
 
 

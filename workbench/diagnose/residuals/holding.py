@@ -8,7 +8,7 @@ from plants.compiled import address, njit, shift
 from workbench.simulation.compilation import call_derivatives
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def hold_all(
     derivatives: int,
     time: Any,
@@ -37,7 +37,7 @@ def hold_all(
             states[k, i] = x[i]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def hold(
     derivatives: int,
     time: float,
@@ -66,7 +66,7 @@ def hold(
             state[i] += (acceleration - rates[velocity]) / stiffness
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def limit(
     derivatives: int,
     time: float,

@@ -36,7 +36,7 @@ REFRESHED = 5e-3
 on it."""
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def walk(
     derivatives: int,
     time: Any,
@@ -155,7 +155,7 @@ def walk(
     return tracked, asked
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _bends(rates: Any, expected: Any, contact: Any, limits: Any) -> bool:
     """Whether a contact's rates at the end of a step are off by more than `limits` from where straight lines lead."""
     off = 0.0
@@ -164,7 +164,7 @@ def _bends(rates: Any, expected: Any, contact: Any, limits: Any) -> bool:
     return off > 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _in_parts(
     derivatives: int,
     time: float,
@@ -209,7 +209,7 @@ def _in_parts(
         state[i] = z[i]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
     """Mean rate over a step, from a state's rate and what the next instant's motion makes of it."""
     mean = 0.5 * (decay + decay_ahead)
@@ -222,7 +222,7 @@ def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
     return first * rate + second * ahead
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _slopes(
     derivatives: int,
     time: float,
@@ -249,7 +249,7 @@ def _slopes(
                 slopes[i] = (other[i] - rates[i]) / nudges[i]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def rates_along(derivatives: int, time: Any, states: Any, inputs: Any, parameters: Any) -> Any:
     """Rates (instants, states) of whole states along a motion."""
     rates = np.empty_like(states)

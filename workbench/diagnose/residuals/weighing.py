@@ -5,8 +5,9 @@ Noise that is coloured counts less often than it has samples. Of each residual a
     e_t = (r_t + a_1 r_{t-1} + ... + a_p r_{t-p}) / s,
 
 whose e is white with a standard deviation of 1, and sums of squares of e are those of a likelihood (Cochrane and Orcutt
-1949; its order by Akaike's criterion). What does not depend on any parameter, such as where a simulation starts, is
-projected off.
+1949; its order by Akaike's criterion). The first p of a series have fewer before them, and are foreseen by those
+alone: they count too, since they tell where a simulation starts. What does not depend on any parameter, such as where a
+simulation starts, is projected off.
 """
 
 from collections.abc import Sequence
@@ -30,13 +31,43 @@ Slices = Sequence[Sequence[slice]]
 
 
 @dataclass(frozen=True, eq=False)
+class Whitening:
+    """(1, a_1 .. a_p) / s of an autoregression, and how the first p residuals become white, shape (p, p)."""
+
+    numbers: np.ndarray
+    head: np.ndarray
+
+    @classmethod
+    def of(cls, deviation: float) -> "Whitening":
+        """That of residuals that are white."""
+        return cls(np.array([1.0 / deviation]), np.zeros((0, 0)))
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """A series, or columns of several, shape (rows,) or (rows, columns), from its beginning on."""
+        first = min(self.head.shape[0], values.shape[0])
+        out = lfilter(self.numbers, 1.0, values, axis=0)
+        out[:first] = self.head[:first, :first] @ values[:first]
+        return np.asarray(out)
+
+    def times(self, factor: float) -> "Whitening":
+        """The same of residuals in other units."""
+        return Whitening(factor * self.numbers, factor * self.head)
+
+    def counts(self, known: np.ndarray) -> np.ndarray:
+        """Which residuals have all that they are foreseen by."""
+        size = self.numbers.size
+        whole = lfilter(np.ones(size), 1.0, known.astype(float)) > np.minimum(np.arange(known.size) + 1, size) - 0.5
+        return np.asarray(known & whole)
+
+
+@dataclass(frozen=True, eq=False)
 class Weighing:
-    """How rows of a stack become rows of a likelihood: a filter for each kind of residual, rows that count, directions
-    that do not (for some rows an orthonormal basis each).
+    """How rows of a stack become rows of a likelihood: a whitening for each kind of residual, rows that count,
+    directions that do not (for some rows an orthonormal basis each).
     """
 
     series: Slices
-    filters: Sequence[np.ndarray]
+    filters: Sequence[Whitening]
     counts: np.ndarray
     beside: Sequence[tuple[np.ndarray, np.ndarray]] = ()
 
@@ -44,8 +75,8 @@ class Weighing:
         """A residual, or the columns of its Jacobian: shape (rows,) or (rows, columns)."""
         out = np.zeros_like(stack)
         for slices in self.series:
-            for place, numbers in zip(slices, self.filters, strict=True):
-                out[place] = lfilter(numbers, 1.0, stack[place], axis=0)
+            for place, white in zip(slices, self.filters, strict=True):
+                out[place] = white(stack[place])
         out[~self.counts] = 0.0
         for rows, basis in self.beside:
             out[rows] -= basis @ (basis.T @ out[rows])
@@ -53,7 +84,7 @@ class Weighing:
 
     def times(self, factor: float) -> "Weighing":
         """The same of a residual that is in other units."""
-        return Weighing(self.series, [factor * numbers for numbers in self.filters], self.counts, self.beside)
+        return Weighing(self.series, [white.times(factor) for white in self.filters], self.counts, self.beside)
 
     def without(self, columns: np.ndarray, groups: Sequence[np.ndarray]) -> "Weighing":
         """The same, with these directions projected off: columns (rows, directions), in each group of rows alone."""
@@ -83,7 +114,7 @@ def without(residual: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarr
 
 def plain(series: Slices, size: int) -> Weighing:
     """Every row as it is."""
-    return Weighing(series, [np.ones(1)] * len(series[0]), np.ones(size, dtype=bool))
+    return Weighing(series, [Whitening.of(1.0)] * len(series[0]), np.ones(size, dtype=bool))
 
 
 def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
@@ -93,7 +124,8 @@ def by_scatter(series: Slices, residual: np.ndarray) -> Weighing:
     known = residual[residual != 0.0]
     deviation = max(float(np.sqrt(np.mean(known**2))) if known.size else 1.0, 1.0)
     remembered = max((_remembered(residual[place]) for slices in series for place in slices), default=1.0)
-    return Weighing(series, [np.array([1.0 / (deviation * np.sqrt(remembered))])] * len(series[0]), residual != 0.0)
+    white = Whitening.of(deviation * float(np.sqrt(remembered)))
+    return Weighing(series, [white] * len(series[0]), residual != 0.0)
 
 
 def _remembered(values: np.ndarray) -> float:
@@ -114,18 +146,16 @@ def weighing_of(series: Slices, residual: np.ndarray) -> Weighing:
         pieces = [residual[slices[kind]] for slices in series]
         filters.append(_whitening(pieces))
     for slices in series:
-        for place, numbers in zip(slices, filters, strict=True):
-            known = (residual[place] != 0.0).astype(float)
-            reached = lfilter(np.ones(numbers.size), 1.0, known)
-            counts[place] &= reached > numbers.size - 0.5
+        for place, white in zip(slices, filters, strict=True):
+            counts[place] = white.counts(counts[place])
     return Weighing(series, filters, counts)
 
 
-def _whitening(pieces: Sequence[np.ndarray]) -> np.ndarray:
-    """(1, a_1 .. a_p) / s of the autoregression of these residuals, with the order that Akaike's criterion prefers."""
+def _whitening(pieces: Sequence[np.ndarray]) -> Whitening:
+    """That of these residuals, with the order that Akaike's criterion prefers."""
     known = sum(int(np.count_nonzero(piece)) for piece in pieces)
     if known < 2:
-        return np.ones(1)
+        return Whitening.of(1.0)
     most = max(min(HIGHEST_ORDER, known // ROWS_A_NUMBER), 0)
     sums, pairs = np.zeros(most + 1), np.zeros(most + 1)
     for piece in pieces:
@@ -137,7 +167,7 @@ def _whitening(pieces: Sequence[np.ndarray]) -> np.ndarray:
     taper = 1.0 - np.arange(most + 1) / max(known, 1)  # keeps the autoregression stable
     covariance = covariance * taper
     covariance[0] *= 1.0 + 1e-9
-    best, chosen = np.inf, np.ones(1)
+    best, chosen, shorter = np.inf, Whitening.of(1.0), list[np.ndarray]()
     for order in range(most + 1):
         numbers = np.ones(1)
         if order:
@@ -147,5 +177,7 @@ def _whitening(pieces: Sequence[np.ndarray]) -> np.ndarray:
             break
         criterion = known * np.log(variance) + 2.0 * order
         if criterion < best:
-            best, chosen = criterion, numbers / np.sqrt(variance)
+            head = np.array([np.pad(row[::-1], (0, order - row.size)) for row in shorter]).reshape(order, order)
+            best, chosen = criterion, Whitening(numbers / np.sqrt(variance), head)
+        shorter.append(numbers / np.sqrt(variance))
     return chosen

@@ -1,14 +1,14 @@
 """What sets of effects would gain in likelihood, to first order: from the columns of all, with no further fit."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
 
 from workbench.diagnose.residuals.fit import Fit, weighed_again
-from workbench.diagnose.residuals.weighing import Weighing
+from workbench.diagnose.residuals.weighing import plain
 from workbench.diagnose.selection.trials import Columns, Trial
 from workbench.fitting.least_squares import bounded_minimum
 
@@ -39,7 +39,7 @@ def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -
     stack, wide = np.column_stack([own, block]), np.full(count, np.inf)
     low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
     gain, x = 0.0, np.zeros(stack.shape[1])
-    weigh = Weighing(fitted.balance.series, [np.ones(1)] * len(fitted.balance.series[0]), residual != 0.0)
+    weigh = replace(plain(fitted.balance.series, residual.size), counts=residual != 0.0)
     for _ in range(TIMES):
         columns, left = weigh(stack), weigh(residual)
         curvature, slope = columns.T @ columns, columns.T @ left

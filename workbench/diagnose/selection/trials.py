@@ -7,6 +7,7 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
+from scipy.signal import zoom_fft
 
 from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
@@ -185,8 +186,8 @@ def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarr
         float(np.min(signal)), float(np.max(signal)), int(8.0 * float(frequencies[-1]) * float(np.ptp(signal))) + 2
     )
     sums, _ = np.histogram(signal, edges, weights=residual)
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    return np.asarray(np.abs(np.exp(-2j * np.pi * np.outer(frequencies, middles)) @ sums) ** 2 / residual.size)
+    ends, bins = (float(frequencies[0]), float(frequencies[-1])), 1.0 / float(edges[1] - edges[0])
+    return np.asarray(np.abs(zoom_fft(sums, ends, frequencies.size, fs=bins, endpoint=True)) ** 2 / residual.size)
 
 
 def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Mapping[str, tuple[float, float]]) -> dict[Trial, Columns]:

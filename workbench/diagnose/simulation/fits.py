@@ -40,14 +40,12 @@ PIECES = (20, 80, 320)
 ROUNDS = 20
 """Times that parameters, and then states at the starts, are found, at most."""
 
-STEPS, FALLS = 8, 0.98
-"""Further steps of a start, at most, and the share of its rms that one has to leave at most for another."""
+STEPS = 8
+"""Further steps of a start, at most."""
 
-GOES_ON = 0.9
-"""Share of the rms that a round has to leave at most for another."""
-
-CLIMBS = 0.8
-"""The same of pieces from which longer ones go on."""
+HALVES, CLIMBS, SETTLES = 0.6, 0.85, 0.9995
+"""Share of the rms that a step of a start, or a round, has to leave at most for another: of a fit that is astray, of
+one that is not near noise, and of one that is."""
 
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
@@ -102,15 +100,14 @@ class Fitting:
 
     def found(self, how: Shooting, values: Values) -> Simulated:
         """The parameters and the states at the starts that leave least of the records, from these values on."""
-        return self.bettered(self.begun(how, values), GOES_ON)
+        return self.bettered(self.begun(how, values))
 
-    def bettered(self, best: Simulated, least: float) -> Simulated:
-        """The same from a plant as it is begun, as long as a round leaves no more than a share of its rms."""
+    def bettered(self, best: Simulated) -> Simulated:
+        """The same from a plant as it is begun, as long as a round leaves clearly less."""
         for _ in range(ROUNDS):
-            again = self._once(best)
-            goes_on = again.fit.rms < least * best.fit.rms
-            best = again if again.fit.rms < best.fit.rms else best
-            if not goes_on:
+            before, again = best, self._once(best)
+            best = min(before, again, key=lambda one: one.fit.rms)
+            if not _fell(before.fit, again.fit):
                 break
         return best
 
@@ -123,19 +120,16 @@ class Fitting:
         """
         if not np.isinf(how.length):
             return self.stepped(how, values)
+        near = self.stepped(how, values) if how.begins else None
+        if near is not None and near.fit.excess < NOISE:
+            return near
         soon = self._begun_soon(how, values)
         fresh = fit(soon.balance(self.motions, ()), values, ())
         if fresh.excess < ASTRAY:
             measured = self.stepped(soon, values)
         else:
             measured = Simulated(soon, fresh, soon.starting(self.motions, values))
-        if not how.begins:
-            return measured
-        before = fit(how.balance(self.motions, ()), values, ())
-        if measured.fit.excess < NOISE and measured.fit.rms <= before.rms:
-            return measured
-        near = self.stepped(how, values)
-        return near if near.fit.rms < measured.fit.rms and near.fit.excess < ASTRAY else measured
+        return near if near is not None and near.fit.excess < ASTRAY and near.fit.rms < measured.fit.rms else measured
 
     def _begun_soon(self, how: Shooting, values: Values) -> Shooting:
         """The same from starts that suit the first instants of each record."""
@@ -153,7 +147,7 @@ class Fitting:
             starting = how.starting(self.motions, values)
             how, damping = restarted(how, best, starting, damping)
             before, best = best, fit(how.balance(self.motions, ()), values, ())
-            if best.rms > FALLS * before.rms:
+            if not _fell(before, best):
                 break
         return Simulated(how, best, starting)
 
@@ -177,7 +171,7 @@ class Fitting:
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
     """The plant fitted to its records from end to end, from the best of some starts."""
     best = min((fitting.begun(whole, start) for start in starts), key=lambda one: one.fit.rms)
-    return fitting.final(fitting.found(best.how, best.fit.values))
+    return fitting.final(fitting.bettered(best))
 
 
 def exactly(of: Simulated, fitting: Fitting) -> Simulated:
@@ -192,7 +186,9 @@ def exactly(of: Simulated, fitting: Fitting) -> Simulated:
         if float(np.sum((after - before) ** 2)) < HIDDEN:
             break
         how, before = finer, after
-    return of if how is of.how else replace(fitting.final(fitting.begun(how, values)), climbed=of.climbed)
+    if how is of.how:
+        return of
+    return replace(fitting.final(fitting.bettered(fitting.stepped(how, values))), climbed=of.climbed)
 
 
 def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
@@ -206,11 +202,11 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         for how in _ladder(whole, motions):
             starts = [values] if pieces else [values, best.fit.values]
             begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
-            pieces.append(fitting.bettered(begun, CLIMBS))
+            pieces.append(fitting.bettered(begun))
             values = pieces[-1].fit.values
             climbed = fitting.begun(whole, values)
             if climbed.fit.rms < best.fit.rms:
-                best = fitting.bettered(climbed, GOES_ON)
+                best = fitting.bettered(climbed)
             if best.is_near or pieces[-1].fit.excess > LEADS_ON:
                 break
         best = _scanned(fitting, best) if best.is_near else best
@@ -231,6 +227,12 @@ def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping
     """A fit from the starts that suit its values best, by the likelihood of the noise that it leaves then."""
     fitting = Fitting(motions, found.names, bounds)
     return fitting.final(fitting.begun(how, found.values)).fit
+
+
+def _fell(before: Fit, after: Fit) -> bool:
+    """Whether a step left so much less that another may be worth it: near noise a little counts."""
+    share = SETTLES if after.excess < NEAR_NOISE else CLIMBS if after.excess < ASTRAY else HALVES
+    return after.rms < share * before.rms
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:

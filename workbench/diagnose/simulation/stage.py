@@ -145,7 +145,7 @@ def _simulated(
     if best.is_near and best.fit.excess > SHARP:
         straight = fitting.begun(ramps, best.fit.values)  # the voltage was no computer's
         if straight.fit.rms < LIKELY * best.fit.rms:
-            best = min(best, fitting.final(fitting.found(straight.how, best.fit.values)), key=lambda one: one.fit.rms)
+            best = min(best, fitting.final(fitting.bettered(straight)), key=lambda one: one.fit.rms)
     best = best if best.is_near else fit_farther(best, fitting, starts[-1])
     return exactly(best, fitting) if best.is_near else best
 
