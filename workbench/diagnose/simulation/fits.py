@@ -43,9 +43,9 @@ ROUNDS = 20
 STEPS = 8
 """Further steps of a start, at most."""
 
-HALVES, CLIMBS, SETTLES = 0.6, 0.85, 0.9995
-"""Share of the rms that a step of a start, or a round, has to leave at most for another: of a fit that is astray, of
-one that is not near noise, and of one that is."""
+HALVES, CLIMBS, SETTLES = 0.6, 0.95, 0.9995
+"""Share of the rms that a step of a start, or a round, has to leave at most for another: of a long run that is astray,
+of what else is not near noise, and of what is."""
 
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
@@ -55,9 +55,6 @@ FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 
 SCANS, HOPELESS = 2, 300.0
 """Times that it does, and standard deviations of noise beyond which it is no parameter that is missing."""
-
-LEADS_ON = 5.0
-"""Standard deviations of noise that a piece may be off and lead to a longer one: else something is missing."""
 
 FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
 """Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
@@ -107,7 +104,7 @@ class Fitting:
         for _ in range(ROUNDS):
             before, again = best, self._once(best)
             best = min(before, again, key=lambda one: one.fit.rms)
-            if not _fell(before.fit, again.fit):
+            if not _fell(before.fit, again.fit, again.how):
                 break
         return best
 
@@ -147,7 +144,7 @@ class Fitting:
             starting = how.starting(self.motions, values)
             how, damping = restarted(how, best, starting, damping)
             before, best = best, fit(how.balance(self.motions, ()), values, ())
-            if not _fell(before, best):
+            if not _fell(before, best, how):
                 break
         return Simulated(how, best, starting)
 
@@ -196,23 +193,21 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     records; to pieces alone where it does not follow them from end to end.
     """
     whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
-    best = _scanned(fitting, first) if first.fit.excess < ASTRAY else first
-    if best.fit.excess > NEAR_NOISE:
-        pieces, values = list[Simulated](), dict(start)
-        for how in _ladder(whole, motions):
-            starts = [values] if pieces else [values, best.fit.values]
-            begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
-            pieces.append(fitting.bettered(begun))
-            values = pieces[-1].fit.values
-            climbed = fitting.begun(whole, values)
-            if climbed.fit.rms < best.fit.rms:
-                best = fitting.bettered(climbed)
-            if best.is_near or pieces[-1].fit.excess > LEADS_ON:
-                break
-        best = _scanned(fitting, best) if best.is_near else best
-        if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
-            longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
-            best = (longest or pieces or [best])[-1]
+    best, pieces, values = first, list[Simulated](), dict(start)
+    for how in _ladder(whole, motions):
+        if best.fit.excess < NEAR_NOISE:
+            break
+        starts = [values] if pieces else [values, best.fit.values]
+        begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
+        pieces.append(fitting.bettered(begun))
+        values = pieces[-1].fit.values
+        climbed = fitting.begun(whole, values)
+        if climbed.fit.rms < best.fit.rms:
+            best = fitting.bettered(climbed)
+    best = _scanned(fitting, best) if best.is_near else best
+    if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
+        longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
+        best = (longest or pieces or [best])[-1]
     return replace(first if best is first else fitting.final(best), climbed=True)
 
 
@@ -229,9 +224,12 @@ def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping
     return fitting.final(fitting.begun(how, found.values)).fit
 
 
-def _fell(before: Fit, after: Fit) -> bool:
-    """Whether a step left so much less that another may be worth it: near noise a little counts."""
-    share = SETTLES if after.excess < NEAR_NOISE else CLIMBS if after.excess < ASTRAY else HALVES
+def _fell(before: Fit, after: Fit, how: Shooting) -> bool:
+    """Whether a step left so much less that another may be worth it: near noise a little counts, and a long run that is
+    astray has to find back at once.
+    """
+    astray = after.excess > ASTRAY and np.isinf(how.length)
+    share = SETTLES if after.excess < NEAR_NOISE else HALVES if astray else CLIMBS
     return after.rms < share * before.rms
 
 

@@ -20,7 +20,6 @@ from workbench.diagnose.selection.sets import Asked, without_effects
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
-    ASTRAY,
     BETTER,
     NOISE,
     TRUSTED,
@@ -126,16 +125,17 @@ class SimulationStart:
 def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
-    """The declared plant simulated along the records; None where they cannot be simulated."""
+    """The declared plant simulated along the records from end to end; None where they cannot be simulated."""
     progress("simulating the declared plant", 0.2)
-    return _simulated(experiment, motions, [start.baseline], start.free)
+    return _simulated(experiment, motions, [start.baseline], start.free, climbs=False)
 
 
 def _simulated(
-    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
+    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str], *, climbs: bool
 ) -> Simulated | None:
-    """The plant fitted to simulation error from some starts, with those parameters that it has; None where the records
-    cannot be simulated. The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
+    """The plant fitted to simulation error from some starts, with those parameters that it has, if it `climbs` by way
+    of pieces where it is not near noise else; None where the records cannot be simulated. The voltage of a valve holds
+    from sample to sample, or is a straight line: what leaves less.
     """
     held, ramps = (shooting_of(experiment, motions, held=held) for held in (True, False))
     if held is None or ramps is None:
@@ -146,7 +146,7 @@ def _simulated(
         straight = fitting.begun(ramps, best.fit.values)  # the voltage was no computer's
         if straight.fit.rms < LIKELY * best.fit.rms:
             best = min(best, fitting.final(fitting.bettered(straight)), key=lambda one: one.fit.rms)
-    best = best if best.is_near else fit_farther(best, fitting, starts[-1])
+    best = fit_farther(best, fitting, starts[-1]) if climbs and not best.is_near else best
     return exactly(best, fitting) if best.is_near else best
 
 
@@ -158,11 +158,11 @@ def simulation_stage(
     A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
     """
     found = _stage(experiment, motions, start, base, progress)
-    if not base.climbed and NEAR_NOISE < found.after.excess < ASTRAY:
+    if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
-        fitting = Fitting(motions, base.fit.names, experiment.bounds)
-        farther = fit_farther(base, fitting, start.baseline)
-        if farther.fit.rms < BETTER * base.fit.rms:
+        farther = fit_farther(base, Fitting(motions, base.fit.names, experiment.bounds), start.baseline)
+        farther = exactly(farther, Fitting(motions, base.fit.names, experiment.bounds)) if farther.is_near else farther
+        if start.effects or farther.fit.rms < BETTER * base.fit.rms or farther.how.length < base.how.length:
             found = _stage(experiment, motions, start, farther, progress)
     return found
 
@@ -179,7 +179,7 @@ def _stage(
         names = [*before.names, *(name for own in given.values() for name in own)]
         further = {name: start.corrected[name] for name in names if name not in before.names}
         starts = [{**before.values, **further}, start.corrected]
-        with_them = _simulated(experiment, motions, starts, names)
+        with_them = _simulated(experiment, motions, starts, names, climbs=base.climbed)
         farther = with_them is not None and with_them.how.length > how.length
         if with_them is not None and (farther or with_them.fit.rms < before.rms):
             current, effects, how = with_them.fit, given, with_them.how
