@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from diagnoses import balances_with_effects
+from made_up_balances import FORCE, made_balance, made_motion
 
 from plants.registry import plants
 from workbench.diagnose.residual_stage import ResidualStage
+from workbench.diagnose.residuals.null import with_fitted_floor
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
@@ -43,3 +45,13 @@ def test_a_drive_that_lacks_nothing_is_left_alone(tmp_path: Path, channel: str, 
     assert all(not step.added for step in result.steps)
     assert result.balance.simulated
     assert 0.05 < result.before.rms < 1.5
+
+
+def test_a_floor_is_left_by_parameters_of_its_own() -> None:
+    """What a balance's own parameters make good on a record they make good where nothing is missing, too."""
+    motion = made_motion()
+    balance = made_balance(
+        [motion], lambda m, values: values["viscous"] * m.velocity, {"viscous": 1000.0}, ("viscous",)
+    )
+    assert balance.stacked({"viscous": 700.0}).std() > 3.0
+    assert with_fitted_floor(balance, [motion], {"viscous": 700.0}, {}).floor == pytest.approx(FORCE, rel=0.05)

@@ -127,11 +127,15 @@ def test_no_start_is_farther_from_what_was_measured_than_the_record_varies(made:
     how, motions, truth = made
     declared = {**truth, "coulomb": 10.0 * truth["coulomb"]}
     begun = Fitting(motions, (), {}).begun(replace(how, length=0.5), declared)
-    position, velocity = (how.along.names.index(name) for name in ("position", "velocity"))
+    position, velocity, bristle = (
+        how.along.names.index(name) for name in ("position", "velocity", "bristle_deflection")
+    )
     begins = np.abs(begun.how.begins[motions[0].record])
     assert np.any(begins > 0.0)
     assert np.all(begins[:, position] <= np.std(motions[0].position))
     assert np.all(begins[:, velocity] <= np.std(motions[0].velocity))
+    breaks_away = (declared["coulomb"] + declared["stribeck"]) / declared["bristle_stiffness"]
+    assert np.all(begins[:, bristle] <= 3.0 * breaks_away), "a simulation from far beyond it takes minutes"
 
 
 def test_a_solver_is_as_fine_as_the_noise_shows(made: Made) -> None:

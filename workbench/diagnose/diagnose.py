@@ -67,7 +67,7 @@ def _diagnosis(
         stage = with_effects_of(stage, experiment, effects, simulation)
         effects = effects_of_both(effects, simulation)
         if simulation.is_near and simulation.lacks is None:
-            stage = with_simulated_floors(stage, simulation)
+            stage = with_simulated_floors(stage, simulation, experiment.bounds)
     before, fits = [result.before for result in stage.results], [result.after for result in stage.results]
     if simulation is not None and simulation.baseline_is_trusted:  # its parameters count before those of the balances
         before.append(simulation.before)

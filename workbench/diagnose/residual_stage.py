@@ -8,7 +8,7 @@ from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, fit, over
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import floored, surrogate, with_floor
+from workbench.diagnose.residuals.null import Bounds, floored, surrogate, with_fitted_floor
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
 from workbench.diagnose.selection.search import best_shapes, search
@@ -26,9 +26,6 @@ from workbench.records.experiment import Experiment
 LEAST_SHARE, CIRCULAR_SHARE = 0.04, 0.15
 """Shares of a residual's rms that an effect has to take away: what smoothing leaves is no noise, and effects take some
 of it; and that one has to take that is made of what it is to explain."""
-
-LEAST_FLOOR = 1e-3
-"""Of the floor that sensors give a balance, below which a simulated one is the solver's."""
 
 LEFT_OVER = 1.5
 """Floors above which a residual is not explained by the effects that were added."""
@@ -114,15 +111,14 @@ def with_floors(stage: ResidualStage, experiment: Experiment, progress: Progress
     return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
 
 
-def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage) -> ResidualStage:
+def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bounds: Bounds) -> ResidualStage:
     """The balances over what they leave of the plant that follows the records from end to end."""
     motions, values = simulation.after.balance.motions, simulation.after.values
     how = begun(simulation.how, motions, values)
     null = [surrogate(motion, how.simulated(motion, values), i) for i, motion in enumerate(motions)]
     known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
-    return replace(
-        stage, results=[_over(result, with_floor(result.balance, null, known, LEAST_FLOOR)) for result in stage.results]
-    )
+    floors = [with_fitted_floor(result.balance, null, known, bounds) for result in stage.results]
+    return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
 
 
 def _over(result: BalanceResult, balance: Balance) -> BalanceResult:

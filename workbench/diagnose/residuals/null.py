@@ -19,14 +19,25 @@ from plants.equation import fields, replaced
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.fitting.least_squares import Search
 from workbench.fitting.replay import Sampled
 from workbench.simulation.setup import Feed, Loop, Setup
 from workbench.simulation.simulate import simulate
 
 VALVE, FLOW = "valve_voltage", "flow"
+
+QUICK = Search(flat=1e-3, most_steps=15, learns=True)
+"""When a fit ends by which a floor is known."""
+
+LEAST_FLOOR = 1e-3
+"""Of the floor that sensors give a balance, below which a simulated one is the solver's."""
+
+Bounds = Mapping[str, tuple[float, float]]
+"""Between which values parameters may be, by name."""
 
 TRACKING = 20.0
 """rad/s. Crossover of the loop that keeps the simulation beside the record: by its own command it drifts away."""
@@ -103,13 +114,22 @@ def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) ->
     return motion_of(replace(record, channels=channels))
 
 
-def with_floor(balance: Balance, motions: Sequence[Motion], values: Values, least: float = 1.0) -> Balance:
-    """The balance with the residual of motions on which nothing is missing as its floor, at `least` so many of its
-    own.
+def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:
+    """The balance with the residual of motions on which nothing is missing as its floor, at these values, and no less
+    than its own.
     """
     null = replace(balance, motions=motions, null=())
     floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
-    return replace(balance, floor=balance.floor * max(floors, least), simulated=True, null=motions)
+    return replace(balance, floor=balance.floor * max(floors, 1.0), simulated=True, null=motions)
+
+
+def with_fitted_floor(balance: Balance, motions: Sequence[Motion], values: Values, bounds: Bounds) -> Balance:
+    """The same by parameters that are fitted to these motions as they are to the records: they make good a part of what
+    smoothing takes.
+    """
+    null = replace(balance, motions=motions, null=())
+    floors = fit(null, values, balance.free, bounds, QUICK).rms
+    return replace(balance, floor=balance.floor * max(floors, LEAST_FLOOR), simulated=True, null=motions)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

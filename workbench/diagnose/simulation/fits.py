@@ -47,6 +47,9 @@ HALVES, CLIMBS, SETTLES = 0.6, 0.95, 0.9995
 """Share of the rms that a step of a start, or a round, has to leave at most for another: of a long run that is astray,
 of what else is not near noise, and of what is."""
 
+BUILDS_UP = 2.0
+"""Times what shorter pieces leave that longer ones leave where something is missing, which adds up over time."""
+
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
 
@@ -70,14 +73,13 @@ BETTER = 0.98
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, what the states at the
-    starts would change (`Shooting.starting`), if that was found, and whether it went by way of pieces (`climbed`).
+    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, and what the states at
+    the starts would change (`Shooting.starting`), if that was found.
     """
 
     how: Shooting
     fit: Fit
     starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
-    climbed: bool = False
 
     @property
     def is_near(self) -> bool:
@@ -185,7 +187,7 @@ def exactly(of: Simulated, fitting: Fitting) -> Simulated:
         how, before = finer, after
     if how is of.how:
         return of
-    return replace(fitting.final(fitting.bettered(fitting.stepped(how, values))), climbed=of.climbed)
+    return fitting.final(fitting.bettered(fitting.stepped(how, values)))
 
 
 def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
@@ -195,7 +197,8 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
     best, pieces, values = first, list[Simulated](), dict(start)
     for how in _ladder(whole, motions):
-        if best.fit.excess < NEAR_NOISE:
+        builds_up = len(pieces) > 1 and pieces[-1].fit.excess > BUILDS_UP * pieces[-2].fit.excess
+        if best.fit.excess < NEAR_NOISE or builds_up:
             break
         starts = [values] if pieces else [values, best.fit.values]
         begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
@@ -208,7 +211,7 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
         longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
         best = (longest or pieces or [best])[-1]
-    return replace(first if best is first else fitting.final(best), climbed=True)
+    return first if best is first else fitting.final(best)
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

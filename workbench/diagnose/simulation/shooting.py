@@ -34,6 +34,11 @@ NUDGED = 1e-2
 ASIDE = 0.3
 """Standard deviations along a record by which a state may start beside what was measured, at most."""
 
+BENDS, BENT = "bristle_deflection", 3.0
+"""The state of a contact that carries a force, and times the deflection at which it breaks away that one may begin
+beside what the balance of forces asks of it.
+"""
+
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
 
@@ -149,13 +154,17 @@ class Shooting:
 
     def reach(self, motion: Motion, values: Values) -> np.ndarray:
         """How far each state may start from what was measured, shape (states,): by how much it varies where a sensor
-        shows it, since smoothing is off by no more.
+        shows it, since smoothing is off by no more; a bristle by what it can carry.
         """
-        spread = [
-            ASIDE * float(np.std(state_along(name, motion, values))) if shown(motion.channels, name) else np.inf
-            for name in self.along.names
-        ]
-        return np.array(spread)
+
+        def farthest(name: str) -> float:
+            if shown(motion.channels, name):
+                return ASIDE * float(np.std(state_along(name, motion, values)))
+            if name == BENDS and values.get("bristle_stiffness", 0.0) > 0.0:
+                return BENT * (values["coulomb"] + values["stribeck"]) / values["bristle_stiffness"]
+            return np.inf
+
+        return np.array([farthest(name) for name in self.along.names])
 
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times

@@ -20,7 +20,6 @@ from workbench.diagnose.selection.sets import Asked, without_effects
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
-    BETTER,
     NOISE,
     TRUSTED,
     Fitting,
@@ -127,15 +126,14 @@ def simulated_baseline(
 ) -> Simulated | None:
     """The declared plant simulated along the records from end to end; None where they cannot be simulated."""
     progress("simulating the declared plant", 0.2)
-    return _simulated(experiment, motions, [start.baseline], start.free, climbs=False)
+    return _simulated(experiment, motions, [start.baseline], start.free)
 
 
 def _simulated(
-    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str], *, climbs: bool
+    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
 ) -> Simulated | None:
-    """The plant fitted to simulation error from some starts, with those parameters that it has, if it `climbs` by way
-    of pieces where it is not near noise else; None where the records cannot be simulated. The voltage of a valve holds
-    from sample to sample, or is a straight line: what leaves less.
+    """The plant fitted to simulation error from some starts, with those parameters that it has; None where the records
+    cannot be simulated. The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
     """
     held, ramps = (shooting_of(experiment, motions, held=held) for held in (True, False))
     if held is None or ramps is None:
@@ -146,7 +144,13 @@ def _simulated(
         straight = fitting.begun(ramps, best.fit.values)  # the voltage was no computer's
         if straight.fit.rms < LIKELY * best.fit.rms:
             best = min(best, fitting.final(fitting.bettered(straight)), key=lambda one: one.fit.rms)
-    best = fit_farther(best, fitting, starts[-1]) if climbs and not best.is_near else best
+    return exactly(best, fitting) if best.is_near else best
+
+
+def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
+    """The same by way of pieces of the records."""
+    fitting = Fitting(motions, first.fit.names, experiment.bounds)
+    best = fit_farther(first, fitting, start)
     return exactly(best, fitting) if best.is_near else best
 
 
@@ -157,31 +161,38 @@ def simulation_stage(
 
     A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
     """
-    found = _stage(experiment, motions, start, base, progress)
+    with_them = None
+    given = {effect: names for effect, names in start.effects.items() if set(names) <= base.how.along.parameter_names}
+    if given:
+        progress("simulating the plant with what was found", 0.5)
+        names = [*base.fit.names, *(name for own in given.values() for name in own)]
+        further = {name: start.corrected[name] for name in names if name not in base.fit.names}
+        with_them = _simulated(experiment, motions, [{**base.fit.values, **further}, start.corrected], names)
+    found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
-        farther = fit_farther(base, Fitting(motions, base.fit.names, experiment.bounds), start.baseline)
-        farther = exactly(farther, Fitting(motions, base.fit.names, experiment.bounds)) if farther.is_near else farther
-        if start.effects or farther.fit.rms < BETTER * base.fit.rms or farther.how.length < base.how.length:
-            found = _stage(experiment, motions, start, farther, progress)
+        base = _farther(experiment, motions, base, start.baseline)
+        if with_them is not None:
+            with_them = _farther(experiment, motions, with_them, start.corrected)
+        found = _stage(experiment, motions, start, base, with_them, given, progress)
     return found
 
 
 def _stage(
-    experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    start: SimulationStart,
+    base: Simulated,
+    with_them: Simulated | None,
+    given: Effects,
+    progress: Progress,
 ) -> SimulationStage:
-    """One search from one fit of the plant without effects, and what it lacks after that."""
-    holds, bounds = base.how.along.parameter_names, experiment.bounds
-    given = {effect: names for effect, names in start.effects.items() if set(names) <= holds}
-    before, current, how, effects, dropped = base.fit, base.fit, base.how, {}, list[str]()
-    if given:
-        progress("simulating the plant with what was found", 0.5)
-        names = [*before.names, *(name for own in given.values() for name in own)]
-        further = {name: start.corrected[name] for name in names if name not in before.names}
-        starts = [{**before.values, **further}, start.corrected]
-        with_them = _simulated(experiment, motions, starts, names, climbs=base.climbed)
-        farther = with_them is not None and with_them.how.length > how.length
-        if with_them is not None and (farther or with_them.fit.rms < before.rms):
+    """One search from the fit of the plant without effects or with those that were `given`, and what it lacks then."""
+    bounds = experiment.bounds
+    before, current, how, dropped = base.fit, base.fit, base.how, list[str]()
+    effects: Effects = {}
+    if with_them is not None:
+        if with_them.fit.rms < _left_over(base, with_them.how.length, motions):
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
@@ -210,6 +221,14 @@ def _stage(
         dropped=dropped,
         lacks=lacks,
     )
+
+
+def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float:
+    """Rms that a plant leaves of pieces of that length, without bound if it follows shorter ones alone."""
+    if of.how.length == length:
+        return of.fit.rms
+    shorter = replace(of.how, length=length, begins={})
+    return Fitting(motions, (), {}).begun(shorter, of.fit.values).fit.rms if of.how.length > length else np.inf
 
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
