@@ -15,7 +15,7 @@ from workbench.diagnose.report.folder import summary
 from workbench.diagnose.report.series import parts_of, shown_signals
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.residuals.motion import motion_of
-from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.result import WORSE, Diagnosis
 from workbench.records.reading import read_records
 
 MEASURED = Path(__file__).parents[2] / "studies" / "measured"
@@ -87,7 +87,8 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
     assert after < 31.2
     assert tested.before.load_pressure is not None
     assert tested.after.load_pressure is not None
-    assert tested.after.load_pressure == pytest.approx(tested.before.load_pressure, rel=0.01)  # it drifts either way
+    worse = tested.after.load_pressure > WORSE * tested.before.load_pressure  # what no sensor shows drifts either way
+    assert any("worse is load pressure" in line for line in sureness(diagnosis)) == worse
     assert tested.before.position is not None
     assert tested.after.position is not None
     assert tested.after.position < 0.4 * tested.before.position  # a free run from what the sensors show of its start

@@ -197,13 +197,15 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
     best, pieces, values = first, list[Simulated](), dict(start)
     for how in _ladder(whole, motions):
-        builds_up = len(pieces) > 1 and pieces[-1].fit.excess > BUILDS_UP * pieces[-2].fit.excess
-        if best.fit.excess < NEAR_NOISE or builds_up:
+        if best.fit.excess < NEAR_NOISE:
             break
         starts = [values] if pieces else [values, best.fit.values]
         begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
-        pieces.append(fitting.bettered(begun))
-        values = pieces[-1].fit.values
+        piece = fitting.bettered(begun)
+        if pieces and piece.fit.excess > BUILDS_UP * pieces[-1].fit.excess:
+            break
+        pieces.append(piece)
+        values = piece.fit.values
         climbed = fitting.begun(whole, values)
         if climbed.fit.rms < best.fit.rms:
             best = fitting.bettered(climbed)
