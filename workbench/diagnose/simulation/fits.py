@@ -56,8 +56,8 @@ ASTRAY = 30.0
 FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 """Of a parameter, at which a fit that went astray begins anew."""
 
-SCANS, HOPELESS = 2, 300.0
-"""Times that it does, and standard deviations of noise beyond which it is no parameter that is missing."""
+SCANS = 2
+"""Times that it does."""
 
 FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
 """Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
@@ -200,8 +200,7 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         if best.fit.excess < NEAR_NOISE:
             break
         starts = [values] if pieces else [values, best.fit.values]
-        begun = min((fitting.begun(how, start) for start in starts), key=lambda one: one.fit.rms)
-        piece = fitting.bettered(begun)
+        piece = fitting.bettered(min((fitting.begun(how, one) for one in starts), key=lambda one: one.fit.rms))
         if pieces and piece.fit.excess > BUILDS_UP * pieces[-1].fit.excess:
             break
         pieces.append(piece)
@@ -300,7 +299,7 @@ def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.n
 def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
     """The fit from where each positive parameter in turn leaves least of most of its records, if that is better."""
     for _ in range(SCANS):
-        if not NOISE < best.fit.excess < HOPELESS:
+        if best.fit.excess < NOISE:
             break
         balance, values = best.fit.balance, dict(best.fit.values)
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
