@@ -218,7 +218,10 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best, from end to end."""
     fitting = Fitting(motions, (), {})
-    starts = fitting.begun(how, values).how, replace(how, begins={})
+    first = fitting.begun(how, values)
+    if first.fit.excess < NOISE:
+        return first.how
+    starts = first.how, replace(how, begins={})
     return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
 
 
