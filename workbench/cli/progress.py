@@ -13,16 +13,15 @@ from workbench.progress import Progress
 if TYPE_CHECKING:
     from workbench.study.study import Case
 
-NOTHING_WRITTEN = "nothing is written"
-"""What a stop leaves of a command that writes its folder whole or not at all."""
-
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
 
 
 @contextmanager
-def stoppable(kept: str = NOTHING_WRITTEN) -> Iterator[None]:
-    """Ctrl-C ends a command with one line that says what is `kept`, and with 130 as shells expect."""
+def stoppable(kept: str = "nothing is written") -> Iterator[None]:
+    """Ctrl-C ends a command with one line that says what is `kept`, and with 130 as shells expect; most commands write
+    their folder whole or not at all.
+    """
     try:
         yield
     except KeyboardInterrupt:

@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.fit import QUICK, Fit, fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
-from workbench.diagnose.simulation.fits import QUICK
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.setup import behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting

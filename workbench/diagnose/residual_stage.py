@@ -8,8 +8,8 @@ from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, fit, over
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import Bounds, floored, surrogate, with_fitted_floor
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.null import floored, surrogate, with_fitted_floor
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
 from workbench.diagnose.selection.search import best_shapes, search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular

@@ -21,8 +21,8 @@ from workbench.simulation.compilation import plant_addresses
 ARRIVES = "command_delay"
 """The parameter by which a command comes late: a record's is shifted as a whole, where a plant of its own has a lag."""
 
-REMEMBERED = 32
-"""Sets of values for which the plant at rest, and where simulations start, are remembered."""
+REMEMBERED = 8
+"""Machines of which the plant at rest is remembered."""
 
 SLOWEST_CREEP = 1e-9
 """m/s. At the creep of a record without noise no contact could be seen to slip."""
@@ -168,14 +168,10 @@ class Along:
     def _columns(self, states: Collection[str]) -> np.ndarray:
         return np.array([place for place, name in enumerate(self.names) if name in states], dtype=np.int64)
 
-    def starting_states(self, motion: Motion, values: Values, places: Sequence[int]) -> Sequence[Any]:
+    def starting_states(self, motion: Motion, values: Values, places: Sequence[int]) -> list[Any]:
         """Whole states at some instants, from which a simulation can start: a contact carries what the balance of
         forces leaves to it, and does not move where nothing is known to.
         """
-        return _starting_states(self, motion, tuple(values.items()), tuple(places))
-
-    def started(self, motion: Motion, values: Values, places: Sequence[int]) -> list[Any]:
-        """The same, found anew."""
         seen, rows, walked = true_motion(motion, values), list(places), motion.walked
         unseen = [name for name in self.names if not shown(motion.channels, name)]
         steps = [place // motion.stride for place in places]
@@ -277,14 +273,6 @@ class Along:
 def _equilibrium(plant: Plant, parameters: Any, surface_speed: float) -> tuple[Any, Any]:
     """At rest: the same for every record, and for simulations that differ in where they start alone."""
     return plant.equilibrium(parameters, surface_speed)
-
-
-@functools.lru_cache(REMEMBERED)
-def _starting_states(
-    along: Along, motion: Motion, values: tuple[tuple[str, float], ...], places: tuple[int, ...]
-) -> Sequence[Any]:
-    """See `Along.starting_states`; where simulations begin beside them, they are the same."""
-    return along.started(motion, dict(values), places)
 
 
 def input_deviation(name: str, motion: Motion, values: Values) -> float:

@@ -1,12 +1,10 @@
 """The plant as it is declared, fitted to a balance with its own parameters, however far these are off."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit, weighed_fit
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import EITHER_SIGN
 
@@ -29,7 +27,7 @@ QUICK = Search(flat=1e-5, most_steps=30)
 """When a fit ends from another start."""
 
 
-def baseline(balance: Balance, values: Values, bounds: Mapping[str, tuple[float, float]]) -> Fit:
+def baseline(balance: Balance, values: Values, bounds: Bounds) -> Fit:
     """The best fit of a balance's own parameters, from where they are declared and from where they leave least of those
     that may be a hundred times off; one that ends at the end of its range goes on from there.
     """
@@ -40,7 +38,7 @@ def baseline(balance: Balance, values: Values, bounds: Mapping[str, tuple[float,
     return weighed_fit(balance, best.values, balance.free, bounds, first=best)
 
 
-def _widened(fitted: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:
+def _widened(fitted: Fit, bounds: Bounds) -> Fit:
     for _ in range(WIDENED):
         if not fitted.bounded - set(bounds):
             break

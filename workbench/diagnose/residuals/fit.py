@@ -1,6 +1,6 @@
 """Least squares of a balance's residual over parameters of the plant, and how well it holds on blocks left out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import fluctuation
-from workbench.diagnose.residuals.unknowns import WIDEST, Unknown, Values, unknown
+from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Values, unknown
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, least_squares
@@ -29,6 +29,12 @@ NEAR_NOISE = 3.0
 
 THOROUGH = Search()
 """When the fit ends whose parameters count."""
+
+QUICK = Search(flat=1e-3, most_steps=15, learns=True)
+"""When a fit ends from which another goes on, or by which alone the size of what it leaves is asked."""
+
+FINAL = Search(flat=1e-5, most_steps=6)
+"""When a fit ends that goes on from another one's end."""
 
 COLOURED = 2.0
 """Times the white noise of its samples by which, and by the root of their number, noise of means may be larger."""
@@ -137,7 +143,7 @@ def fit(
     balance: Balance,
     values: Values,
     names: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]] | None = None,
+    bounds: Bounds | None = None,
     search: Search = THOROUGH,
     weighing: Weighing | None = None,
 ) -> Fit:
@@ -216,7 +222,7 @@ def weighed_fit(
     balance: Balance,
     values: Values,
     names: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]] | None = None,
+    bounds: Bounds | None = None,
     search: Search = THOROUGH,
     first: Fit | None = None,
 ) -> Fit:
@@ -225,8 +231,6 @@ def weighed_fit(
     return again(best, weighing_at(best), bounds, search)
 
 
-def again(
-    fitted: Fit, weighing: Weighing, bounds: Mapping[str, tuple[float, float]] | None = None, search: Search = THOROUGH
-) -> Fit:
+def again(fitted: Fit, weighing: Weighing, bounds: Bounds | None = None, search: Search = THOROUGH) -> Fit:
     """A fit once more from where it is, with another weighing."""
     return fit(fitted.balance, fitted.values, fitted.names, bounds, search, weighing)

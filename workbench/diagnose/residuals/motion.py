@@ -72,8 +72,7 @@ class Motion:
     `measured` are the channels as they were, gaps bridged.
 
     `noise` has for each channel the standard deviation of its raw noise, that of twelve bits at least, `sensed` without
-    that limit; `smooth` what the filter leaves of it, and of
-    the position's derivatives: factors in 1, 1/s, 1/s^2.
+    that limit; `smooth` what the filter leaves of it, and of the position's derivatives: factors in 1, 1/s, 1/s^2.
     """
 
     record: Record

@@ -19,25 +19,18 @@ from plants.equation import fields, replaced
 from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import fit
+from workbench.diagnose.residuals.fit import QUICK, fit
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.shown import given_by
-from workbench.diagnose.residuals.unknowns import Values
-from workbench.fitting.least_squares import Search
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.fitting.replay import Sampled
 from workbench.simulation.setup import Feed, Loop, Setup
 from workbench.simulation.simulate import simulate
 
 VALVE, FLOW = "valve_voltage", "flow"
 
-QUICK = Search(flat=1e-3, most_steps=15, learns=True)
-"""When a fit ends by which a floor is known."""
-
 LEAST_FLOOR = 1e-3
 """Of the floor that sensors give a balance, below which a simulated one is the solver's."""
-
-Bounds = Mapping[str, tuple[float, float]]
-"""Between which values parameters may be, by name."""
 
 TRACKING = 20.0
 """rad/s. Crossover of the loop that keeps the simulation beside the record: by its own command it drifts away."""
@@ -118,18 +111,24 @@ def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> B
     """The balance with the residual of motions on which nothing is missing as its floor, at these values, and no less
     than its own.
     """
-    null = replace(balance, motions=motions, null=())
-    floors = float(np.sqrt(np.mean(null.stacked(values) ** 2)))
-    return replace(balance, floor=balance.floor * max(floors, 1.0), simulated=True, null=motions)
+    return _over(balance, motions, max(float(np.sqrt(np.mean(_null(balance, motions).stacked(values) ** 2))), 1.0))
 
 
 def with_fitted_floor(balance: Balance, motions: Sequence[Motion], values: Values, bounds: Bounds) -> Balance:
     """The same by parameters that are fitted to these motions as they are to the records: they make good a part of what
     smoothing takes.
     """
-    null = replace(balance, motions=motions, null=())
-    floors = fit(null, values, balance.free, bounds, QUICK).rms
-    return replace(balance, floor=balance.floor * max(floors, LEAST_FLOOR), simulated=True, null=motions)
+    fitted = fit(_null(balance, motions), values, balance.free, bounds, QUICK)
+    return _over(balance, motions, max(fitted.rms, LEAST_FLOOR))
+
+
+def _null(balance: Balance, motions: Sequence[Motion]) -> Balance:
+    return replace(balance, motions=motions, null=())
+
+
+def _over(balance: Balance, null: Sequence[Motion], floors: float) -> Balance:
+    """The balance with so many of its floors as its floor."""
+    return replace(balance, floor=balance.floor * floors, simulated=True, null=null)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

@@ -15,6 +15,7 @@ WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
 
 Values = Mapping[str, float]
+Bounds = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Unknown:
         return self.place(self.start)
 
 
-def unknown(name: str, values: Values, bounds: Mapping[str, tuple[float, float]], scales: Scales) -> Unknown:
+def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknown:
     """A parameter as a search sees it that starts at these values, on a machine of these scales."""
     plain = name.removesuffix(f"_{NEGATIVE}")
     start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))

@@ -236,8 +236,7 @@ def _promising(proposals: Sequence[Proposal], current: Fit, taken: Effects, ask:
         found = fitted_with(current, taken, proposal, ask)
         fitted.append((proposal, found))
         if is_estimated(found, current.balance):
-            price = ask.price(proposal.added, proposal.dropped, taken, current.balance)
-            kept = max(kept, 0.5 * (current.squares - found.squares) - price)
+            kept = max(kept, 0.5 * (current.squares - found.squares) - ask.price_of(proposal, taken, current.balance))
     return fitted
 
 

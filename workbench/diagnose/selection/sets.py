@@ -1,11 +1,11 @@
 """Sets of effects in a search: what is asked of one, how it is fitted, and what it makes of those that are there."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.fit import FINAL, Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.likelihood import Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
@@ -13,9 +13,6 @@ from workbench.fitting.least_squares import Search
 
 QUICK = Search(flat=1e-5, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
-
-FINAL = Search(flat=1e-5, most_steps=6)
-"""When the fit ends from which a search goes on."""
 
 AT_FLOOR = 1.0
 """Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
@@ -29,7 +26,7 @@ class Asked:
     """
 
     declared: Values
-    bounds: Mapping[str, tuple[float, float]]
+    bounds: Bounds
     candidates: int
     shapes: Shapes
     least_share: float = 0.0

@@ -15,7 +15,7 @@ from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import LOST, Fit
 from workbench.diagnose.residuals.motion import signals_of
-from workbench.diagnose.residuals.unknowns import Unknown, Values, unknown
+from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
 from workbench.fitting.least_squares import THREADS
 from workbench.parameters.sets import NEUTRAL
 
@@ -190,14 +190,14 @@ def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarr
     return np.asarray(np.abs(zoom_fft(sums, ends, frequencies.size, fs=bins, endpoint=True)) ** 2 / residual.size)
 
 
-def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Mapping[str, tuple[float, float]]) -> dict[Trial, Columns]:
+def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds) -> dict[Trial, Columns]:
     """The columns of each trial that these records could show."""
     with ThreadPoolExecutor(THREADS) as pool:
         made = pool.map(lambda trial: _columns(fitted, trial, bounds), trials)
         return {trial: columns for trial, columns in zip(trials, made, strict=True) if columns is not None}
 
 
-def _columns(fitted: Fit, trial: Trial, bounds: Mapping[str, tuple[float, float]]) -> Columns | None:
+def _columns(fitted: Fit, trial: Trial, bounds: Bounds) -> Columns | None:
     values, scales = {**fitted.values, **dict(trial.shapes)}, fitted.balance.scales
     unknowns, starts, columns = [], [], []
     for name in trial.sized:

@@ -5,27 +5,21 @@ A short piece has few of them, since it starts from what was measured; where it 
 found with its parameters.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import LOST, NEAR_NOISE, Fit, fit, weighed_by, weighing_at
+from workbench.diagnose.residuals.fit import FINAL, LOST, NEAR_NOISE, QUICK, Fit, fit, weighed_by, weighing_at
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import by_scatter, weighing_of
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import THREADS, Search
 from workbench.parameters.sets import EITHER_SIGN
-
-QUICK = Search(flat=1e-3, most_steps=15, learns=True)
-"""When a fit ends from which another goes on."""
-
-FINAL = Search(flat=1e-5, most_steps=6)
-"""When the fit ends whose parameters count."""
 
 NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""
@@ -95,7 +89,7 @@ class Fitting:
 
     motions: Sequence[Motion]
     names: Sequence[str]
-    bounds: Mapping[str, tuple[float, float]]
+    bounds: Bounds
 
     def found(self, how: Shooting, values: Values) -> Simulated:
         """The parameters and the states at the starts that leave least of the records, from these values on."""
@@ -225,7 +219,7 @@ def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
 
 
-def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Mapping[str, tuple[float, float]]) -> Fit:
+def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Bounds) -> Fit:
     """A fit from the starts that suit its values best, by the likelihood of the noise that it leaves then."""
     fitting = Fitting(motions, found.names, bounds)
     return fitting.final(fitting.begun(how, found.values)).fit

@@ -8,6 +8,8 @@ seconds (multiple shooting).
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +43,9 @@ beside what the balance of forces asks of it.
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
+
+REMEMBERED = 8
+"""Sets of values for which it is remembered where the simulations of a record start."""
 
 BY_ANGLE = ("cosine_force", "sine_force")
 """Parameters of a force over the rod's angle; the simulated plant gets it as a disturbance that is known."""
@@ -266,7 +271,9 @@ class Shooting:
         begins = self.begins.get(record, np.zeros((len(starts), len(along.names))))
         if moved is not None:
             begins = begins + moved
-        for k, state, begin in zip(starts, along.starting_states(motion, values, starts), begins, strict=True):
+        for k, state, begin in zip(
+            starts, _starting(along, motion, tuple(values.items()), starts), begins, strict=True
+        ):
             if np.any(begin):
                 state = from_array(along.plant.State, (to_array(state) + begin).tolist())
             yield (
@@ -282,6 +289,12 @@ class Shooting:
                     )
                 ),
             )
+
+
+@lru_cache(REMEMBERED)
+def _starting(along: Along, motion: Motion, values: tuple[tuple[str, float], ...], starts: range) -> Sequence[Any]:
+    """Where simulations start by what was measured: the same for all that begin beside it."""
+    return along.starting_states(motion, dict(values), starts)
 
 
 def _from(feed: Feed, time: float) -> Feed:
