@@ -10,9 +10,19 @@ from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.simulation.fits import NOISE, Fitting, Simulated, exactly, fit_farther, fit_simulation
+from workbench.diagnose.simulation.fits import (
+    NOISE,
+    Fitting,
+    Simulated,
+    exactly,
+    fit_farther,
+    fit_simulation,
+    left_of_pieces,
+)
+from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.setup import follows, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -112,6 +122,50 @@ def test_values_and_starts_that_are_both_wrong_are_found_together(made: Made) ->
     found = Fitting(motions, ("coulomb",), {}).found(off, {**truth, "coulomb": 1.05 * truth["coulomb"]})
     assert found.fit.rms < NOISE
     assert found.fit.values["coulomb"] == pytest.approx(truth["coulomb"], rel=1e-3)
+
+
+def test_a_piece_that_went_astray_does_not_decide_where_parameters_go(made: Made) -> None:
+    """One of 12 starts is 50 mm off, of which no fit of starts finds back: what is left of the others counts."""
+    how, motions, truth = made
+    pieces = replace(how, length=0.5)
+    wrong = np.zeros((len(pieces.starts(motions[0])), len(how.along.names)))
+    wrong[5, how.along.names.index("position")] = 0.05
+    off = replace(pieces, begins={motions[0].record: wrong})
+    balance = off.balance(motions, ())
+    astray, groups = fit(balance, truth, ()), off.groups(motions)
+    assert astray.rms > 1000.0
+    assert left_of_pieces(astray, groups) < 5.0, "12 pieces that each left twice the noise would come to 2.2"
+    fitting = Fitting(motions, NAMES, {})
+    declared = {**truth, "coulomb": 1.05 * truth["coulomb"]}
+    once = fitting._once(Simulated(off, fit(balance, declared, ())))
+    assert once.fit.values["coulomb"] == pytest.approx(truth["coulomb"], rel=0.02)
+
+
+def test_what_acts_at_one_place_alone_is_told_over_a_fine_curve(made: Made) -> None:
+    """A force of 20 N over 4 % of the way, of which the record's channel knows nothing."""
+    how, motions, truth = made
+    (motion,) = motions
+    width, centre = 0.02 * float(np.ptp(motion.position)), float(np.median(motion.position))
+    bump = 20.0 * np.exp(-(((motion.position - centre) / width) ** 2))
+    setups = {
+        record: replace(
+            setup,
+            feeds=tuple(
+                replace(feed, signal=Sampled(record.time, feed.signal(record.time)[0] + bump)) for feed in setup.feeds
+            ),
+        )
+        for record, setup in how.setups.items()
+    }
+    fitting = Fitting(motions, NAMES, {})
+    fitted = fitting.final(fitting.found(replace(how, setups=setups), truth))
+    curves = lacking(fitted.how, fitted.fit)
+    told = dependence_of(curves)
+    assert told is not None
+    assert (told.balance, told.signals[0]) == ("force", "position")
+    places = [curve for curve in curves if curve.signal == "position"]
+    assert places[0].gain > 1.2 * min(places, key=lambda one: one.asked).gain, "a coarse one misses half of it"
+    nothing = fitting.final(fitting.found(how, truth))
+    assert dependence_of(lacking(nothing.how, nothing.fit)) is None
 
 
 def test_a_long_run_finds_back_from_a_start_that_made_up_for_wrong_values(made: Made) -> None:

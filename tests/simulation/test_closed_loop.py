@@ -21,7 +21,8 @@ RIG = {
 def folder(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
     """The three commands, in order."""
     path = tmp_path_factory.mktemp("closed_loop")
-    shutil.copytree(STUDIES / "closed_loop", path / "studies" / "closed_loop")
+    rig = shutil.copytree(STUDIES / "closed_loop", path / "studies" / "closed_loop") / "rig.toml"
+    rig.write_text(changed('duration = "30 s"', 'duration = "20 s"', rig.read_text(encoding="utf-8")), encoding="utf-8")
     text = (STUDIES / "closed_loop.toml").read_text(encoding="utf-8")
     write(path / "studies", changed('duration = "24 s"', 'duration = "14 s"', text), "closed_loop.toml")  # one period
     shutil.copytree(STUDIES / "scenarios", path / "studies" / "scenarios")

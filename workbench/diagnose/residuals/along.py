@@ -10,7 +10,7 @@ import numpy as np
 
 from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import Plant
-from workbench.diagnose.residuals.holding import hold_all
+from workbench.diagnose.residuals.holding import bent_by, hold_all
 from workbench.diagnose.residuals.motion import Motion, smoothed, window_points, with_backlash, with_pressure_offset
 from workbench.diagnose.residuals.shown import BOTH_PRESSURES, dependences, given_by, rate_along, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
@@ -141,16 +141,28 @@ class Along:
             np.ascontiguousarray(motion.resting[:until]),
             max(motion.creep, SLOWEST_CREEP),
             np.ascontiguousarray(seen.acceleration[:until]),
-            self._nudges,
+            NUDGE * self.magnitudes(motion, values),
             motion.sample_time,
         )
         columns = np.concatenate([self._columns(shown_here), simulated])
         return Tracked(parameters, rest, idle, columns, np.hstack([known, bends]), inputs, rates, still)
 
-    @functools.cached_property
-    def _nudges(self) -> np.ndarray:
-        """By how much each state is moved for a difference quotient."""
-        return NUDGE * np.array([item.scale for item in fields(self.plant.State)])
+    def magnitudes(self, motion: Motion, values: Values) -> np.ndarray:
+        """What is typical of each state, shape (states,): of a contact how far the fastest motion bends it."""
+        parameters = self.parameters(values)
+        rest, idle = map(to_array, self._at_rest(motion, values, parameters))
+        return np.asarray(
+            bent_by(
+                plant_addresses(self.plant)[0],
+                rest,
+                idle,
+                to_array(parameters),
+                self._columns(self.contact),
+                self.names.index("velocity"),
+                float(np.max(np.abs(motion.velocity[motion.valid]))),
+                np.array([item.scale for item in fields(self.plant.State)]),
+            )
+        )
 
     def _groups(self, simulated: np.ndarray) -> np.ndarray:
         """For each of these states the number of a group in which no state counts in another's rate."""
@@ -191,7 +203,7 @@ class Along:
             velocity,
             max(motion.creep, SLOWEST_CREEP),
             seen.acceleration[rows],
-            self._nudges,
+            NUDGE * self.magnitudes(motion, values),
         )
         return [from_array(self.plant.State, row.tolist()) for row in states]
 

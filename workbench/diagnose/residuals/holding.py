@@ -7,6 +7,9 @@ import numpy as np
 from plants.compiled import address, njit, shift
 from workbench.simulation.compilation import call_derivatives
 
+WIDEST_BEND = 1e6
+"""Within this factor of a deflection's typical magnitude it is looked for."""
+
 
 @njit(cache=True, nogil=True)
 def hold_all(
@@ -35,6 +38,41 @@ def hold_all(
         limit(derivatives, time[k], x, u, p, contact, velocity, creep, other, free, bends)
         for i in range(size):
             states[k, i] = x[i]
+
+
+@njit(cache=True, nogil=True)
+def bent_by(
+    derivatives: int,
+    state: Any,
+    inputs: Any,
+    parameters: Any,
+    contact: Any,
+    velocity: int,
+    speed: float,
+    scales: Any,
+) -> Any:
+    """How far each contact is bent by sliding at a `speed` (m/s), to a factor of two: where it takes half of it up; of
+    all other states, and of what nothing stops, their `scales`.
+    """
+    x, rates, sizes = state.copy(), np.empty(state.size), scales.copy()
+    u, p = address(inputs), address(parameters)
+    x[velocity] = speed
+    for i in contact:
+        at_rest, x[i] = x[i], 0.0
+        call_derivatives(derivatives, 0.0, address(x), u, p, address(rates))
+        half, factor, goes_on = 0.5 * rates[i], 2.0, rates[i] > 0.0
+        while goes_on and 1.0 / WIDEST_BEND < sizes[i] / scales[i] < WIDEST_BEND:
+            x[i] = sizes[i]
+            call_derivatives(derivatives, 0.0, address(x), u, p, address(rates))
+            slides = rates[i] <= half
+            if sizes[i] == scales[i] and slides:
+                factor = 0.5
+            goes_on = slides == (factor < 1.0)
+            sizes[i] *= factor if goes_on else 1.0
+        if goes_on:  # nothing stops it by itself
+            sizes[i] = scales[i]
+        x[i] = at_rest
+    return sizes
 
 
 @njit(cache=True, nogil=True)

@@ -25,33 +25,67 @@ from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.fitting.replay import Sampled
 from workbench.simulation.setup import Feed, Loop, Setup
-from workbench.simulation.simulate import simulate
+from workbench.simulation.simulate import Run, simulate
 
 VALVE, FLOW = "valve_voltage", "flow"
 
 LEAST_FLOOR = 1e-3
 """Of the floor that sensors give a balance, below which a simulated one is the solver's."""
 
-TRACKING = 20.0
-"""rad/s. Crossover of the loop that keeps the simulation beside the record: by its own command it drifts away."""
+TRACKING = (20.0, 60.0, 200.0, 600.0)
+"""rad/s. Crossovers of the loop that keeps the simulation beside the record, until one does: by its own command it
+drifts away, and friction holds it where the loop is weak."""
+
+QUICKEST = 0.3
+"""Of one over the sample time, up to which a crossover is tried."""
+
+BESIDE = 0.05
+"""Of the position's standard deviation, by which the simulation is off at most (rms) where it is beside the record."""
 
 SEED = 20
 """Of the generator of the noise that is added: the same experiment gives the same floors."""
 
 
 def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Motion | None:
-    """The motion of the plant with `values` in the place of the recorded one; None where the plant diverges."""
+    """The motion of the plant with `values` in the place of the recorded one; None where the plant does not stay beside
+    the record.
+    """
+    record = motion.record
+    known = np.isfinite(record.channels["position"])
+    position = Sampled(record.time[known], motion.position[known])
+    quickest = QUICKEST / record.sample_time
+    run = None
+    for crossover in (each for each in TRACKING if each <= max(quickest, TRACKING[0])):
+        run = _beside(along, motion, values, position, crossover)
+        if run is not None:
+            break
+    if run is None:
+        return None
+    noise = np.random.default_rng([SEED, seed])
+    channels = {
+        name: run.measurements[:, place] + motion.noise[name] * noise.standard_normal(run.time.size)
+        for place, name in enumerate(Measurement._fields)
+        if name in record.channels and name in along.plant.channels
+    }
+    (command,) = given_by(record.channels, along.plant.command)
+    channels[command] = run.command
+    for name, values_of in record.channels.items():
+        channels.setdefault(name, values_of)
+    return motion_of(replace(record, channels=channels))
+
+
+def _beside(along: Along, motion: Motion, values: Values, position: Sampled, crossover: float) -> Run | None:
+    """The plant along a record, in a loop with that crossover; None where it does not stay beside it."""
     record, plant = motion.record, along.plant
     parameters = along.parameters(values)
     state, inputs = along.at_rest(motion, values)
-    known = np.isfinite(record.channels["position"])
-    position = Sampled(record.time[known], motion.position[known])
     feeds = [
         Feed(name, Sampled(record.time, input_along(name, motion, values, raw=True)), linear=name != plant.command)
         for name in (item.name for item in fields(plant.Inputs))
         if given_by(record.channels, name)
     ]
     inputs = replaced(inputs, dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
+    settings = _tracking(along, parameters, state, inputs, crossover)
     run = simulate(
         Setup(
             plant=plant,
@@ -59,7 +93,7 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
             state=state._replace(position=float(motion.position[0])),
             inputs=inputs,
             duration=float(record.time[-1]),
-            loop=Loop(PID, PID.design(_tracking(along, parameters, state, inputs), parameters, record.sample_time)),
+            loop=Loop(PID, PID.design(settings, parameters, record.sample_time)),
             reference=position,
             feeds=tuple(feeds),
             sample_time=record.sample_time,
@@ -67,29 +101,20 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
     )
     if run.diverged or run.time.size != record.time.size:
         return None
-    noise = np.random.default_rng([SEED, seed])
-    channels = {
-        name: run.measurements[:, place] + motion.noise[name] * noise.standard_normal(run.time.size)
-        for place, name in enumerate(Measurement._fields)
-        if name in record.channels and name in plant.channels
-    }
-    (command,) = given_by(record.channels, plant.command)
-    channels[command] = run.command
-    for name, values_of in record.channels.items():
-        channels.setdefault(name, values_of)
-    return motion_of(replace(record, channels=channels))
+    off = run.measurements[:, Measurement._fields.index("position")] - position(run.time)[0]
+    return run if float(np.sqrt(np.mean(off**2))) <= BESIDE * float(np.std(motion.position)) else None
 
 
-def _tracking(along: Along, parameters: Any, state: Any, inputs: Any) -> pid.Settings:
+def _tracking(along: Along, parameters: Any, state: Any, inputs: Any, crossover: float) -> pid.Settings:
     """A loop that tracks a position: of a flow, which sets a velocity, or of a force, which sets an acceleration."""
     plant = along.plant
     if plant.command == VALVE and FLOW in plant.balances:
         known = velocity_gain(parameters, "a loop that tracks a record")
-        return pid.Settings(kp=TRACKING / max(known.forward, known.backward))
+        return pid.Settings(kp=crossover / max(known.forward, known.backward))
     pushed = replaced(inputs, {plant.command: 1.0})
     rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
     push = float(next(rates)) - float(next(rates))
-    return pid.Settings(kp=TRACKING**2 / push, kd=2.0 * TRACKING / push)
+    return pid.Settings(kp=crossover**2 / push, kd=2.0 * crossover / push)
 
 
 def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:

@@ -8,6 +8,7 @@ found with its parameters.
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import FINAL, LOST, NEAR_NOISE, QUICK, Fit, fit, weighed_by, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
-from workbench.diagnose.residuals.weighing import by_scatter, weighing_of
+from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import THREADS, Search
@@ -23,6 +24,9 @@ from workbench.parameters.sets import EITHER_SIGN
 
 NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""
+
+AT_NOISE = 1.1
+"""Standard deviations of noise up to which a start leaves nothing that another one could."""
 
 TRUSTED = 3.0
 """Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
@@ -37,9 +41,12 @@ ROUNDS = 20
 STEPS = 8
 """Further steps of a start, at most."""
 
-HALVES, CLIMBS, SETTLES = 0.6, 0.95, 0.9995
+HALVES, CLIMBS = 0.6, 0.95
 """Share of the rms that a step of a start, or a round, has to leave at most for another: of a long run that is astray,
-of what else is not near noise, and of what is."""
+and of what else is not near noise."""
+
+SETTLES = 2.0
+"""Squares over noise by which it has to leave less where it is: twice the logarithm of a likelihood."""
 
 BUILDS_UP = 2.0
 """Times what shorter pieces leave that longer ones leave where something is missing, which adds up over time."""
@@ -61,6 +68,9 @@ FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 """Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
 least tolerance."""
 
+FARTHEST = 5.0
+"""Times the rms of the median piece from which a piece went astray."""
+
 BETTER = 0.98
 """Rms over that of another fit from which it is better."""
 
@@ -74,6 +84,16 @@ class Simulated:
     how: Shooting
     fit: Fit
     starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
+
+    @cached_property
+    def left(self) -> float:
+        """Of a typical piece: sqrt(1 + q^2), as a geometric mean over pieces with an rms of q each."""
+        return left_of_pieces(self.fit, self.groups)
+
+    @cached_property
+    def groups(self) -> Sequence[np.ndarray]:
+        """The rows of each piece."""
+        return self.how.groups(self.fit.balance.motions) if self.starting is None else self.starting[1]
 
     @property
     def is_near(self) -> bool:
@@ -99,8 +119,8 @@ class Fitting:
         """The same from a plant as it is begun, as long as a round leaves clearly less."""
         for _ in range(ROUNDS):
             before, again = best, self._once(best)
-            best = min(before, again, key=lambda one: one.fit.rms)
-            if not _fell(before.fit, again.fit, again.how):
+            best = min(before, again, key=lambda one: one.left)
+            if not _fell(before.fit, again.fit, again.how, (before.left, again.left)):
                 break
         return best
 
@@ -114,7 +134,7 @@ class Fitting:
         if not np.isinf(how.length):
             return self.stepped(how, values)
         near = self.stepped(how, values) if how.begins else None
-        if near is not None and near.fit.excess < NOISE:
+        if near is not None and near.fit.excess < AT_NOISE:
             return near
         soon = self._begun_soon(how, values)
         fresh = fit(soon.balance(self.motions, ()), values, ())
@@ -140,7 +160,7 @@ class Fitting:
             starting = how.starting(self.motions, values)
             how, damping = restarted(how, best, starting, damping)
             before, best = best, fit(how.balance(self.motions, ()), values, ())
-            if not _fell(before, best, how):
+            if not _fell(before, best, how, (left_of_pieces(before, starting[1]), left_of_pieces(best, starting[1]))):
                 break
         return Simulated(how, best, starting)
 
@@ -148,7 +168,7 @@ class Fitting:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
         weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
-        weighing = weighed_by(weigh, of.fit, of.starting)
+        weighing = _without_astray(weighed_by(weigh, of.fit, of.starting), of)
         fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
         return self.begun(of.how, fitted.values)
 
@@ -194,8 +214,8 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         if best.fit.excess < NEAR_NOISE:
             break
         starts = [values] if pieces else [values, best.fit.values]
-        piece = fitting.bettered(min((fitting.begun(how, one) for one in starts), key=lambda one: one.fit.rms))
-        if pieces and piece.fit.excess > BUILDS_UP * pieces[-1].fit.excess:
+        piece = fitting.bettered(min((fitting.begun(how, one) for one in starts), key=lambda one: one.left))
+        if pieces and piece.left > BUILDS_UP * pieces[-1].left:
             break
         pieces.append(piece)
         values = piece.fit.values
@@ -213,7 +233,7 @@ def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best, from end to end."""
     fitting = Fitting(motions, (), {})
     first = fitting.begun(how, values)
-    if first.fit.excess < NOISE:
+    if first.fit.excess < AT_NOISE:
         return first.how
     starts = first.how, replace(how, begins={})
     return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
@@ -225,13 +245,33 @@ def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Bounds)
     return fitting.final(fitting.begun(how, found.values)).fit
 
 
-def _fell(before: Fit, after: Fit, how: Shooting) -> bool:
+def _fell(before: Fit, after: Fit, how: Shooting, left: tuple[float, float]) -> bool:
     """Whether a step left so much less that another may be worth it: near noise a little counts, and a long run that is
-    astray has to find back at once.
+    astray has to find back at once. Of pieces it is the typical one that counts, of which there is `left` so much.
     """
     astray = after.excess > ASTRAY and np.isinf(how.length)
-    share = SETTLES if after.excess < NEAR_NOISE else HALVES if astray else CLIMBS
-    return after.rms < share * before.rms
+    if after.excess < NEAR_NOISE and np.isinf(how.length):
+        return bool((before.rms / after.rms) ** 2 > 1.0 + SETTLES / np.count_nonzero(after.residual))
+    share = HALVES if astray else CLIMBS
+    return left[1] < share * left[0] if np.isfinite(how.length) else after.rms < share * before.rms
+
+
+def left_of_pieces(fitted: Fit, groups: Sequence[np.ndarray]) -> float:
+    """sqrt(1 + q^2), as a geometric mean over pieces with an rms of q each: few that went astray do not decide it."""
+    return float(np.exp(0.5 * np.mean(np.log1p(_mean_squares(fitted.residual, groups)))))
+
+
+def _mean_squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+    return _squares(residual, groups) / np.array([max(rows.size, 1) for rows in groups])
+
+
+def _without_astray(weighing: Weighing, of: Simulated) -> Weighing:
+    """The same without pieces that leave far more than the typical one: their starts went astray."""
+    squares, counts = _mean_squares(of.fit.residual, of.groups), weighing.counts.copy()
+    for rows, own in zip(of.groups, squares, strict=True):
+        if own > FARTHEST**2 * np.median(squares):
+            counts[rows] = False
+    return replace(weighing, counts=counts)
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:

@@ -2,8 +2,8 @@
 
 Beside the plant's own parameters a curve over one signal at a time is fitted to what the simulated plant leaves, to
 first order, as a push on its mass, or on its valve's command, that follows the signal as it was recorded. Where a curve
-gains more in likelihood than noise would, something is missing, however small; and where it gains beside effects that
-were found, these stand in for it.
+gains more in likelihood than noise would, something is missing, however small; and where one gains beside effects that
+were found, and in their place more than all of them, they stand in for it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,8 +20,9 @@ from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.fitting.least_squares import THREADS
 from workbench.records.reading import Record
 
-NODES = 8
-"""Of a curve: hats between them, at even shares of the signal's values."""
+NODES, FINE = 8, 24
+"""Of a curve: hats between them, at even shares of the signal's values; and of the curve that gains most, once more,
+since what happens at one place or speed alone is narrow."""
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make: to first order, and above the solver's error."""
@@ -53,7 +54,7 @@ LEVEL = 0.5
 """Share of what the best curve gains from which another signal is told beside it."""
 
 STANDS_IN = 1.0
-"""Times what effects gained from which a curve beside them says that they stand in for it."""
+"""Times what effects gained from which one curve in their place says that they stand in for it."""
 
 
 @dataclass(frozen=True)
@@ -79,14 +80,21 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
-    found = []
-    for balance, signal, turns in wanted:
-        pushes = _hats(motions, followed, signal, turns)
-        if pushes:
-            block = _columns(how, fitted, base, balance, pushes)
-            wide = np.full(block.shape[1], np.inf)
-            gain, _ = gain_of(fitted, block, -wide, wide)
-            found.append(Lacking(balance, signal, gain, asked(block.shape[1], len(wanted))))
+
+    def over(balance: str, signal: str, turns: bool, nodes: int) -> Lacking | None:
+        pushes = _hats(motions, followed, signal, turns, nodes)
+        if not pushes:
+            return None
+        block = _columns(how, fitted, base, balance, pushes)
+        wide = np.full(block.shape[1], np.inf)
+        gain, _ = gain_of(fitted, block, -wide, wide)
+        return Lacking(balance, signal, gain, asked(block.shape[1], len(wanted)))
+
+    tried = [(one, each) for each in wanted if (one := over(*each, NODES)) is not None]
+    if not tried:
+        return []
+    _, best = min(tried, key=lambda one: one[0].asked - one[0].gain)
+    found = [one for one, _ in tried] + [one for one in [over(*best, FINE)] if one is not None]
     return sorted(found, key=lambda one: one.asked - one.gain)
 
 
@@ -116,11 +124,11 @@ def _simulated(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
 
 
 def _hats(
-    motions: Sequence[Motion], followed: Sequence[Motion], signal: str, turns: bool
+    motions: Sequence[Motion], followed: Sequence[Motion], signal: str, turns: bool, count: int
 ) -> list[dict[Record, np.ndarray]]:
-    """Hats over a signal at every sample of each record, with nodes at even shares of its values."""
+    """Hats over a signal at every sample of each record, with so many nodes at even shares of its values."""
     along = [signals_of(motion)[signal] for motion in followed]
-    nodes = np.unique(np.quantile(np.concatenate(along), np.linspace(0.0, 1.0, NODES)))
+    nodes = np.unique(np.quantile(np.concatenate(along), np.linspace(0.0, 1.0, count)))
     hats = []
     for k in range(nodes.size if nodes.size > 1 else 0):
         heights = np.zeros(nodes.size)

@@ -118,18 +118,24 @@ class Shooting:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
         start.
         """
-        changed, groups, before = list[np.ndarray](), list[np.ndarray](), 0
+        changed = list[np.ndarray]()
         for motion in motions:
             moves = [np.zeros(len(self.along.names)), *self.moves(motion, values)]
             with ThreadPoolExecutor(THREADS) as pool:
                 base, *others = pool.map(lambda moved, of=motion: self._stacked(of, values, moved), moves)
             changed.append(np.nan_to_num(np.column_stack(others) - base[:, None], posinf=0.0, neginf=0.0))
+        return np.concatenate(changed), self.groups(motions)
+
+    def groups(self, motions: Sequence[Motion]) -> list[np.ndarray]:
+        """The rows of the stack behind each start."""
+        groups, before = list[np.ndarray](), 0
+        for motion in motions:
             size, per = motion.thinned.time.size, self.samples(motion)
             for start in self.starts(motion):
                 place = np.arange(-(-start // motion.thinning), min(-(-(start + per) // motion.thinning), size))
                 groups.append(np.concatenate([before + kind * size + place for kind in range(len(self.channels))]))
             before += size * len(self.channels)
-        return np.concatenate(changed), groups
+        return groups
 
     def _stacked(self, motion: Motion, values: Values, moved: np.ndarray) -> np.ndarray:
         return np.concatenate(self.errors(motion, values, moved))
@@ -147,14 +153,11 @@ class Shooting:
 
     def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
         """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
-        plant, own, moves = self.along.plant, self._own, []
-        for place, item in enumerate(fields(plant.State)):
-            if item.name in own:
-                size = (
-                    deviation(item.name, motion, values) if shown(motion.channels, item.name) else NUDGED * item.scale
-                )
+        own, moves, nudges = self._own, list[np.ndarray](), NUDGED * self.along.magnitudes(motion, values)
+        for place, name in enumerate(self.along.names):
+            if name in own:
                 moves.append(np.zeros(len(self.along.names)))
-                moves[-1][place] = size
+                moves[-1][place] = deviation(name, motion, values) if shown(motion.channels, name) else nudges[place]
         return moves
 
     def reach(self, motion: Motion, values: Values) -> np.ndarray:

@@ -32,14 +32,12 @@ from workbench.diagnose.simulation.fits import (
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.fitting.covariance import inverse
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
-LIKELY = 2.0
-"""Times the rms of the one, with its parameters, up to which the other may be better with its own."""
-
-SHARP = 1.03
-"""Standard deviations of noise from which a voltage is tried that is a straight line between samples."""
+STRAIGHTENED = 1.25
+"""Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,18 +138,25 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    if best.is_near and best.fit.excess > SHARP:
-        straight = fitting.begun(ramps, best.fit.values)  # the voltage was no computer's
-        if straight.fit.rms < LIKELY * best.fit.rms:
-            best = min(best, fitting.final(fitting.bettered(straight)), key=lambda one: one.fit.rms)
+    if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit):
+        straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
+        best = min(best, straight, key=lambda one: one.fit.rms)
     return exactly(best, fitting) if best.is_near else best
+
+
+def _may_leave_less(how: Shooting, fitted: Fit) -> bool:
+    """Whether another way to simulate may leave less, by what it leaves to first order in the parameters of a fit."""
+    left, own = fitted.weighing(how.balance(fitted.balance.motions, ()).stacked(fitted.values)), fitted.jacobian
+    own = own * fitted.free
+    left = left - own @ (inverse(fitted.curvature) @ (own.T @ left))
+    return bool(left @ left < STRAIGHTENED * (fitted.weighed @ fitted.weighed))
 
 
 def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
     """The same by way of pieces of the records."""
     fitting = Fitting(motions, first.fit.names, experiment.bounds)
     best = fit_farther(first, fitting, start)
-    return exactly(best, fitting) if best.is_near else best
+    return exactly(best, fitting) if best.is_near and best is not first else best
 
 
 def simulation_stage(
@@ -171,11 +176,43 @@ def simulation_stage(
     found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
+        before = base, with_them
         base = _farther(experiment, motions, base, start.baseline)
         if with_them is not None:
             with_them = _farther(experiment, motions, with_them, start.corrected)
-        found = _stage(experiment, motions, start, base, with_them, given, progress)
-    return found
+        if base is not before[0] or with_them is not before[1]:
+            found = _stage(experiment, motions, start, base, with_them, given, progress)
+    return _straightened(experiment, motions, start, base, found, given, progress)
+
+
+def _straightened(
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    start: SimulationStart,
+    base: Simulated,
+    found: SimulationStage,
+    given: Effects,
+    progress: Progress,
+) -> SimulationStage:
+    """The search once more with a voltage that is a straight line between samples, where that leaves less with what was
+    found: effects stand in for a voltage that holds where it does not.
+    """
+    ramps = shooting_of(experiment, motions, held=False)
+    if ramps is None or not (found.how.held and found.effects and found.is_near):
+        return found
+    if not _may_leave_less(replace(found.how, setups=ramps.setups, held=False), found.after):
+        return found
+    fitting = Fitting(motions, found.after.names, experiment.bounds)
+    straight = fitting.final(fitting.found(ramps, found.after.values))
+    if straight.fit.rms >= found.after.rms:
+        return found
+    own = Fitting(motions, base.fit.names, experiment.bounds)
+    effective = {name for numbers in found.effects.values() for name in numbers}
+    values = {name: value for name, value in straight.fit.values.items() if name not in effective}
+    values |= {name: start.declared[name] for name in effective if name in start.declared}
+    plain = own.final(own.found(ramps, values))
+    again = _stage(experiment, motions, start, plain, exactly(straight, fitting), found.effects, progress)
+    return replace(again, dropped=[effect for effect in given if effect not in again.effects])
 
 
 def _stage(
@@ -232,12 +269,16 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
-    """What was found, and on what depends that which no effect explains; nothing found where that is more."""
-    curves = lacking(how, found.fit)
-    lacks = dependence_of(curves)
-    if lacks is not None and found.effects:
-        without = without_effects(found.fit, found.effects, ask)
-        gained = 0.5 * (without.squares - found.fit.squares)
-        if curves[0].gain > STANDS_IN * gained:
-            found = replace(found, fit=without, effects={}, gains={}, alternatives={})
+    """What was found, and on what depends that which no effect explains. Nothing is found where one curve in the place
+    of all effects gains more than they do, and something is left beside them.
+    """
+    lacks = dependence_of(lacking(how, found.fit))
+    if lacks is None or not found.effects:
+        return found, lacks
+    without = without_effects(found.fit, found.effects, ask)
+    gained = 0.5 * (without.squares - found.fit.squares)
+    curves = lacking(how, without)
+    if curves and curves[0].gain > STANDS_IN * gained:
+        found = replace(found, fit=without, effects={}, gains={}, alternatives={})
+        lacks = dependence_of(curves) or lacks
     return found, lacks
