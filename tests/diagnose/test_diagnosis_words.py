@@ -43,9 +43,10 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     none = replace(none, simulation=None)
     assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
     assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"
-    noisy = verdict_sentence(with_left(none, {"force": 79.3}))
-    assert noisy.startswith("None missing that is known: ")
-    assert "; but it is 79 times the noise floor: the plant is not complete, " in noisy
+    far = with_left(none, {"force": 79.3})
+    assert far.verdict == "undecided"
+    assert verdict_sentence(far).startswith("Undecided: no known effect lowers what is left on data left out, ")
+    assert "; but it is 79 times the noise floor: the plant is not complete, " in verdict_sentence(far)
     worse = rejected(diagnosis)
     assert worse.verdict == "rejected_on_held_out"
     assert verdict_sentence(worse).startswith("Rejected on held-out records: valve dead")

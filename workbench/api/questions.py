@@ -180,7 +180,7 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
 
     Returns:
         effects with their parameters, what stays unexplained, errors before and after, and the `verdict`:
-        "none_missing", "effect_found", "ambiguous", "unexplained" or "rejected_on_held_out".
+        "none_missing", "effect_found", "ambiguous", "unexplained", "undecided" or "rejected_on_held_out".
 
     Raises:
         UserError: a mistake in the file, channels that allow no balance, or a folder that does not serve.

@@ -44,7 +44,10 @@ def error_of(balance: str, unit: str) -> str:
     return BALANCE_ERRORS.get((balance, unit), f"{balance}_rms")
 
 
-Verdict = Literal["rejected_on_held_out", "ambiguous", "effect_found", "unexplained", "none_missing"]
+Verdict = Literal["rejected_on_held_out", "ambiguous", "effect_found", "unexplained", "undecided", "none_missing"]
+
+FAR = 3.0
+"""Floors beyond which a residual is not called explained, whatever the verdict."""
 
 
 class Estimate(NamedTuple):
@@ -230,7 +233,16 @@ class Diagnosis:
             return "ambiguous"
         if self.effects:
             return "effect_found"
-        return "unexplained" if self.unexplained is not None else "none_missing"
+        if self.unexplained is not None:
+            return "unexplained"
+        return "none_missing" if self.follows else "undecided"
+
+    @property
+    def follows(self) -> bool:
+        """Whether the plant follows its records near to noise: simulated, or in the balances where it cannot be."""
+        if self.simulation is not None:
+            return self.simulation.is_trusted
+        return all(result.after.rms <= FAR for result in self.results)
 
     @property
     def axis(self) -> str:

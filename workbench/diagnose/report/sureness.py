@@ -9,9 +9,9 @@ from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
-from workbench.diagnose.report.verdict import FAR, NOISE, dependence_words, held_out_floors
+from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import WORSE, Diagnosis, FoundEffect
+from workbench.diagnose.result import FAR, WORSE, Diagnosis, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm

@@ -13,9 +13,6 @@ from workbench.publish.words import listed, plain_name
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""
 
-FAR = 3.0
-"""Floors beyond which a residual is not called explained, whatever the verdict."""
-
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """What was found, in one sentence."""
@@ -42,25 +39,35 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             assert diagnosis.unexplained is not None
             depends = dependence_words(diagnosis.unexplained.dependence, diagnosis.axis)
             return f"Unexplained: {depends}; no known effect explains it."
+        case "undecided":
+            return _undecided(diagnosis)
         case "none_missing":
             return _none_missing(diagnosis)
 
 
+def _undecided(diagnosis: Diagnosis) -> str:
+    simulation, most = diagnosis.simulation, max(result.after.rms for result in diagnosis.results)
+    if simulation is not None:
+        off = f"simulated along the records the plant is off by {shown_number(simulation.after.rms, 2)} standard "
+        off += f"deviations of the sensors' noise, and its balances leave {shown_number(most, 2)} times their floor"
+    else:
+        off = f"it is {shown_number(most, 2)} times the noise floor"
+    return (
+        "Undecided: no known effect lowers what is left on data left out, and that depends on no measured signal; but "
+        f"{off}: the plant is not complete, its parameters were not found, the record moves faster than the smoothing "
+        "follows, or it holds no noise (as a simulated one may)."
+    )
+
+
 def _none_missing(diagnosis: Diagnosis) -> str:
     simulation = diagnosis.simulation
-    if simulation is not None and simulation.after.rms < FAR:
+    if simulation is not None:
         return (
             "None missing: the declared plant, with its own parameters fitted and simulated along the records, is off "
             f"by {simulation.after.rms:.1f} standard deviations of the sensors' noise, and no known effect lowers "
             "that on data left out."
         )
     most = max(result.after.rms for result in diagnosis.results)
-    if most > FAR:
-        return (
-            "None missing that is known: no effect lowers the residual on data left out, and it depends on no "
-            f"measured signal; but it is {shown_number(most, 2)} times the noise floor: the plant is not complete, "
-            "the record moves faster than the smoothing follows, or it holds no noise (as a simulated one may)."
-        )
     tested = max((ratio for result in diagnosis.results if (ratio := held_out_floors(diagnosis, result))), default=0.0)
     which = "the records that were fitted, but not the held-out ones" if tested >= max(NOISE, most) else "the records"
     beside = f" ({tested:.1f} times on held-out records)" if tested else ""
