@@ -80,6 +80,13 @@ class Along:
         """The plant's parameters (SI)."""
         return build(self.plant.Parameters, values, self.flow)
 
+    def acting(self, values: Values) -> tuple[Plant, Any]:
+        """The plant and its parameters, without effects where none of them does anything: that costs half as much."""
+        parameters, bare = self.parameters(values), self.plant.bare
+        if bare is None or parameters.effects != type(parameters.effects)():
+            return self.plant, parameters
+        return bare, build(bare.Parameters, values, self.flow)
+
     @property
     def parameter_names(self) -> frozenset[str]:
         """The parameters by which a plant goes along a record."""

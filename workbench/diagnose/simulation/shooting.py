@@ -8,7 +8,7 @@ seconds (multiple shooting).
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,9 @@ beside what the balance of forces asks of it.
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
+
+SHOWN = 64
+"""Simulations of which it is remembered what they are off by."""
 
 REMEMBERED = 8
 """Sets of values for which it is remembered where the simulations of a record start."""
@@ -179,6 +182,9 @@ class Shooting:
         between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
         `moved`.
         """
+        return _errors(_Asked(self, motion, values, moved))
+
+    def _errors(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
         record = motion.record
         seen = self.simulated(motion, values, moved)
         covered = np.zeros(record.time.size, dtype=bool)
@@ -259,7 +265,7 @@ class Shooting:
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
-        parameters = along.parameters(without)
+        plant, parameters = along.acting(without)
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
         if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
@@ -277,13 +283,15 @@ class Shooting:
         for k, state, begin in zip(
             starts, _starting(along, motion, tuple(values.items()), starts), begins, strict=True
         ):
-            if np.any(begin):
-                state = from_array(along.plant.State, (to_array(state) + begin).tolist())
+            if np.any(begin) or plant is not along.plant:
+                begun = to_array(state) + begin
+                state = from_array(plant.State, begun[: len(fields(plant.State))].tolist())
             yield (
                 k,
                 simulate(
                     replace(
                         setup,
+                        plant=plant,
                         parameters=parameters,
                         state=state,
                         inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
@@ -292,6 +300,36 @@ class Shooting:
                     )
                 ),
             )
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A simulation along a record that is asked for: the same as another one if it would show the same."""
+
+    how: Shooting
+    motion: Motion
+    values: Values
+    moved: np.ndarray | None
+
+    @cached_property
+    def _key(self) -> tuple[object, ...]:
+        how, record = self.how, self.motion.record
+        arrays = (how.begins.get(record), self.moved)
+        begun = tuple(b"" if array is None or not np.any(array) else array.tobytes() for array in arrays)
+        ways = how.setups[record], self.motion, how.push
+        return (*map(id, ways), how.length, how.most, *begun, *self.values.items())
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self._key == other._key
+
+
+@lru_cache(SHOWN)
+def _errors(asked: _Asked) -> list[np.ndarray]:
+    """What a simulation is off by: searches ask for the same more than once."""
+    return asked.how._errors(asked.motion, asked.values, asked.moved)
 
 
 @lru_cache(REMEMBERED)
