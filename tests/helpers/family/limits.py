@@ -4,7 +4,7 @@
 
 y0 and y1 are what the sensors show without noise under one input, without the effect and with it. A test that knows
 machine, initial state and form has at false alarms of 1 % a power of 50 % where d = 2.326: that is the limit. Of a
-record by hand, whose input is noisy, y is the force that the motion takes.
+record by hand, whose input is noisy, y is the force that the motion takes, in the noise of both sensors.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

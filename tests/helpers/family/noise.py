@@ -75,6 +75,19 @@ class Noise:
             difference = difference - lines @ weights
         return np.asarray(difference / self.random)
 
+    def spectrum(self, samples: int, sample_time: float) -> np.ndarray:
+        """Mean square of a transform's entries over the number of samples, at the frequencies of `np.fft.rfft`."""
+        frequencies = np.fft.rfftfreq(samples, sample_time)
+        flat = self.white**2 + self.quantum**2 / 12.0
+        power = np.full(frequencies.size, flat)
+        if self.coloured:
+            phi = self._phi(sample_time)
+            turn = np.exp(-2j * np.pi * frequencies * sample_time)
+            power += self.coloured**2 * (1.0 - phi**2) / np.abs(1.0 - phi * turn) ** 2
+        for times, amplitude in ((1.0, self.hum), (3.0, self.harmonic)):
+            power[np.argmin(np.abs(frequencies - times * self.mains))] += 0.25 * samples * amplitude**2
+        return power
+
     def _phi(self, sample_time: float) -> float:
         return float(np.exp(-2.0 * np.pi * self.cutoff * sample_time))
 

@@ -131,13 +131,23 @@ def replayed(of: Record, machine: Machine, start: np.ndarray | None = None) -> n
 def whitened(of: Record, shown: np.ndarray) -> np.ndarray:
     """Outputs of all channels in independent standard deviations of their noise, one behind the other.
 
-    Of a record by hand, the force that its motion takes, shape (samples,), in those of the measured force.
+    Of a record by hand, the force that its motion takes, shape (samples,), in those of what both sensors' noise
+    leaves open of it: that of the position is differentiated, as what moves resists it.
     """
     rig = of.rig
     if rig.motion == HAND:
-        return rig.noises["force"].whitened(shown, rig.sample_time)
+        power = of_hand(rig, rig.samples)
+        return np.asarray(np.fft.irfft(np.fft.rfft(shown) / np.sqrt(power), rig.samples))
     parts = [rig.noises[name].whitened(shown[:, CHANNELS.index(name)], rig.sample_time) for name in rig.noises]
     return np.concatenate(parts)
+
+
+def of_hand(rig: Rig, samples: int) -> np.ndarray:
+    """Spectrum of the noise of a force (N) by hand: S_F + |m w^2 - i c w|^2 S_x, at frequencies of `np.fft.rfft`."""
+    rates = 2.0 * np.pi * np.fft.rfftfreq(samples, rig.sample_time)
+    resisting = np.abs(rig.machine.mass * rates**2 - 1j * rig.machine.viscous * rates) ** 2
+    force, position = (rig.noises[name].spectrum(samples, rig.sample_time) for name in ("force", "position"))
+    return force + resisting * position
 
 
 def outputs(of: Record, machine: Machine, start: np.ndarray | None = None, bent: float = 0.0) -> np.ndarray:

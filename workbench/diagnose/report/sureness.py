@@ -126,6 +126,8 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         return lines
     pieces = simulation.starts_anew_every
     along = "from end to end" if pieces is None else f"in pieces of {pieces:g} s, since it runs away before the end"
+    if simulation.is_beside:
+        along = "beside its records, whose force has the noise of a sensor, as it foresees the next position,"
     without = f", {shown_number(simulation.before.rms, 3)} without what was found" if diagnosis.effects else ""
     error = (
         f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise{without}; "

@@ -32,6 +32,9 @@ VALVE, FLOW = "valve_voltage", "flow"
 LEAST_FLOOR = 1e-3
 """Of the floor that sensors give a balance, below which a simulated one is the solver's."""
 
+SENSED = ("force",)
+"""Channels of a command that a sensor shows, with noise; others are what a computer gave."""
+
 TRACKING = (20.0, 60.0, 200.0, 600.0)
 """rad/s. Crossovers of the loop that keeps the simulation beside the record, until one does: by its own command it
 drifts away, and friction holds it where the loop is weak."""
@@ -65,13 +68,14 @@ def null_motion(along: Along, motion: Motion, values: Values, seed: int) -> Moti
     if run is None or off > ASTRAY * np.std(motion.position):
         return None
     noise = np.random.default_rng([SEED, seed])
+    (command,) = given_by(record.channels, along.plant.command)
+    stds = motion.sensed if command in SENSED else {**motion.noise, command: 0.0}
     channels = {
-        name: run.measurements[:, place] + motion.noise[name] * noise.standard_normal(run.time.size)
+        name: run.measurements[:, place] + stds[name] * noise.standard_normal(run.time.size)
         for place, name in enumerate(Measurement._fields)
         if name in record.channels and name in along.plant.channels
     }
-    (command,) = given_by(record.channels, along.plant.command)
-    channels[command] = run.command
+    channels[command] = run.command + stds[command] * noise.standard_normal(run.time.size)
     for name, values_of in record.channels.items():
         channels.setdefault(name, values_of)
     return motion_of(replace(record, channels=channels))
@@ -88,7 +92,7 @@ def _tracked(along: Along, motion: Motion, values: Values, position: Sampled, cr
         if given_by(record.channels, name)
     ]
     inputs = replaced(inputs, dict.fromkeys((feed.input for feed in feeds), 0.0))  # they add to what is held
-    settings = _tracking(along, parameters, state, inputs, crossover)
+    settings = tracking(along, parameters, state, inputs, crossover)
     run = simulate(
         Setup(
             plant=plant,
@@ -111,7 +115,7 @@ def _off(run: Run, position: Sampled) -> float:
     return float(np.sqrt(np.mean(off**2)))
 
 
-def _tracking(along: Along, parameters: Any, state: Any, inputs: Any, crossover: float) -> pid.Settings:
+def tracking(along: Along, parameters: Any, state: Any, inputs: Any, crossover: float) -> pid.Settings:
     """A loop that tracks a position: of a flow, which sets a velocity, or of a force, which sets an acceleration."""
     plant = along.plant
     if plant.command == VALVE and FLOW in plant.balances:
@@ -125,8 +129,10 @@ def _tracking(along: Along, parameters: Any, state: Any, inputs: Any, crossover:
 
 def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:
     """The motion that a plant `simulated` (channels at every sample), with noise of the spectrum of what it leaves of
-    the record, at random phases: none of it has to do with the motion (Theiler et al. 1992).
+    the record, at random phases: none of it has to do with the motion (Theiler et al. 1992). A plant beside a record
+    leaves what a loop makes of noise; the sensors' is white then.
     """
+    beside = any(name in SENSED for name in simulated)
     draw, record = np.random.default_rng([SEED, seed]), motion.record
     channels = dict(record.channels)
     for name, values in simulated.items():
@@ -134,6 +140,8 @@ def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) ->
         spectrum = np.fft.rfft(left - np.mean(left))
         turned = np.abs(spectrum) * np.exp(2j * np.pi * draw.random(spectrum.size))
         noise = np.fft.irfft(turned, left.size)
+        if beside:
+            noise = motion.sensed[name] * draw.standard_normal(left.size)
         channels[name] = np.where(np.isfinite(record.channels[name]), values + noise, np.nan)
     return motion_of(replace(record, channels=channels))
 

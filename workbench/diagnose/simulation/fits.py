@@ -226,7 +226,9 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
         longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
         best = (longest or pieces or [best])[-1]
-    return first if best is first else fitting.final(best)
+    if best is first or (np.isinf(best.how.length) and best.fit.rms > BETTER * first.fit.rms):
+        return first
+    return fitting.final(best)
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

@@ -29,8 +29,9 @@ def free_run(whole: Shooting, motions: Sequence[Motion], values: Values) -> Free
     how = begun(whole, motions, values)
     positions, pressures = list[np.ndarray](), list[np.ndarray]()
     for motion in motions:
+        known = motion.record.valid & how.tells(motion)
         errors = {
-            name: np.where(motion.record.valid, motion.measured[name] - shown, 0.0)[SETTLED:]
+            name: np.where(known, motion.measured[name] - shown, 0.0)[SETTLED:]
             for name, shown in how.simulated(motion, values).items()
         }
         positions.append(errors["position"])

@@ -8,6 +8,7 @@ import numpy as np
 from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.beside import is_sensed, kept_beside
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.errors import UserError
 from workbench.fitting.replay import observe
@@ -27,19 +28,23 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
     believed = replace(experiment, plant=along.plant)
     setups, channels = dict[Record, Setup](), tuple[str, ...]()
+    declared = experiment.known_values()
     for motion in motions:
+        record, sensed = motion.record, is_sensed(along, motion)
+        if sensed:
+            record = replace(record, channels={**record.channels, along.plant.command: record.channels["force"]})
         try:
-            observed = observe(motion.record, believed)
+            observed = observe(record, believed)
         except UserError:
             return None
         feeds = tuple(
             replace(feed, linear=not (held and feed.input == along.plant.command)) for feed in observed.setup.feeds
         )
-        setups[motion.record] = replace(observed.setup, feeds=feeds, sample_time=motion.record.sample_time)
+        setup = replace(observed.setup, feeds=feeds, sample_time=record.sample_time)
         channels = tuple(observed.measured)
-    if "position" not in channels:
-        return None
-    declared = experiment.known_values()
+        if "position" not in channels:
+            return None
+        setups[motion.record] = kept_beside(setup, along, motion, declared) if sensed else setup
     return Shooting(
         along, setups, channels, held, scales_of(motions, declared), effects_told(along.plant, motions[0].channels)
     )

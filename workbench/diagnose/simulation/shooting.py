@@ -22,6 +22,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.beside import Followed, held
 from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -187,9 +188,7 @@ class Shooting:
     def _errors(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
         record = motion.record
         seen = self.simulated(motion, values, moved)
-        covered = np.zeros(record.time.size, dtype=bool)
-        for start in self.starts(motion):
-            covered[start : start + self.samples(motion)] = True
+        covered = self.tells(motion)
         edges = np.arange(0, record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, record.time.size))
         out = []
@@ -224,12 +223,29 @@ class Shooting:
         return every[:: -(-len(every) // self.most)]
 
     def simulated(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> dict[str, np.ndarray]:
-        """What the sensors would have shown, at every sample; NaN where the plant diverges."""
+        """What the sensors would have shown, at every sample, and the force that a plant beside the record had; NaN
+        where the plant diverges.
+        """
         seen = np.full((motion.record.time.size, len(Measurement._fields)), np.nan)
+        command = np.full(motion.record.time.size, np.nan)
         for k, run in self._runs(motion, values, moved):
             if not run.diverged:
                 seen[k : k + run.time.size] = run.measurements
-        return {name: seen[:, Measurement._fields.index(name)] for name in self.channels}
+                command[k : k + run.time.size] = run.command
+        driven = {"force": command} if self.is_beside(motion) else {}
+        return {**{name: seen[:, Measurement._fields.index(name)] for name in self.channels}, **driven}
+
+    def tells(self, motion: Motion) -> np.ndarray:
+        """At which samples it tells something: where it is simulated, and no rest decides."""
+        covered = np.zeros(motion.record.time.size, dtype=bool)
+        for start in self.starts(motion):
+            covered[start : start + self.samples(motion)] = True
+        beside = self.setups[motion.record].reference
+        return covered & ~held(motion, beside.crossover) if isinstance(beside, Followed) else covered
+
+    def is_beside(self, motion: Motion) -> bool:
+        """Whether a loop keeps the plant beside the record, which shows with noise what drives it."""
+        return self.setups[motion.record].reference is not None
 
     def with_backlash_of(self, motion: Motion, values: Values) -> Motion:
         """The motion with the side of the backlash on which the simulated rod is; as it is without a backlash."""
@@ -264,6 +280,7 @@ class Shooting:
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
+        reference = setup.reference if isinstance(setup.reference, Followed) else None
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         plant, parameters = along.acting(without)
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
@@ -297,6 +314,7 @@ class Shooting:
                         inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
                         duration=record.sample_time * (min(per, size - k) - 1),
                         feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
+                        reference=None if reference is None else reference.since(k * record.sample_time),
                     )
                 ),
             )

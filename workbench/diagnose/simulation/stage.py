@@ -73,6 +73,11 @@ class SimulationStage:
         return None if np.isinf(self.how.length) else self.how.length
 
     @property
+    def is_beside(self) -> bool:
+        """Whether a loop keeps the plant beside its records, since a sensor shows with noise what drives it."""
+        return self.how.is_beside(self.after.balance.motions[0])
+
+    @property
     def is_near(self) -> bool:
         """Whether it tells by itself what is missing, and that nothing is."""
         return Simulated(self.how, self.after).is_near
@@ -100,6 +105,7 @@ class SimulationStage:
             "channels": list(self.how.channels),
             "starts_anew_every_s": self.starts_anew_every,
             "voltage_is_held": self.how.held,
+            "beside_the_record": self.is_beside,
             "parameters_from_it": self.is_trusted,
             "dropped": list(self.dropped),
         }

@@ -1,0 +1,63 @@
+"""Records of a mass that a force drives, maybe against a spring that nobody declared, and their experiment."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from plants.equation import fields
+from plants.registry import plants
+from workbench.fitting.replay import Sampled
+from workbench.parameters.sets import build, known_units, named_sets, read_parameters
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Setup
+from workbench.simulation.simulate import simulate
+
+TRUE = read_parameters(named_sets()["owen2001_simulation"])
+"""Of the mass and its friction."""
+
+FORCE = 900.0
+"""N: amplitude."""
+
+EXPERIMENT = """\
+title = "a drive"
+[plant]
+model = "drive_force"
+parameters = "declared.toml"
+[channels]
+time = {{ column = "time", unit = "s" }}
+{channel} = {{ column = "force", unit = "N" }}
+position = {{ column = "position", unit = "m" }}
+[[records]]
+file = "record.parquet"
+"""
+
+
+def driven_experiment(
+    folder: Path, stiffness: float, noise: float, duration: float, sensor: float | None = None
+) -> Path:
+    """An experiment of `duration` (s) with a spring (N/m) and noise of the position (m); the force is a command, or
+    what a `sensor` with noise (N) shows. The friction is declared 1.5 times too large.
+    """
+    plant = plants()["drive_force"]
+    truth = {**TRUE, "spring_stiffness": stiffness}
+    parameters = build(plant.Parameters, truth)
+    state, inputs = plant.equilibrium(parameters, 0.0)
+    time = 1e-3 * np.arange(round(1e3 * duration) + 1)
+    feed = Feed(plant.command, Sampled(time, Multisine(FORCE, 0.5, (1, 2, 3))(time)[0]))
+    run = simulate(Setup(plant, parameters, state, inputs, duration, feeds=(feed,)))
+    draw = np.random.default_rng(1)
+    position = run.measurements[:, 0] + noise * draw.standard_normal(run.time.size)
+    force = run.inputs[:, plant.input_index(plant.command)] + (sensor or 0.0) * draw.standard_normal(run.time.size)
+    frame = pd.DataFrame({"time": run.time, "force": force, "position": position})
+    frame.to_parquet(folder / "record.parquet", index=False)
+    declared = {**truth, "coulomb": 1.5 * truth["coulomb"], "spring_stiffness": 0.0}
+    own, units = {item.name for item in fields(plant.Parameters)}, known_units(plant.axis)
+    lines = ['title = "a drive"', 'source = "made up"']
+    for name, value in declared.items():
+        if name in own:
+            lines += [f"[parameters.{name}]", f'value = "{value!r} {units[name]}"', 'source = "made up"']
+    (folder / "declared.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path = folder / "experiment.toml"
+    path.write_text(EXPERIMENT.format(channel="command" if sensor is None else "force"), encoding="utf-8")
+    return path
