@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.fit import QUICK, Fit, fit
+from workbench.diagnose.residuals.fit import QUICK, Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.setup import behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -45,7 +46,10 @@ def errors_of(
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fit(experiment, simulation, held_out)
-    return ErrorsByUse(fitted, tested, own)
+    found = ErrorsByUse(fitted, tested, own)
+    if simulation is not None and simulation.effects and found.runs_worse:
+        return replace(found, gained=_gained(experiment, simulation, held_out))
+    return found
 
 
 def _errors(
@@ -95,3 +99,17 @@ def _own_fit(experiment: Experiment, simulation: SimulationStage, held_out: Sequ
     fitted = fit(whole.balance(held_out, after.names), after.values, after.names, experiment.bounds, QUICK)
     run = free_run(whole, held_out, fitted.values)
     return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
+
+
+def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> float:
+    """By how much the logarithm of the likelihood of held-out records rises with what was found, by the noise that it
+    leaves of them: an error that goes up with slow noise alone says nothing.
+    """
+    whole = shooting_of(experiment, held_out, held=simulation.how.held)
+    assert whole is not None  # free runs of it are among the errors
+    before, after = (
+        fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ())
+        for one in (simulation.before, simulation.after)
+    )
+    noise = weighing_at(after)
+    return 0.5 * (before.seen_by(noise) - after.seen_by(noise))

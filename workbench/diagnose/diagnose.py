@@ -75,7 +75,9 @@ def _diagnosis(
         fits.append(simulation.after)
     final = fitted_parameters(fits)
     unexplained = None
-    left = simulation.lacks if simulation is not None and simulation.is_near else strongest(stage.dependences)
+    left = simulation.lacks if simulation is not None else None
+    if left is None and (simulation is None or not simulation.is_near):
+        left = strongest(stage.dependences)
     after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
     if left is not None and after is not None:
         unexplained = unexplained_of(after, left, held_out)

@@ -177,13 +177,14 @@ class BeforeAfter:
 class ErrorsByUse:
     """Errors on the records that were fitted and on those that were held out.
 
-    `own_parameters` are those on held-out records with the same parameters fitted to these; None where that was not
-    asked.
+    `own_parameters` are those on held-out records with the same parameters fitted to these, `gained` is by how much the
+    logarithm of these records' likelihood rises with what was found; None where that was not asked.
     """
 
     fit: BeforeAfter
     held_out: BeforeAfter
     own_parameters: Errors | None = None
+    gained: float | None = None
 
     def is_worse(self, balances: Sequence[str]) -> bool:
         """Whether one of these balances of the held-out records has a larger error with what was found."""
@@ -192,8 +193,12 @@ class ErrorsByUse:
 
     @property
     def runs_worse(self) -> bool:
-        """Whether a free run of the held-out records has a larger error of position with what was found."""
+        """Whether a free run of the held-out records has a larger error of position with what was found, and noise does
+        not tell why.
+        """
         before, after = self.held_out.before.position, self.held_out.after.position
+        if self.gained is not None and self.gained > 0.0:
+            return False
         return after is not None and before is not None and after > WORSE * before
 
     def to_json(self) -> dict[str, object]:

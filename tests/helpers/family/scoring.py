@@ -71,8 +71,11 @@ def offered(found: Sequence[Mapping[str, Any]]) -> list[list[str]]:
 
 
 def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> dict[str, Any]:
-    """One row: what was named, whether it is right, how far errors went down, and which intervals cover."""
-    found = report.get("effects") or []
+    """One row: what was named, whether it is right, how far errors went down, and which intervals cover.
+
+    What held-out records reject is not named: the plant stays as it was declared.
+    """
+    found = [] if report.get("verdict") == REJECTED else report.get("effects") or []
     named = [effect["name"] for effect in found]
     first = FAILED if "failure" in report else (named[0] if named else NOTHING)
     alternatives = list(found[0].get("alternatives") or []) if found else []
@@ -161,7 +164,7 @@ def _floors(report: Mapping[str, Any]) -> dict[str, Any]:
 def _coverage(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> dict[str, int]:
     """How many 90 % intervals there are of effects that were named rightly and of friction, and how many cover."""
     stated, covering = 0, 0
-    for effect in report.get("effects") or []:
+    for effect in [] if report.get("verdict") == REJECTED else report.get("effects") or []:
         true = (truth.get("effects") or {}).get(effect["name"], {}).get("parameters", {})
         one = [_covers(number, true[name]) for name, number in effect["parameters"].items() if name in true]
         stated, covering = stated + sum(c is not None for c in one), covering + sum(c is True for c in one)

@@ -226,9 +226,10 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
         longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
         best = (longest or pieces or [best])[-1]
-    if best is first or (np.isinf(best.how.length) and best.fit.rms > BETTER * first.fit.rms):
+    if best is first:
         return first
-    return fitting.final(best)
+    best = fitting.final(best)
+    return first if np.isinf(best.how.length) and best.fit.rms > BETTER * first.fit.rms else best
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
