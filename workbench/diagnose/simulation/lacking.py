@@ -48,7 +48,7 @@ PUSHES: Mapping[str, Sequence[tuple[str, bool]]] = {
 """By balance the signals over which something may be missing, and whether it turns with the direction of motion."""
 
 CERTAIN, BESIDE = 1.5, 3.5
-"""Times what is asked of a curve from which it is told: since short records gain more than they are asked, and of a plant that is
+"""Times what is asked of a curve from which it is told: since curves gain more of short records, and of a plant that is
 kept beside its record, whose contact noise shakes.
 """
 
