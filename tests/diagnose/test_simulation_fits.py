@@ -81,6 +81,36 @@ def test_of_the_true_plant_the_sensor_s_noise_is_left(made: Made) -> None:
     assert follows(how, motions, truth)
 
 
+def test_what_was_simulated_is_remembered_and_nothing_else(made: Made) -> None:
+    how, motions, truth = made
+    (motion,) = motions
+    first, again = how.errors(motion, truth), replace(how).errors(motion, dict(truth))
+    assert all(one is other for one, other in zip(first, again, strict=True))
+    moved = np.zeros(len(how.along.names))
+    assert how.errors(motion, truth, moved)[0] is first[0]
+    moved[how.along.names.index("position")] = 1e-4
+    others = (
+        how.errors(motion, {**truth, "coulomb": 1.01 * truth["coulomb"]}),
+        how.errors(motion, truth, moved),
+        how.with_tolerance(1e-9).errors(motion, truth),
+        replace(how, length=1.0).errors(motion, truth),
+    )
+    assert not any(np.array_equal(first[0], other[0]) for other in others)
+
+
+def test_a_plant_in_which_no_effect_acts_is_simulated_without_any(made: Made) -> None:
+    how, motions, truth = made
+    (motion,) = motions
+    finer = how.with_tolerance(1e-10)
+    plant, parameters = how.along.acting(truth)
+    assert plant is how.along.plant.bare
+    assert type(parameters) is plant.Parameters
+    acts = {**truth, "drag_coefficient": 1e-9}
+    assert how.along.acting(acts)[0] is how.along.plant
+    without, with_one = (finer.simulated(motion, values)["position"] for values in (truth, acts))
+    assert np.max(np.abs(without - with_one)) < 1e-3 * POSITION_NOISE
+
+
 @pytest.mark.parametrize("factors", [(2.0, 0.5, 2.0)])
 def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tuple[float, ...]) -> None:
     how, motions, truth = made

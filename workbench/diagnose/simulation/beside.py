@@ -32,9 +32,8 @@ FILTERED, SHORTEST = 0.3, 0.05
 DAMPING = 2.0**-0.5
 """Of a Kalman filter of a mass, whose velocity noise drives."""
 
-SLOWEST = 1.0
-"""1/s. Least crossover of a loop that keeps a plant beside a record."""
-
+SLOWEST = 20.0
+"""Least crossover of a loop that keeps a plant beside a record, over one over the record's duration."""
 
 UNDER_WAY = 0.2
 """Share of the velocity's rms below which a rod is not under way."""
@@ -73,7 +72,7 @@ def kept_beside(setup: Setup, along: Along, motion: Motion, values: Values) -> S
     unit = tracking(along, parameters, state, inputs, 1.0)  # its gain is the mass, in units of the command
     noise = {name: max(motion.sensed[name], 1e-30) for name in ("force", "position")}
     crossover = float(np.sqrt(noise["force"] / (unit.kp * noise["position"])))
-    crossover = float(np.clip(crossover, SLOWEST, QUICKEST / step))
+    crossover = float(np.clip(crossover, SLOWEST / float(motion.record.time[-1]), QUICKEST / step))
     lag = max(FILTERED / crossover, SHORTEST * step)
     gains = unit.kp * crossover**2, DAMPING * unit.kd * crossover
     settings = pid.Settings(kp=gains[0], kd=gains[1], velocity_time_constant=lag)
