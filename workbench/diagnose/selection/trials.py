@@ -165,7 +165,7 @@ def _standing_out(fitted: Fit, signal: str, low: float, high: float, reach: floa
     power = np.zeros(count)
     for values, slices in zip(along, fitted.balance.series, strict=True):
         for place in slices:
-            residual = fitted.residual[place]
+            residual = fitted.weighed[place]  # a line stands out of white noise alone
             scatter = float(np.mean(residual**2))
             if scatter > 0.0:
                 power += _periodogram(values, residual / np.sqrt(scatter), frequencies)
