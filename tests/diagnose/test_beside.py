@@ -37,7 +37,8 @@ def test_a_spring_that_nobody_declared_is_found(tmp_path: Path) -> None:
     stiffness = spring.parameters["spring_stiffness"]
     assert stiffness.std is not None
     assert stiffness.value == pytest.approx(STIFFNESS, rel=0.02)
-    assert diagnosis.to_json()["simulation"]["beside_the_record"]  # type: ignore[index]
+    assert diagnosis.simulation is not None
+    assert diagnosis.simulation.to_json()["beside_the_record"]
 
 
 def test_a_long_rest_tells_nothing_and_turning_back_does() -> None:

@@ -204,7 +204,8 @@ class ErrorsByUse:
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
         own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.by_key}
-        return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own}}
+        gained = {} if self.gained is None else {"gained_log_likelihood": self.gained}
+        return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own, **gained}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -165,7 +165,10 @@ def _of_worse(diagnosis: Diagnosis) -> list[str]:
     if not worse:
         return []
     trusted = diagnosis.simulation is not None and diagnosis.simulation.is_trusted
-    judge = "free run" if trusted else "balances that have effects"
+    judge = "balances that have effects"
+    if trusted:
+        likelier = diagnosis.errors.gained is not None and diagnosis.errors.gained > 0.0
+        judge = "likelihood of the free run, which rises" if likelier else "free run"
     return [
         f"Not all gets better on held-out records: worse is {listed(worse)}. It does not reject what was found, which "
         f"is judged by the {judge}; but a study that simulates the corrected plant should not rest on it."

@@ -132,18 +132,21 @@ def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) ->
     the record, at random phases: none of it has to do with the motion (Theiler et al. 1992). A plant beside a record
     leaves what a loop makes of noise; the sensors' is white then.
     """
-    beside = any(name in SENSED for name in simulated)
+    white = any(name in SENSED for name in simulated)
     draw, record = np.random.default_rng([SEED, seed]), motion.record
     channels = dict(record.channels)
     for name, values in simulated.items():
         left = motion.measured[name] - values
-        spectrum = np.fft.rfft(left - np.mean(left))
-        turned = np.abs(spectrum) * np.exp(2j * np.pi * draw.random(spectrum.size))
-        noise = np.fft.irfft(turned, left.size)
-        if beside:
-            noise = motion.sensed[name] * draw.standard_normal(left.size)
+        noise = motion.sensed[name] * draw.standard_normal(left.size) if white else _turned(left, draw)
         channels[name] = np.where(np.isfinite(record.channels[name]), values + noise, np.nan)
     return motion_of(replace(record, channels=channels))
+
+
+def _turned(left: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """Noise of the spectrum of a series, at random phases."""
+    spectrum = np.fft.rfft(left - np.mean(left))
+    turned = np.abs(spectrum) * np.exp(2j * np.pi * draw.random(spectrum.size))
+    return np.fft.irfft(turned, left.size)
 
 
 def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> Balance:

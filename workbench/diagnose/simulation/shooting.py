@@ -183,9 +183,10 @@ class Shooting:
         between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
         `moved`.
         """
-        return _errors(_Asked(self, motion, values, moved))
+        return _remembered(_Asked(self, motion, values, moved))
 
-    def _errors(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
+    def errors_anew(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
+        """The same, simulated whether it was before or not."""
         record = motion.record
         seen = self.simulated(motion, values, moved)
         covered = self.tells(motion)
@@ -240,12 +241,17 @@ class Shooting:
         covered = np.zeros(motion.record.time.size, dtype=bool)
         for start in self.starts(motion):
             covered[start : start + self.samples(motion)] = True
-        beside = self.setups[motion.record].reference
-        return covered & ~held(motion, beside.crossover) if isinstance(beside, Followed) else covered
+        followed = self._followed(motion)
+        return covered if followed is None else covered & ~held(motion, followed.crossover)
 
     def is_beside(self, motion: Motion) -> bool:
         """Whether a loop keeps the plant beside the record, which shows with noise what drives it."""
-        return self.setups[motion.record].reference is not None
+        return self._followed(motion) is not None
+
+    def _followed(self, motion: Motion) -> Followed | None:
+        """The position that such a loop follows."""
+        reference = self.setups[motion.record].reference
+        return reference if isinstance(reference, Followed) else None
 
     def with_backlash_of(self, motion: Motion, values: Values) -> Motion:
         """The motion with the side of the backlash on which the simulated rod is; as it is without a backlash."""
@@ -280,7 +286,7 @@ class Shooting:
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
-        reference = setup.reference if isinstance(setup.reference, Followed) else None
+        followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         plant, parameters = along.acting(without)
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
@@ -314,7 +320,7 @@ class Shooting:
                         inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
                         duration=record.sample_time * (min(per, size - k) - 1),
                         feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
-                        reference=None if reference is None else reference.since(k * record.sample_time),
+                        reference=None if followed is None else followed.since(k * record.sample_time),
                     )
                 ),
             )
@@ -345,9 +351,9 @@ class _Asked:
 
 
 @lru_cache(SHOWN)
-def _errors(asked: _Asked) -> list[np.ndarray]:
+def _remembered(asked: _Asked) -> list[np.ndarray]:
     """What a simulation is off by: searches ask for the same more than once."""
-    return asked.how._errors(asked.motion, asked.values, asked.moved)
+    return asked.how.errors_anew(asked.motion, asked.values, asked.moved)
 
 
 @lru_cache(REMEMBERED)

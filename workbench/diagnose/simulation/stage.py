@@ -39,7 +39,6 @@ from workbench.records.experiment import Experiment
 STRAIGHTENED = 1.25
 """Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
 
-
 MANY = 3
 """Effects that together are less likely than one that nobody knows, unless they gain more than a curve does."""
 
