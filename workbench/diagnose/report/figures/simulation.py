@@ -53,10 +53,11 @@ class ComparedRecord:
 
 @dataclass(frozen=True)
 class SimulationData:
-    """The records that are drawn, and the models beside them."""
+    """The records that are drawn, and the models beside them; how these are simulated, in words."""
 
     records: Sequence[ComparedRecord]
     sides: Sequence[Side]
+    way: str
 
 
 def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> SimulationData:
@@ -71,7 +72,8 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
         ComparedRecord(use, motion.record.label, motion.record.time, _compared(diagnosis, simulation, motion))
         for use, motion in motions
     ]
-    return SimulationData(records, sides)
+    way = "and kept beside the record by a loop" if simulation.is_beside else "from the measured input alone"
+    return SimulationData(records, sides, way)
 
 
 def _compared(diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion) -> list[Compared]:
@@ -104,7 +106,7 @@ def draw_simulation(data: SimulationData) -> Picture:
     with figure_style():
         figure = Figure(figsize=(WIDE, 1.8 * height * len(records) + 0.8))
         FigureCanvasAgg(figure)
-        figure.suptitle("Simulated from the measured input alone, against measured")
+        figure.suptitle(f"Simulated {data.way}, against measured")
         panels = figure.subplots(height * len(records), columns, squeeze=False)
         for row, record in enumerate(records):
             own = panels[height * row : height * (row + 1)]
