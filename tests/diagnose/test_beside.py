@@ -18,9 +18,12 @@ STIFFNESS = 2e4
 NOISE, SENSOR, DURATION = 2e-6, 1.0, 6.0
 """m, N: of both sensors; s."""
 
+STROKE = 1.0
+"""m: no end of it is reached without the spring."""
+
 
 def test_a_plant_that_lacks_nothing_follows_and_its_friction_is_found(tmp_path: Path) -> None:
-    diagnosis = diagnose(driven_experiment(tmp_path, 0.0, NOISE, DURATION, SENSOR))
+    diagnosis = diagnose(driven_experiment(tmp_path, 0.0, NOISE, DURATION, SENSOR, STROKE))
     assert (diagnosis.verdict, list(diagnosis.effects)) == ("none_missing", [])
     assert diagnosis.simulation is not None
     assert diagnosis.simulation.is_beside

@@ -5,17 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from driven import driven_experiment
 
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.null import QUICKEST
+from workbench.diagnose.simulation.beside import FILTERED, SHAKES
 from workbench.diagnose.simulation.fits import (
     NOISE,
     Fitting,
     Simulated,
     exactly,
     fit_farther,
+    fit_led,
     fit_simulation,
     left_of_pieces,
 )
@@ -124,6 +128,52 @@ def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tup
         assert found.fit.values[name] == pytest.approx(truth[name], rel=2e-3), name
         assert abs(found.fit.values[name] - truth[name]) < 4.0 * found.fit.deviations[name], name
         assert 0.0 < found.fit.deviations[name] < 1e-3 * truth[name], name
+
+
+@pytest.fixture(scope="module")
+def drifting(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """12 s of a mass that nothing holds, from rest: what its force is off by adds up to the end."""
+    path = driven_experiment(tmp_path_factory.mktemp("drifting"), 0.0, POSITION_NOISE, 12.0, stroke=1.0)
+    experiment = read_experiment(path)
+    motions = motions_of(experiment, read_records(experiment))
+    how = shooting_of(experiment, motions, held=False)
+    assert how is not None
+    return how, motions, {**declared_values(experiment), "coulomb": TRUTH["coulomb"]}
+
+
+def test_a_plant_that_goes_astray_is_led_back(drifting: Made) -> None:
+    how, motions, truth = drifting
+    fitting = Fitting(motions, ("coulomb", "viscous"), {})
+    start = {**truth, "coulomb": 1.1 * truth["coulomb"], "viscous": 0.8 * truth["viscous"]}
+    first = fitting.begun(how, start)
+    assert first.fit.excess > 100.0
+    found = fit_led(first, fitting, start)
+    assert found.how.setups == first.how.setups, "no loop is left"
+    assert found.fit.rms == pytest.approx(1.0, abs=0.1)
+    for name in fitting.names:
+        assert abs(found.fit.values[name] - truth[name]) < 3.0 * found.fit.deviations[name], name
+        assert found.fit.deviations[name] < 1e-3 * truth[name], name
+
+
+def test_the_quickest_loop_makes_no_force_of_noise_that_shakes_a_contact(drifting: Made) -> None:
+    how, (motion,), truth = drifting
+    crossover = how.quickest(motion, truth)
+    assert crossover < QUICKEST / motion.sample_time
+    shaken = crossover**2 * truth["mass"] * 2.0 / FILTERED * motion.sensed["position"]
+    assert shaken == pytest.approx(SHAKES * truth["coulomb"], rel=1e-6)
+
+
+def test_a_record_that_begins_at_rest_is_followed_from_rest(drifting: Made) -> None:
+    how, motions, truth = drifting
+    rested = how.rested(motions, truth)
+    (begins,) = rested.begins.values()
+    assert begins[0, how.along.names.index("position")] == 0.0
+    assert np.any(begins != 0.0), "what was measured has noise in its velocity"
+    (motion,) = motions
+    state, reach = how.along.at_rest(motion, truth)[0], how.reach(motion, truth)
+    assert np.all(np.abs(begins[0]) <= reach)
+    assert state.velocity == 0.0
+    assert fit(rested.balance(motions, ()), truth, ()).excess < NOISE
 
 
 def test_starts_that_are_wrong_are_found(made: Made) -> None:

@@ -34,13 +34,18 @@ file = "record.parquet"
 
 
 def driven_experiment(
-    folder: Path, stiffness: float, noise: float, duration: float, sensor: float | None = None
+    folder: Path,
+    stiffness: float,
+    noise: float,
+    duration: float,
+    sensor: float | None = None,
+    stroke: float = TRUE["stroke"],
 ) -> Path:
     """An experiment of `duration` (s) with a spring (N/m) and noise of the position (m); the force is a command, or
-    what a `sensor` with noise (N) shows. The friction is declared 1.5 times too large.
+    what a `sensor` with noise (N) shows; the `stroke` is in m. The friction is declared 1.5 times too large.
     """
     plant = plants()["drive_force"]
-    truth = {**TRUE, "spring_stiffness": stiffness}
+    truth = {**TRUE, "spring_stiffness": stiffness, "stroke": stroke}
     parameters = build(plant.Parameters, truth)
     state, inputs = plant.equilibrium(parameters, 0.0)
     time = 1e-3 * np.arange(round(1e3 * duration) + 1)
@@ -48,8 +53,8 @@ def driven_experiment(
     run = simulate(Setup(plant, parameters, state, inputs, duration, feeds=(feed,)))
     draw = np.random.default_rng(1)
     position = run.measurements[:, 0] + noise * draw.standard_normal(run.time.size)
-    force = run.inputs[:, plant.input_index(plant.command)] + (sensor or 0.0) * draw.standard_normal(run.time.size)
-    frame = pd.DataFrame({"time": run.time, "force": force, "position": position})
+    shown = run.inputs[:, plant.input_index(plant.command)] + (sensor or 0.0) * draw.standard_normal(run.time.size)
+    frame = pd.DataFrame({"time": run.time, "force": shown, "position": position})
     frame.to_parquet(folder / "record.parquet", index=False)
     declared = {**truth, "coulomb": 1.5 * truth["coulomb"], "spring_stiffness": 0.0}
     own, units = {item.name for item in fields(plant.Parameters)}, known_units(plant.axis)

@@ -43,10 +43,11 @@ class Integrator:
 
 @dataclass(frozen=True)
 class Loop:
-    """A sampled controller with its gains."""
+    """A sampled controller with its gains, and the input of the plant that it `drives`: its command if none is said."""
 
     controller: Controller
     gains: Any
+    drives: str = ""
 
 
 @dataclass(frozen=True)

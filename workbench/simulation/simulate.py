@@ -86,14 +86,15 @@ def simulate(setup: Setup) -> Run:
     past = int(np.max(lines[:, 1], initial=0))
     integrator = setup.integrator
     method = INTEGRATORS.working()[integrator.method]
-    limit = float(plant.command_limit(setup.parameters))
+    driven = setup.loop.drives or plant.command
+    limit = float(plant.command_limit(setup.parameters)) if driven == plant.command else np.inf
     ended, count, steps = engine.run_loop(
         plant_addresses(plant),
         controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
         (state, inputs, parameters, scales),
         (*memory, *_memory(rotary, shown)),
         (
-            plant.input_index(plant.command),
+            plant.input_index(driven),
             limit,
             plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
             float(plant.rotary_limit(setup.parameters)),

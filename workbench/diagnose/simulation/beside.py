@@ -18,6 +18,8 @@ from scipy.signal import lfilter
 
 from controllers import pid
 from controllers.pid import PID
+from plants.axis import name_along
+from plants.equation import replaced
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import QUICKEST, tracking
@@ -38,6 +40,9 @@ SLOWEST = 20.0
 UNDER_WAY = 0.2
 """Share of the velocity's rms below which a rod is not under way."""
 
+SHAKES = 0.05
+"""Share of the contact's friction that a loop that leads a plant may make of the position's noise."""
+
 PASSING, FORGOTTEN = 10.0, 6.0
 """Times one over the crossover in which a rod that turns back is under way again, till when noise has not done much;
 and after which the loop has forgotten how a rest ended.
@@ -45,13 +50,12 @@ and after which the loop has forgotten how a rest ended.
 
 
 @dataclass(frozen=True, eq=False)
-class Followed(Moving):
+class Shown(Moving):
     """A measured position, with its velocity as the loop finds that of the simulated one."""
 
     times: np.ndarray
     values: np.ndarray
     time_constant: float
-    crossover: float
 
     def __call__(self, time: np.ndarray) -> Signal:
         position = np.interp(time, self.times, self.values)
@@ -59,6 +63,13 @@ class Followed(Moving):
         keep = float(np.exp(-step / self.time_constant))
         velocity = lfilter([(1.0 - keep) / step], [1.0, -keep], np.diff(position, prepend=position[:1]))
         return position, velocity, np.zeros(time.size)
+
+
+@dataclass(frozen=True, eq=False)
+class Followed(Shown):
+    """The same for a loop of a `crossover` (rad/s) that keeps a plant beside a record."""
+
+    crossover: float
 
     def since(self, time: float) -> "Followed":
         """The same from a time (s) on."""
@@ -79,6 +90,35 @@ def kept_beside(setup: Setup, along: Along, motion: Motion, values: Values) -> S
     known = np.isfinite(motion.record.channels["position"])
     reference = Followed(motion.record.time[known], motion.record.channels["position"][known], lag, crossover)
     return replace(setup, loop=Loop(PID, PID.design(settings, parameters, step)), reference=reference)
+
+
+def quickest(along: Along, motion: Motion, values: Values) -> float:
+    """rad/s: the quickest loop that may lead a plant along a record: quicker ones make a force of the position's noise
+    that shakes a contact loose, of 2 w^2 m s_x over the share of the differentiator's lag.
+    """
+    noise = 2.0 * max(motion.sensed["position"], 1e-30) / FILTERED / abs(_accelerated(along, motion, values))
+    coulomb = values.get(name_along("coulomb", along.plant.axis), 0.0)
+    fastest = QUICKEST / motion.record.sample_time
+    return min(fastest, float(np.sqrt(SHAKES * coulomb / noise))) if coulomb > 0.0 else fastest
+
+
+def led(setup: Setup, along: Along, motion: Motion, values: Values, crossover: float) -> Setup:
+    """The setup with a loop (rad/s) that leads a plant with `values` along the record, by a force on its mass."""
+    step, push = motion.record.sample_time, _accelerated(along, motion, values)
+    lag = max(FILTERED / crossover, SHORTEST * step)
+    settings = pid.Settings(kp=crossover**2 / push, kd=2.0 * crossover / push, velocity_time_constant=lag)
+    known = np.isfinite(motion.record.channels["position"])
+    reference = Shown(motion.record.time[known], motion.record.channels["position"][known], lag)
+    loop = Loop(PID, PID.design(settings, along.parameters(values), step), along.plant.disturbance)
+    return replace(setup, loop=loop, reference=reference)
+
+
+def _accelerated(along: Along, motion: Motion, values: Values) -> float:
+    """What a unit of the disturbance adds to the acceleration."""
+    state, inputs = along.at_rest(motion, values)
+    pushed, plant = replaced(inputs, {along.plant.disturbance: 1.0}), along.plant
+    rates = [plant.derivatives(0.0, state, given, along.parameters(values)).velocity for given in (inputs, pushed)]
+    return float(rates[1]) - float(rates[0])
 
 
 def is_sensed(along: Along, motion: Motion) -> bool:

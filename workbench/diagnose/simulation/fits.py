@@ -1,4 +1,7 @@
-"""Fits of a plant to simulation error: in short pieces, in longer ones, then from end to end.
+"""Fits of a plant to simulation error: from end to end, by way of loops that lead it, and in short or longer pieces.
+
+What a plant is off by adds up, and a run that went astray shows nothing. A loop that leads it along its record takes
+most of that away, and with parameters that are nearer a weaker one does.
 
 A contact that breaks away at another time puts hollows into the error of a long run, and a chamber that rings more.
 A short piece has few of them, since it starts from what was measured; where it starts is no part of the plant, and is
@@ -17,6 +20,7 @@ from workbench.diagnose.residuals.fit import FINAL, LOST, NEAR_NOISE, QUICK, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
+from workbench.diagnose.simulation.beside import SLOWEST
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import THREADS, Search
@@ -63,6 +67,12 @@ SCANS = 2
 FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
 """Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
 that leaves less, and after one that does not; and how many are tried."""
+
+LED = Search(flat=1e-4, most_steps=40, learns=True)
+"""When a fit ends of a plant that a loop leads along its records."""
+
+WEAKER = 3.0
+"""Times that one such loop is quicker than the next."""
 
 FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 """Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
@@ -126,7 +136,8 @@ class Fitting:
 
     def begun(self, how: Shooting, values: Values) -> Simulated:
         """The plant with these values, from the starts that suit them best: near those that suited others, or near what
-        was measured, since a long run may not find back from the one to the other.
+        was measured, since a long run may not find back from the one to the other; or from rest, where that alone
+        follows within noise.
 
         Far from noise a long run is begun by what comes soon after: else its start makes up for what its parameters
         are off by, and does not find back.
@@ -142,7 +153,11 @@ class Fitting:
             measured = self.stepped(soon, values)
         else:
             measured = Simulated(soon, fresh, soon.starting(self.motions, values))
-        return near if near is not None and near.fit.excess < ASTRAY and near.fit.rms < measured.fit.rms else measured
+        others = [near] if near is not None and near.fit.excess < ASTRAY else []
+        if not how.begins and measured.fit.excess > NEAR_NOISE:
+            rested = self.stepped(how.rested(self.motions, values), values)
+            others += [rested] if rested.fit.excess < NEAR_NOISE else []
+        return min([*others, measured], key=lambda one: one.fit.rms)
 
     def _begun_soon(self, how: Shooting, values: Values) -> Shooting:
         """The same from starts that suit the first instants of each record."""
@@ -230,6 +245,26 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         return first
     best = fitting.final(best)
     return first if np.isinf(best.how.length) and best.fit.rms > BETTER * first.fit.rms else best
+
+
+def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
+    """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
+    if that leads nearer to noise. A plant that is kept beside its records, or has delays of its own, stays as it is.
+    """
+    whole, motions, values, best = replace(first.how, length=np.inf, begins={}), fitting.motions, dict(start), first
+    if whole.is_beside(motions[0]) or whole.along.plant.delayed:
+        return first
+    crossover = min(whole.quickest(motion, values) for motion in motions)
+    while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
+        balance = whole.led(motions, values, crossover).balance(motions, fitting.names)
+        values = fit(balance, values, fitting.names, fitting.bounds, LED).values
+        free = fitting.begun(whole, values)
+        if free.fit.rms < best.fit.rms:
+            best = free
+        if free.fit.excess < NEAR_NOISE:
+            break
+        crossover /= WEAKER
+    return first if best is first else fitting.final(fitting.bettered(best))
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:

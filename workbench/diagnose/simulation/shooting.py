@@ -22,7 +22,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.beside import Followed, held
+from workbench.diagnose.simulation.beside import Followed, held, led, quickest
 from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -178,6 +178,27 @@ class Shooting:
 
         return np.array([farthest(name) for name in self.along.names])
 
+    def rested(self, motions: Sequence[Motion], values: Values) -> "Shooting":
+        """The same from end to end of each record from rest, where the rod was measured to be."""
+        begins, place = dict[Record, np.ndarray](), self.along.names.index("position")
+        for motion in motions:
+            (measured,) = _starting(self.along, motion, tuple(values.items()), range(1))
+            begin = to_array(self.along.at_rest(motion, values)[0]) - to_array(measured)
+            begin[place] = 0.0
+            begins[motion.record] = begin[None, :]
+        return replace(self, begins=begins)
+
+    def quickest(self, motion: Motion, values: Values) -> float:
+        """rad/s: the quickest loop that leads a plant with `values` along a record."""
+        return quickest(self.along, motion, values)
+
+    def led(self, motions: Sequence[Motion], values: Values, crossover: float) -> "Shooting":
+        """The same from end to end with a loop (rad/s) that leads a plant with `values` along the records."""
+        setups = {
+            motion.record: led(self.setups[motion.record], self.along, motion, values, crossover) for motion in motions
+        }
+        return replace(self, setups=setups)
+
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times
         between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
@@ -320,7 +341,7 @@ class Shooting:
                         inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
                         duration=record.sample_time * (min(per, size - k) - 1),
                         feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
-                        reference=None if followed is None else followed.since(k * record.sample_time),
+                        reference=setup.reference if followed is None else followed.since(k * record.sample_time),
                     )
                 ),
             )

@@ -26,6 +26,7 @@ from workbench.diagnose.simulation.fits import (
     Simulated,
     exactly,
     fit_farther,
+    fit_led,
     fit_simulation,
     settle,
 )
@@ -147,6 +148,7 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
+    best = best if best.is_near else fit_led(best, fitting, starts[0])
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         best = min(best, straight, key=lambda one: one.fit.rms)
