@@ -19,6 +19,11 @@ BESIDE = 1.1
 BY_BLOCKS = 0.3
 """Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
 
+BEYOND = 0.5
+"""Share of what is asked of an effect by which it has to gain more where blocks that were left out do not show it: what
+happens once in a record is in one block alone. Of a balance, whose noise nobody knows, blocks have to show it.
+"""
+
 
 def choose(
     better: Sequence[tuple[Proposal, Fit]], current: Fit, taken: Effects, seen: Set[frozenset[str]], ask: Asked
@@ -39,7 +44,8 @@ def choose(
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
         known = is_estimated(found, current.balance)
-        holds = gained > 0.0 and known and enough and (not proposal.added or _holds(beside, found, price, ask))
+        sure = ask.settle is not None and gained > BEYOND * price
+        holds = gained > 0.0 and known and enough and (not proposal.added or sure or _holds(beside, found, price, ask))
         if holds and gained > _by_itself(beside, found, ask):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:

@@ -1,0 +1,55 @@
+"""Whether a set that was fitted is taken: what happens once is in one block, and no other foresees it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from made_up_balances import made_balance, made_motion
+
+from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.selection.judging import BEYOND, choose
+from workbench.diagnose.selection.likelihood import Proposal
+from workbench.diagnose.selection.sets import Asked, fitted_with
+from workbench.diagnose.selection.trials import Trial
+from workbench.fitting.least_squares import Search
+
+EXACT = Search(flat=1e-14)
+LOAD = Proposal((Trial("constant_load", ("load_force",)),), (), 0.0, 0.0, {"load_force": 0.1})
+START = {"spring_stiffness": 0.0, "load_force": 0.0}
+
+
+def once(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A spring, and a load that acts in the first second of twenty, and hardly after it."""
+    acts = np.where(motion.time < 1.0, 1.0, 0.02)
+    return np.asarray(values["spring_stiffness"] * motion.position + values["load_force"] * acts)
+
+
+def taken(load: float, simulated: bool) -> tuple[bool, float, float]:
+    """Whether a load of so many N is taken, what it gains, and what is asked of it."""
+    balance = made_balance([made_motion()], once, {"spring_stiffness": 2000.0, "load_force": load})
+    first = fit(balance, START, ["spring_stiffness"], None, EXACT)
+    current = fit(balance, START, ["spring_stiffness"], None, EXACT, weighing_at(first))
+    settle = (lambda found: found) if simulated else None
+    ask = Asked(START, {}, 10, {}, settle=settle)
+    tried = fitted_with(current, {}, LOAD, ask)
+    best, _ = choose([(LOAD, tried)], current, {}, set(), ask)
+    return best is not None, gain(current, tried), ask.price_of(LOAD, {}, balance)
+
+
+def gain(before: Fit, after: Fit) -> float:
+    """In the logarithm of the likelihood."""
+    return 0.5 * (before.squares - after.squares)
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+def test_what_happens_once_has_to_gain_more_and_in_a_simulation(simulated: bool) -> None:
+    is_taken, gained, asked = taken(0.6, simulated)
+    assert gained > (1.0 + BEYOND) * asked
+    assert is_taken is simulated
+
+
+def test_what_happens_once_and_gains_what_is_asked_is_not_taken() -> None:
+    is_taken, gained, asked = taken(0.33, simulated=True)
+    assert asked < gained < (1.0 + BEYOND) * asked
+    assert not is_taken
