@@ -257,7 +257,10 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     crossover = min(whole.quickest(motion, values) for motion in motions)
     while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
         balance = whole.led(motions, values, crossover).balance(motions, fitting.names)
-        values = fit(balance, values, fitting.names, fitting.bounds, LED).values
+        beside = fit(balance, values, fitting.names, fitting.bounds, LED)
+        if beside.excess > ASTRAY:  # something is missing that no parameters make up for
+            break
+        values = beside.values
         free = fitting.begun(whole, values)
         if free.fit.rms < best.fit.rms:
             best = free
