@@ -86,6 +86,16 @@ def test_limit_holds_for_the_command_alone() -> None:
     assert run.state("velocity") == pytest.approx(5.0 * run.time**2, abs=1e-12)
 
 
+def test_a_loop_drives_the_input_that_it_names_and_no_limit_but_the_command_s_holds() -> None:
+    """4 N/m of the way to 1 m pull at 1 kg, x = 1 - cos 2t but for the samples; the command stays what its feed is."""
+    loop = replace(proportional(4.0), drives="pull")
+    feeds = (Feed("force", Ramp(0.0)),)
+    run = simulate(start(OSCILLATOR, limit=0.5, loop=loop, reference=Steps((1.0,), 1.0), feeds=feeds, integrator=CUBIC))
+    assert np.all(run.command == 0.0)
+    assert run.inputs[:, 1] == pytest.approx(4.0 * (1.0 - run.state("position")), abs=1e-12)
+    assert run.state("position") == pytest.approx(1.0 - np.cos(2.0 * run.time), abs=5e-3)
+
+
 def test_saturated_throughout() -> None:
     """1000 N/m times 1 m asks for 1000 N of 0.5 N: the mass gets 0.5 m/s^2 and never comes near."""
     reference = Steps((1.0,), 1.0)
