@@ -249,10 +249,11 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
 
 def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
-    if that leads nearer to noise. A plant that is kept beside its records, or has delays of its own, stays as it is.
+    if that leads nearer to noise. A plant that is kept beside its records, on which no force acts, or which delays its
+    command, stays as it is.
     """
     whole, motions, values, best = replace(first.how, length=np.inf, begins={}), fitting.motions, dict(start), first
-    if whole.is_beside(motions[0]) or whole.along.plant.delayed:
+    if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
         return first
     crossover = min(whole.quickest(motion, values) for motion in motions)
     while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):

@@ -91,7 +91,7 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         block = _columns(how, fitted, base, balance, pushes)
         wide = np.full(block.shape[1], np.inf)
         gain, _ = gain_of(fitted, block, -wide, wide)
-        return Lacking(balance, signal, gain, certain * asked(block.shape[1], len(wanted)))
+        return Lacking(_told(how, balance), signal, gain, certain * asked(block.shape[1], len(wanted)))
 
     tried = [(one, each) for each in wanted if (one := over(*each, NODES)) is not None]
     if not tried:
@@ -114,8 +114,14 @@ def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
     return Dependence(best.balance, shares)
 
 
+def _told(how: Shooting, balance: str) -> str:
+    """What the balance is called of which a push is part, on a plant that has another."""
+    names = tuple(how.along.plant.balances)
+    return balance if balance in names else names[0]
+
+
 def _is_there(how: Shooting, motions: Sequence[Motion], balance: str, signal: str) -> bool:
-    if balance == FLOW and not how.has_valve:
+    if not (how.has_valve if balance == FLOW else how.takes_a_force):
         return False
     return all(signal in signals_of(motion) for motion in motions)
 

@@ -95,6 +95,11 @@ class Shooting:
         """Whether the command is that of a valve."""
         return self.along.plant.command in VALVES
 
+    @property
+    def takes_a_force(self) -> bool:
+        """Whether a force can act on the plant's mass."""
+        return self.along.plant.disturbance in (item.name for item in fields(self.along.plant.Inputs))
+
     def push_scale(self, on_command: bool) -> float:
         """A typical force, or command, of the machine."""
         return self.scales.voltage if on_command else self.scales.force
