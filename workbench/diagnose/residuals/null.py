@@ -121,10 +121,15 @@ def tracking(along: Along, parameters: Any, state: Any, inputs: Any, crossover: 
     if plant.command == VALVE and FLOW in plant.balances:
         known = velocity_gain(parameters, "a loop that tracks a record")
         return pid.Settings(kp=crossover / max(known.forward, known.backward))
-    pushed = replaced(inputs, {plant.command: 1.0})
-    rates = (plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
-    push = float(next(rates)) - float(next(rates))
+    push = accelerated(along, parameters, state, inputs, plant.command)
     return pid.Settings(kp=crossover**2 / push, kd=2.0 * crossover / push)
+
+
+def accelerated(along: Along, parameters: Any, state: Any, inputs: Any, name: str) -> float:
+    """By how much the acceleration is another where an input is 1."""
+    pushed = replaced(inputs, {name: 1.0})
+    rates = (along.plant.derivatives(0.0, state, given, parameters).velocity for given in (pushed, inputs))
+    return float(next(rates)) - float(next(rates))
 
 
 def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:

@@ -19,10 +19,9 @@ from scipy.signal import lfilter
 from controllers import pid
 from controllers.pid import PID
 from plants.axis import name_along
-from plants.equation import replaced
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import QUICKEST, tracking
+from workbench.diagnose.residuals.null import QUICKEST, accelerated, tracking
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.simulation.references import Moving, Signal
@@ -116,9 +115,7 @@ def led(setup: Setup, along: Along, motion: Motion, values: Values, crossover: f
 def _accelerated(along: Along, motion: Motion, values: Values) -> float:
     """What a unit of the disturbance adds to the acceleration."""
     state, inputs = along.at_rest(motion, values)
-    pushed, plant = replaced(inputs, {along.plant.disturbance: 1.0}), along.plant
-    rates = [plant.derivatives(0.0, state, given, along.parameters(values)).velocity for given in (inputs, pushed)]
-    return float(rates[1]) - float(rates[0])
+    return accelerated(along, along.parameters(values), state, inputs, along.plant.disturbance)
 
 
 def is_sensed(along: Along, motion: Motion) -> bool:
