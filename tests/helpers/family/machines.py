@@ -23,6 +23,15 @@ MOTIONS: Mapping[str, tuple[str, ...]] = {
 FASTEST_RATE = 1.2e4
 """1/s. No contact is renewed faster, so that fixed steps serve."""
 
+RATE = (100.0, 2500.0)
+"""Samples a second, log-uniform; by hand half more at least."""
+
+SAMPLES, DURATION = (4000.0, 16000.0), (8.0, 60.0)
+"""Of a record, and s: a whole set runs in two hours, since an effect's size is in units of what its record can show."""
+
+SHOWN = 64.0
+"""rad, through which the slowest motion goes in a record."""
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -86,8 +95,10 @@ def between(draw: np.random.Generator, low: float, high: float) -> float:
 def draw_rig(kind: str, motion: str, noise: str, seed: int) -> Rig:
     """A machine of a kind, with the way in which it is moved and the kind of noise of its sensors."""
     draw = stream(seed, "machine")
-    rate = between(draw, 150.0 if motion == HAND else 100.0, 5000.0)
-    duration = round(between(draw, max(10.0, 5000.0 / rate), min(90.0, max(60000.0 / rate, 10.5))), 1)
+    slowest, fastest = RATE
+    rate = between(draw, 1.5 * slowest if motion == HAND else slowest, fastest)
+    (fewest, most), (shortest, longest) = SAMPLES, DURATION
+    duration = round(between(draw, max(shortest, fewest / rate), min(longest, max(most / rate, 1.05 * shortest))), 1)
     sample_time = float(f"{1.0 / rate:.2g}")
     make = {EQUAL: _hydraulic, DIFFERENTIAL: _hydraulic, AIR: _pneumatic, LINEAR: _drive, ROTARY: _drive}[kind]
     rig = make(kind, motion, sample_time, duration, draw)
@@ -96,7 +107,7 @@ def draw_rig(kind: str, motion: str, noise: str, seed: int) -> Rig:
 
 def _paced(bandwidth: float, duration: float, draw: np.random.Generator) -> float:
     """A pace (1/s) that a loop follows, and that shows enough in a record."""
-    low = max(1.5, 80.0 / duration)
+    low = max(1.5, SHOWN / duration)
     return between(draw, low, max(1.2 * low, min(12.0, bandwidth)))
 
 

@@ -76,7 +76,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     shapes: dict[str, list[Shape]] = {}
     for _ in range(ROUNDS):
         outlook = _outlook(current, taken, ask)
-        shapes |= _best_shapes(outlook, ask)
+        shapes |= _best_shapes(outlook)
         explored = current.rms > FAR and current.balance.name != SIMULATION  # a pass of a balance costs little
         if explored:
             fitted = _explored(current, taken, ask)
@@ -113,10 +113,11 @@ def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Aske
 
 def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
     """The same, with nothing searched."""
-    return _best_shapes(_outlook(fitted, {}, ask), ask)
+    shaped = [trial for trial in trials_of(fitted, [], ask.shapes) if trial.shapes]
+    return _best_shapes(Outlook(fitted, columns_of(fitted, shaped, ask.bounds)))
 
 
-def _best_shapes(outlook: Outlook, ask: Asked) -> dict[str, list[Shape]]:
+def _best_shapes(outlook: Outlook) -> dict[str, list[Shape]]:
     """For each effect, and each set of numbers that shape it, the values by which it would gain most."""
     best: dict[tuple[str, frozenset[str]], tuple[float, Shape]] = {}
     for trial in outlook.columns:
