@@ -30,10 +30,13 @@ FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), Non
 # Numba numbers functions from 1 on in each process, and the numbers are all that tells the symbols of closures of the
 # same name apart: of two that two processes have cached, a third would run one for both (numba issue 10486).
 
-tell_compiler(register_jitable(forceinline=True))
+INNER = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
+"""Options of a function that compiled code alone calls: nothing else needs a way in, which would double its cost."""
+
+tell_compiler(register_jitable(forceinline=True, **INNER))
 
 
-@overload(select)
+@overload(select, jit_options=INNER)
 def _compiled_select(condition: Any, when_true: Any, when_false: Any) -> Callable[..., Any]:
     def choose(condition: Any, when_true: Any, when_false: Any) -> Any:
         return when_true if condition else when_false
@@ -41,7 +44,7 @@ def _compiled_select(condition: Any, when_true: Any, when_false: Any) -> Callabl
     return choose
 
 
-@overload(when)
+@overload(when, jit_options=INNER)
 def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Callable[..., Any]:
     def choose(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Any:
         if condition:
@@ -51,7 +54,7 @@ def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: An
     return choose
 
 
-@overload(changed, prefer_literal=True)
+@overload(changed, jit_options=INNER, prefer_literal=True)
 def _compiled_changed(value: Any, place: Any, new: Any) -> Callable[..., Any]:
     def change(value: Any, place: Any, new: Any) -> Any:
         return _changed(value, place, new)
@@ -72,7 +75,7 @@ def _changed(typingctx: Any, value: Any, place: Any, new: Any) -> Any:
     return value(value, place, new), codegen
 
 
-@overload(extended)
+@overload(extended, jit_options=INNER)
 def _compiled_extended(cls: Any, value: Any, last: Any) -> Callable[..., Any]:
     def extend(cls: Any, value: Any, last: Any) -> Any:
         return _extended(cls, value, last)
@@ -91,7 +94,7 @@ def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
     return result(cls, value, last), codegen
 
 
-@overload(gathered)
+@overload(gathered, jit_options=INNER)
 def _compiled_gathered(cls: Any, members: Any) -> Callable[..., Any]:
     def gather(cls: Any, members: Any) -> Any:
         return _gathered(cls, members)
@@ -218,7 +221,7 @@ def caller(signature: Signature) -> Any:
     return call
 
 
-@overload(operator.getitem)
+@overload(operator.getitem, jit_options=INNER)
 def _pointer_item(pointer: Any, index: Any) -> Any:
     """In compiled code a pointer is read like an array. Arrays themselves cost a reference count at each call."""
     if pointer == POINTER and isinstance(index, types.Integer):
@@ -226,7 +229,7 @@ def _pointer_item(pointer: Any, index: Any) -> Any:
     return None
 
 
-@overload(operator.setitem)
+@overload(operator.setitem, jit_options=INNER)
 def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
     if pointer == POINTER and isinstance(index, types.Integer):
         return lambda pointer, index, value: _store(pointer, index, value)
