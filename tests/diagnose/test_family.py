@@ -50,8 +50,8 @@ from workbench.simulation.simulate import simulate
 SHORT = (
     (EQUAL, OPEN, 36),
     (DIFFERENTIAL, INTEGRATING, 25),
-    (AIR, OPEN, 44),
-    (LINEAR, HAND, 44),
+    (AIR, OPEN, 30),
+    (LINEAR, HAND, 30),
     (ROTARY, PROPORTIONAL, 81),
 )
 """Kinds, motions and seeds whose records are short."""
