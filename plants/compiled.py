@@ -34,9 +34,10 @@ INNER = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
 """Options of a function that compiled code alone calls: nothing else needs a way in, which would double its cost."""
 
 tell_compiler(register_jitable(forceinline=True, **INNER))
+_inside = functools.partial(overload, jit_options=INNER)
 
 
-@overload(select, jit_options=INNER)
+@_inside(select)
 def _compiled_select(condition: Any, when_true: Any, when_false: Any) -> Callable[..., Any]:
     def choose(condition: Any, when_true: Any, when_false: Any) -> Any:
         return when_true if condition else when_false
@@ -44,7 +45,7 @@ def _compiled_select(condition: Any, when_true: Any, when_false: Any) -> Callabl
     return choose
 
 
-@overload(when, jit_options=INNER)
+@_inside(when)
 def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Callable[..., Any]:
     def choose(condition: Any, function: Any, otherwise: Any, *arguments: Any) -> Any:
         if condition:
@@ -54,7 +55,7 @@ def _compiled_when(condition: Any, function: Any, otherwise: Any, *arguments: An
     return choose
 
 
-@overload(changed, jit_options=INNER, prefer_literal=True)
+@_inside(changed, prefer_literal=True)
 def _compiled_changed(value: Any, place: Any, new: Any) -> Callable[..., Any]:
     def change(value: Any, place: Any, new: Any) -> Any:
         return _changed(value, place, new)
@@ -75,7 +76,7 @@ def _changed(typingctx: Any, value: Any, place: Any, new: Any) -> Any:
     return value(value, place, new), codegen
 
 
-@overload(extended, jit_options=INNER)
+@_inside(extended)
 def _compiled_extended(cls: Any, value: Any, last: Any) -> Callable[..., Any]:
     def extend(cls: Any, value: Any, last: Any) -> Any:
         return _extended(cls, value, last)
@@ -94,7 +95,7 @@ def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
     return result(cls, value, last), codegen
 
 
-@overload(gathered, jit_options=INNER)
+@_inside(gathered)
 def _compiled_gathered(cls: Any, members: Any) -> Callable[..., Any]:
     def gather(cls: Any, members: Any) -> Any:
         return _gathered(cls, members)
@@ -221,7 +222,7 @@ def caller(signature: Signature) -> Any:
     return call
 
 
-@overload(operator.getitem, jit_options=INNER)
+@_inside(operator.getitem)
 def _pointer_item(pointer: Any, index: Any) -> Any:
     """In compiled code a pointer is read like an array. Arrays themselves cost a reference count at each call."""
     if pointer == POINTER and isinstance(index, types.Integer):
@@ -229,7 +230,7 @@ def _pointer_item(pointer: Any, index: Any) -> Any:
     return None
 
 
-@overload(operator.setitem, jit_options=INNER)
+@_inside(operator.setitem)
 def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
     if pointer == POINTER and isinstance(index, types.Integer):
         return lambda pointer, index, value: _store(pointer, index, value)

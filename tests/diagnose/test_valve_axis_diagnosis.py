@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from declared_parameters import write_declared
 
 from plants.valve_axis import VALVE_AXIS
 from workbench.diagnose.diagnose import diagnose
 from workbench.fitting.replay import Sampled
-from workbench.parameters.sets import build, known_units
+from workbench.parameters.sets import build
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
@@ -56,10 +57,8 @@ def axis_experiment(folder: Path, bent: float) -> Path:
     position = run.measurements[:, 0] + NOISE * np.random.default_rng(1).standard_normal(run.time.size)
     frame = pd.DataFrame({"time": run.time, "voltage": logged, "position": position})
     frame.to_parquet(folder / "record.parquet", index=False)
-    lines, units = ['title = "an axis"', 'source = "made up"'], known_units(VALVE_AXIS.axis)
-    for name, value in {**TRUE, "velocity_gain": 1.3 * TRUE["velocity_gain"]}.items():
-        lines += [f"[parameters.{name}]", f'value = "{value!r} {units[name]}"', 'source = "made up"']
-    (folder / "declared.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    declared = {**TRUE, "velocity_gain": 1.3 * TRUE["velocity_gain"]}
+    write_declared(folder / "declared.toml", VALVE_AXIS, declared)
     (folder / "experiment.toml").write_text(EXPERIMENT, encoding="utf-8")
     return folder / "experiment.toml"
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from declared_parameters import write_declared
 
-from plants.equation import fields
 from plants.registry import plants
 from workbench.fitting.replay import Sampled
-from workbench.parameters.sets import build, known_units, named_sets, read_parameters
+from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
@@ -57,12 +57,7 @@ def driven_experiment(
     frame = pd.DataFrame({"time": run.time, "force": shown, "position": position})
     frame.to_parquet(folder / "record.parquet", index=False)
     declared = {**truth, "coulomb": 1.5 * truth["coulomb"], "spring_stiffness": 0.0}
-    own, units = {item.name for item in fields(plant.Parameters)}, known_units(plant.axis)
-    lines = ['title = "a drive"', 'source = "made up"']
-    for name, value in declared.items():
-        if name in own:
-            lines += [f"[parameters.{name}]", f'value = "{value!r} {units[name]}"', 'source = "made up"']
-    (folder / "declared.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_declared(folder / "declared.toml", plant, declared)
     path = folder / "experiment.toml"
     path.write_text(EXPERIMENT.format(channel="command" if sensor is None else "force"), encoding="utf-8")
     return path

@@ -27,9 +27,9 @@ RATE = (100.0, 2500.0)
 """Samples a second, log-uniform; by hand half more at least."""
 
 SAMPLES, DURATION = (4000.0, 16000.0), (8.0, 60.0)
-"""Of a record, and s: a whole set runs in two hours, since an effect's size is in units of what its record can show."""
+"""Of a record, and s. Short ones serve, since an effect's size is in units of what its record can show."""
 
-SHOWN = 64.0
+SWEPT = 64.0
 """rad, through which the slowest motion goes in a record."""
 
 
@@ -107,7 +107,7 @@ def draw_rig(kind: str, motion: str, noise: str, seed: int) -> Rig:
 
 def _paced(bandwidth: float, duration: float, draw: np.random.Generator) -> float:
     """A pace (1/s) that a loop follows, and that shows enough in a record."""
-    low = max(1.5, SHOWN / duration)
+    low = max(1.5, SWEPT / duration)
     return between(draw, low, max(1.2 * low, min(12.0, bandwidth)))
 
 
