@@ -20,6 +20,7 @@ from plants.equation import (
     members,
     named_tuple,
     retyped,
+    shortened,
     unmarked,
 )
 from plants.interface import Balance, Measurement, Plant
@@ -111,18 +112,21 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
     remembered, kept_in = _remembered(plant, effects), memory_of(bool(remembering))
     bare_rates, bare_signals, bare_measure = plant.derivatives, plant.signals, plant.measure
+    own_state, own_parameters = _without_memory(plant, bool(remembering)), plant.Parameters
 
     @equation
     def rates_of(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the plant's own states."""
-        moment, memory, own = at(time, state, inputs, p), kept_in(state), p.effects
+        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
+        moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         return by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
 
     @equation
     def rates_with_memory(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the states: the plant's own, and of what the effects remember."""
-        moment, memory, own = at(time, state, inputs, p), state.effects, p.effects
+        memory, own, state, p = state.effects, p.effects, own_state(state), shortened(own_parameters, p)
+        moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         rates = by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
         return extended(
@@ -132,15 +136,17 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """The plant's signals, as the effects make them."""
-        moment, memory, own = at(time, state, inputs, p), kept_in(state), p.effects
+        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
+        moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         return bare_signals(time, state, into, altered(p, moment, memory, p, own))
 
     @equation
     def measure(state: Any, p: Any) -> Measurement:
         """What the plant's sensors show, and the effects make of it."""
+        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
         moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        return by_readings(bare_measure(state, p), moment, kept_in(state), p, p.effects)
+        return by_readings(bare_measure(state, p), moment, memory, p, own)
 
     def rested(state: NamedTuple, inputs: NamedTuple) -> NamedTuple:
         """The state with what the effects remember of a machine that has rested for long."""
@@ -214,18 +220,31 @@ def _together(name: str, members: Mapping[str, type]) -> type:
 
 def _chained(plant: Plant, effects: Sequence[Effect], cls: type[NamedTuple], changes: str) -> Chain:
     """All that effects change of a tuple of a class: an equation (value, moment, memory, parameters, own) -> value."""
-    steps: dict[str, Chain] = {}
+    chain: Chain = _unchanged
     for index, effect in enumerate(effects):
         for name, change in getattr(effect, changes).items():
             member = members(plant.Inputs)[plant.input_index(plant.command)] if name == COMMAND else name
             if member in cls._fields:
-                step = _step(change, index, _memory_index(effects, effect))
-                steps[member] = _after(steps[member], step) if member in steps else step
-    chain: Chain | None = None
-    for member, step in steps.items():
-        place = _in_place(cls._fields.index(member), step)
-        chain = place if chain is None else _after(chain, place)
-    return chain or _unchanged
+                chain = _changing(chain, cls._fields.index(member), change, index, _memory_index(effects, effect))
+    return chain
+
+
+def _changing(before: Chain, place: int, change: Change, index: int, remembered: int | None) -> Chain:
+    """The chain with one effect's change of the member at a place behind it; to it go what it remembers and its own
+    parameters alone: compiled code takes tuples apart at every call, which takes long to compile.
+    """
+
+    @equation
+    def chain(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        value = before(value, moment, memory, p, own)
+        return changed(value, place, change(value[place], moment, Nothing(), p, own[index]))
+
+    @equation
+    def chain_by_memory(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        value = before(value, moment, memory, p, own)
+        return changed(value, place, change(value[place], moment, memory[remembered], p, own[index]))
+
+    return chain if remembered is None else chain_by_memory
 
 
 def _memory_index(effects: Sequence[Effect], effect: Effect) -> int | None:
@@ -233,38 +252,19 @@ def _memory_index(effects: Sequence[Effect], effect: Effect) -> int | None:
     return remembering.index(effect) if effect in remembering else None
 
 
-def _step(change: Change, index: int, remembered: int | None) -> Chain:
-    """One effect's change, with what it remembers and its own parameters taken out of those of all."""
+def _without_memory(plant: Plant, remembers: bool) -> Equation:
+    """The plant's own states, out of those of the plant with effects."""
+    own_class = plant.State
 
     @equation
-    def step(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
-        return change(value, moment, Nothing(), p, own[index])
+    def all_of(state: Any) -> Any:
+        return state
 
     @equation
-    def step_by_memory(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
-        return change(value, moment, memory[remembered], p, own[index])
+    def own_of(state: Any) -> Any:
+        return shortened(own_class, state)
 
-    return step if remembered is None else step_by_memory
-
-
-def _after(before: Chain, step: Chain) -> Chain:
-    """Two changes, one after the other."""
-
-    @equation
-    def chain(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
-        return step(before(value, moment, memory, p, own), moment, memory, p, own)
-
-    return chain
-
-
-def _in_place(place: int, step: Chain) -> Chain:
-    """A change of the member at a place."""
-
-    @equation
-    def chain(value: Any, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
-        return changed(value, place, step(value[place], moment, memory, p, own))
-
-    return chain
+    return own_of if remembers else all_of
 
 
 @equation
@@ -285,8 +285,22 @@ def _remembered(plant: Plant, effects: Sequence[Effect]) -> Equation:
         if place is not None and effect.remember is not None:
             chain = _next_memory(chain, place, effect.remember, index, arriving)
         if (change := effect.inputs.get(COMMAND, effect.inputs.get(plant.command))) is not None:
-            arriving = _after(arriving, _step(change, index, place))
+            arriving = _arriving(arriving, change, index, place)
     return chain
+
+
+def _arriving(before: Chain, change: Change, index: int, remembered: int | None) -> Chain:
+    """The command with one effect's change behind those before it."""
+
+    @equation
+    def chain(command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return change(before(command, moment, memory, p, own), moment, Nothing(), p, own[index])
+
+    @equation
+    def chain_by_memory(command: Scalar, moment: Moment, memory: Any, p: Any, own: Any) -> Any:
+        return change(before(command, moment, memory, p, own), moment, memory[remembered], p, own[index])
+
+    return chain if remembered is None else chain_by_memory
 
 
 def _next_memory(before: Equation, place: int, remember: Equation, index: int, arriving: Chain) -> Equation:
