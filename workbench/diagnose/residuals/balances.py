@@ -230,12 +230,12 @@ def noise(item: Diagnosed, motion: Motion, values: Values) -> float:
     squares = []
     for name, scale in zip(balance.states, balance.scale(tracked.parameters), strict=True):
         base, off = rates(name, states, inputs), [deviation(name, motion, values, rate=True)]
-        for other in depends.states[name]:
+        for other in sorted(depends.states[name]):  # sums in one order, whatever the order of a set
             if shown(motion.channels, other):
                 moved = states.copy()
                 moved[:, along.names.index(other)] += deviation(other, motion, values)
                 off.append(_change(rates(name, moved, inputs), base))
-        for given in depends.inputs[name]:
+        for given in sorted(depends.inputs[name]):
             if given_by(motion.channels, given):
                 fed = inputs.copy()
                 fed[:, along.plant.input_index(given)] += input_deviation(given, motion, values)
