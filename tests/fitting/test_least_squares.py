@@ -71,32 +71,7 @@ def test_a_jacobian_that_is_learnt_costs_fewer_residuals() -> None:
         costs.append(calls[0])
         ends.append(solution.residual @ solution.residual)
     assert ends[1] == pytest.approx(ends[0], rel=1e-5)
-    assert costs[1] < 0.8 * costs[0]
-
-
-@pytest.mark.parametrize("share", [1.0, 1.3])
-def test_a_jacobian_from_nearby_spares_residuals_and_changes_no_answer(share: float) -> None:
-    """A guess of it, right or not, of which one column is not known; rows that weigh unlike."""
-    weights = np.linspace(0.5, 2.0, TIMES.size)
-    bounds = np.full(3, -np.inf), np.full(3, np.inf)
-    search, start = Search(flat=1e-10), np.array([2.5, 0.8, 0.4])
-
-    def weigh(rows: np.ndarray) -> np.ndarray:
-        return (weights * rows.T).T
-
-    costs, ends = [], []
-    first = least_squares(decay, start, *bounds, STEP, search, weigh)
-    guess = share * first.jacobian
-    guess[:, 2] = np.nan
-    for known in (None, guess):
-        residual, calls = counted(decay)
-        ends.append(least_squares(residual, first.x, *bounds, STEP, search, weigh, known))
-        costs.append(calls[0])
-    other = by_scipy(lambda x: weigh(decay(x)), start, xtol=1e-14, ftol=1e-14)
-    for end in ends:
-        assert end.x == pytest.approx(other.x, rel=1e-4)
-        assert end.jacobian == pytest.approx(np.linalg.inv(np.diag(weights)) @ other.jac, rel=1e-3, abs=1e-4)
-    assert costs[1] <= costs[0]
+    assert costs[1] < 0.7 * costs[0]
 
 
 def test_an_unknown_at_a_bound_is_not_free_and_the_others_are_best_beside_it() -> None:

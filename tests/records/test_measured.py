@@ -91,7 +91,7 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
     assert any("worse is load pressure" in line for line in sureness(diagnosis)) == worse
     assert tested.before.position is not None
     assert tested.after.position is not None
-    assert tested.after.position < 0.3 * tested.before.position  # a free run from what the sensors show of its start
+    assert tested.after.position < 0.25 * tested.before.position  # a free run from what the sensors show of its start
 
 
 def test_the_seal_s_friction_grows_with_pressure_and_speed_is_named_beside_it(tmp_path: Path) -> None:

@@ -2,8 +2,7 @@
 
 Levenberg and Marquardt's damping, in units of each unknown's own curvature, so that no unit decides; an unknown at a
 bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004). A Jacobian that a step
-foresaw well is corrected by what it showed (Broyden 1965) before differences are taken again; one that is known from a
-fit nearby is a first guess.
+foresaw well is corrected by what it showed (Broyden 1965) before differences are taken again.
 """
 
 from collections.abc import Callable
@@ -53,8 +52,8 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The unknowns `x` at the least sum of squares, the residual there and its Jacobian, found there or one step that
-    gained next to nothing before, neither of them weighed; and which unknowns are free, not held at a bound.
+    """The unknowns `x` at the least sum of squares, the residual there, its Jacobian, and which unknowns are free: 0 of
+    a row where one is held at a bound.
     """
 
     x: np.ndarray
@@ -64,11 +63,6 @@ class Solution:
 
 
 Residual = Callable[[np.ndarray], np.ndarray]
-
-
-def unweighed(rows: np.ndarray) -> np.ndarray:
-    """Rows that count as they are."""
-    return rows
 
 
 def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -86,16 +80,9 @@ def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.n
 
 
 def least_squares(
-    residual: Residual,
-    start: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    step: float,
-    search: Search,
-    weigh: Callable[[np.ndarray], np.ndarray] = unweighed,
-    known: np.ndarray | None = None,
+    residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, step: float, search: Search
 ) -> Solution:
-    """The unknowns between `low` and `high` at which the sum of squares of a weighed residual is least.
+    """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
     Args:
         residual: of the unknowns, shape (rows,); finite.
@@ -103,48 +90,35 @@ def least_squares(
         low, high: shape (unknowns,), infinite where there is none.
         step: of difference quotients, at most, of an unknown or of 1, whichever is larger.
         search: when it ends.
-        weigh: how rows of a residual, or of columns of its Jacobian, weigh; linear.
-        known: about what the residual's Jacobian is at the start, shape (rows, unknowns); NaN in unknown columns.
     """
     x = np.asarray(start, dtype=float)
-    shown = residual(x)
-    base = weigh(shown)
+    base = residual(x)
     if not x.size:
-        return Solution(x, shown, np.zeros((shown.size, 0)), np.ones(0, dtype=bool))
+        return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
-    slopes = _first(residual, x, shown, _within(x, high, step * np.maximum(1.0, np.abs(x))), known)
-    jacobian = weigh(slopes)
-    evaluations, fresh, exact = 1, known is None, False
-
-    def differences() -> tuple[np.ndarray, np.ndarray]:
-        found = jacobian_of(residual, x, shown, _differences(x, high, step, jacobian, cost))
-        return found, weigh(found)
-
+    jacobian = jacobian_of(residual, x, base, _within(x, high, step * np.maximum(1.0, np.abs(x))))
+    evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
         moved, expected = _bounded_step(gradient, curvature, damping, low - x, high - x)
         trial = np.clip(x + moved, low, high)
-        trial_shown = residual(trial)
-        new = weigh(trial_shown)
+        new = residual(trial)
         evaluations += 1
         gained = cost - float(new @ new)
         if gained > 0.0:
-            flat, way = gained < search.flat * cost, trial - x
-            change, weighed_change = trial_shown - shown, new - base
-            x, shown, base, cost = trial, trial_shown, new, cost - gained
-            if flat and fresh and exact:
-                break
+            flat = gained < search.flat * cost
+            shown, way = new - base, trial - x
+            x, base, cost = trial, new, cost - gained
             ends = flat and fresh
-            fresh = not search.learns or not (gained > FORESEEN * expected) or flat
+            fresh = not search.learns or not (gained > FORESEEN * expected) or (flat and not ends)
             if fresh:
-                (slopes, jacobian), exact = differences(), True
+                jacobian = jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
             else:
-                slopes = slopes + np.outer(change - slopes @ way, way / (way @ way))
-                jacobian = jacobian + np.outer(weighed_change - jacobian @ way, way / (way @ way))
+                jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
             if ends:
                 break
         elif not fresh:
-            (slopes, jacobian), fresh, exact = differences(), True, True
+            fresh, jacobian = True, jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
         elif expected < search.flat * cost or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
@@ -154,25 +128,7 @@ def least_squares(
             damping = max(damping * EASIER, LEAST)
     pushed = -(jacobian.T @ base)
     held = ((x <= low) & (pushed < 0.0)) | ((x >= high) & (pushed > 0.0))
-    return Solution(x, shown, slopes, ~held)
-
-
-def _first(
-    residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray, known: np.ndarray | None
-) -> np.ndarray:
-    """The Jacobian to begin with: by differences what of it is not known."""
-    if known is None:
-        return jacobian_of(residual, x, base, steps)
-    missing = np.flatnonzero(np.isnan(known).any(axis=0))
-    slopes = known.copy()
-
-    def along(of: np.ndarray) -> np.ndarray:
-        moved = x.copy()
-        moved[missing] = of
-        return residual(moved)
-
-    slopes[:, missing] = jacobian_of(along, x[missing], base, steps[missing])
-    return slopes
+    return Solution(x, base, jacobian, ~held)
 
 
 def _differences(x: np.ndarray, high: np.ndarray, step: float, jacobian: np.ndarray, cost: float) -> np.ndarray:

@@ -47,9 +47,9 @@ LOST = 1e6
 class Fit:
     """A balance at its best over some free parameters.
 
-    `residual` is over the floor, `slopes` its Jacobian by the `unknowns`, of which `free` are at no bound; `weighed` is
-    what it weighs against its noise, with the `vague` knowledge of parameters before any record; `bounded` are
-    parameters that stopped at the end of their range.
+    `residual` is over the floor, `weighed` what it weighs against its noise with the `vague` knowledge of parameters
+    before any record; `jacobian` that of the weighed residual by the `unknowns`, without that knowledge, of which
+    `free` are at no bound; `bounded` are parameters that stopped at the end of their range.
     """
 
     balance: Balance
@@ -58,7 +58,7 @@ class Fit:
     residual: np.ndarray
     weighed: np.ndarray
     vague: np.ndarray
-    slopes: np.ndarray
+    jacobian: np.ndarray
     unknowns: Sequence[Unknown]
     free: np.ndarray
     bounded: frozenset[str]
@@ -92,11 +92,6 @@ class Fit:
     def places(self) -> np.ndarray:
         """Where the parameters are, as a search sees them."""
         return np.array([u.place(self.values[u.name]) for u in self.unknowns])
-
-    @cached_property
-    def jacobian(self) -> np.ndarray:
-        """That of the weighed residual, without what is known before any record."""
-        return self.weighing(self.slopes)
 
     @cached_property
     def curvature(self) -> np.ndarray:
@@ -138,19 +133,6 @@ class Fit:
             out[block] += own @ moved
         return out
 
-    def slopes_of(self, unknowns: Sequence[Unknown]) -> np.ndarray:
-        """About what the Jacobian is by these unknowns, where they start: NaN of those that it has not."""
-        own = {
-            u.name: (i, u.slope(float(place)))
-            for i, (u, place) in enumerate(zip(self.unknowns, self.places, strict=True))
-        }
-        slopes = np.full((self.residual.size, len(unknowns)), np.nan)
-        for k, u in enumerate(unknowns):
-            i, slope = own.get(u.name, (0, 0.0))
-            if slope != 0.0:
-                slopes[:, k] = self.slopes[:, i] * (u.slope(u.first) / slope)
-        return slopes
-
     def seen_by(self, weighing: Weighing) -> float:
         """Its squares if noise were that of another weighing."""
         weighed = weighing(self.residual)
@@ -164,11 +146,8 @@ def fit(
     bounds: Bounds | None = None,
     search: Search = THOROUGH,
     weighing: Weighing | None = None,
-    near: Fit | None = None,
 ) -> Fit:
-    """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed. A
-    fit of the same rows `near` that is a first guess of the Jacobian.
-    """
+    """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
     unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
     def at(x: np.ndarray) -> dict[str, float]:
@@ -180,28 +159,21 @@ def fit(
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
     logarithmic = np.array([float(u.logarithmic) for u in unknowns]) / VAGUE
-    size = sum(place.stop - place.start for slices in balance.series for place in slices)
-    weigh = plain(balance.series, size) if weighing is None else weighing
-
-    def weighed(rows: np.ndarray) -> np.ndarray:
-        return np.concatenate([weigh(rows[:size]), rows[size:]])
+    weigh = plain(balance.series, stacked(start).size) if weighing is None else weighing
 
     def residual(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([stacked(x), logarithmic * x])
+        return np.concatenate([weigh(stacked(x)), logarithmic * x])
 
-    known = None
-    if near is not None and near.names:
-        known = np.concatenate([near.slopes_of(unknowns), np.diag(logarithmic)])
-    solution = least_squares(residual, start, low, high, STEP, search, weighed, known)
-    places = list(zip(unknowns, solution.x, strict=True))
+    solution = least_squares(residual, start, low, high, STEP, search)
+    size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
     return Fit(
         balance=balance,
         names=tuple(names),
         values=at(solution.x),
-        residual=solution.residual[:size],
-        weighed=weigh(solution.residual[:size]),
+        residual=stacked(solution.x),
+        weighed=solution.residual[:size],
         vague=solution.residual[size:],
-        slopes=solution.jacobian[:size],
+        jacobian=solution.jacobian[:size],
         unknowns=unknowns,
         free=solution.free.astype(float),
         bounded=frozenset(u.name for u, place in places if min(place - u.low, u.high - place) < BOUNDED),
@@ -213,11 +185,7 @@ def over(fitted: Fit, balance: Balance) -> Fit:
     """The same fit of the same balance over another floor."""
     share = fitted.balance.floor / balance.floor
     return replace(
-        fitted,
-        balance=balance,
-        residual=share * fitted.residual,
-        slopes=share * fitted.slopes,
-        weighing=fitted.weighing.times(1.0 / share),
+        fitted, balance=balance, residual=share * fitted.residual, weighing=fitted.weighing.times(1.0 / share)
     )
 
 
@@ -265,4 +233,4 @@ def weighed_fit(
 
 def again(fitted: Fit, weighing: Weighing, bounds: Bounds | None = None, search: Search = THOROUGH) -> Fit:
     """A fit once more from where it is, with another weighing."""
-    return fit(fitted.balance, fitted.values, fitted.names, bounds, search, weighing, fitted)
+    return fit(fitted.balance, fitted.values, fitted.names, bounds, search, weighing)

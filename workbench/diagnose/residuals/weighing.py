@@ -74,8 +74,6 @@ class Weighing:
     def __call__(self, stack: np.ndarray) -> np.ndarray:
         """A residual, or the columns of its Jacobian: shape (rows,) or (rows, columns)."""
         out = np.zeros_like(stack)
-        if not out.size:  # no columns
-            return out
         for slices in self.series:
             for place, white in zip(slices, self.filters, strict=True):
                 out[place] = white(stack[place])

@@ -72,7 +72,7 @@ def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
     """
     start = {**current.values, **{name: rival.values[name] for name in current.names if name in rival.names}}
     begun = current if ask.settle is None else rival
-    other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing, begun)
+    other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
     fits = [current, other, *([ask.settle(other)] if ask.settle is not None else [])]
     nearest = min(one.rms for one in fits)
     return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: one.seen_by(rival.weighing))

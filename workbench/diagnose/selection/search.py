@@ -44,8 +44,8 @@ TRIED = 4
 SHARE = 0.6
 """Of what the best set keeps, from which another that promises so much is fitted beside it."""
 
-ROUNDS, MOST = 6, 4
-"""Rounds at most; and effects, beyond which it has lost its way."""
+ROUNDS = 6
+"""Rounds at most."""
 
 LEVEL = 3.0
 """Difference of the logarithms of two likelihoods (odds of 20 to 1) within which data cannot tell two sets apart."""
@@ -99,8 +99,6 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
         current, taken = found, after(taken, proposal)
         seen.add(frozenset(taken))
-        if len(taken) > MOST:
-            break
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(outlook if outlook.fitted is current else _outlook(current, taken, ask), taken, ask)
     gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
@@ -148,7 +146,7 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
             names = [name for name in current.names if name not in more]
             values = {name: value for name, value in current.values.items() if name not in more}
             values |= {name: ask.declared[name] for name in more if name in ask.declared}
-            fewer = fit(current.balance, values, names, ask.bounds, QUICK, current.weighing, current)
+            fewer = fit(current.balance, values, names, ask.bounds, QUICK, current.weighing)
             if 0.5 * (fewer.squares - current.squares) < spared:
                 current, taken = fewer, {**taken, effect: tuple(name for name in own if name not in more)}
                 break

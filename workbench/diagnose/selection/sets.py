@@ -65,7 +65,7 @@ def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) ->
     names += [name for trial in proposal.added for name in trial.names if name not in names]
     values = {name: value for name, value in current.values.items() if name not in dropped}
     values |= {name: ask.declared[name] for name in dropped if name in ask.declared}
-    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing, current)
+    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
 
 
 def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:

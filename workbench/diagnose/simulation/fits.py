@@ -87,14 +87,13 @@ BETTER = 0.98
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, what the states at the
-    starts would change (`Shooting.starting`), if that was found, and a fit `near` that knows its Jacobian.
+    """A plant with its parameters fitted to simulation error: how it is simulated, the fit, and what the states at
+    the starts would change (`Shooting.starting`), if that was found.
     """
 
     how: Shooting
     fit: Fit
     starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
-    near: Fit | None = None
 
     @cached_property
     def left(self) -> float:
@@ -185,8 +184,8 @@ class Fitting:
         balance = of.how.balance(self.motions, self.names)
         weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
         weighing = _without_astray(weighed_by(weigh, of.fit, of.starting), of)
-        fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing, of.near)
-        return replace(self.begun(of.how, fitted.values), near=fitted)
+        fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
+        return self.begun(of.how, fitted.values)
 
     def final(self, of: Simulated) -> Simulated:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
@@ -194,7 +193,7 @@ class Fitting:
         weighing, search = weighing_at(of.fit), FINAL
         if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
             weighing, search = weighed_by(by_scatter, of.fit), Search(most_steps=1)
-        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing, of.near))
+        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
@@ -217,7 +216,7 @@ def exactly(of: Simulated, fitting: Fitting) -> Simulated:
         how, before = finer, after
     if how is of.how:
         return of
-    return fitting.final(fitting.bettered(replace(fitting.stepped(how, values), near=of.fit)))
+    return fitting.final(fitting.bettered(fitting.stepped(how, values)))
 
 
 def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
@@ -285,7 +284,7 @@ def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Bounds) -> Fit:
     """A fit from the starts that suit its values best, by the likelihood of the noise that it leaves then."""
     fitting = Fitting(motions, found.names, bounds)
-    return fitting.final(replace(fitting.begun(how, found.values), near=found)).fit
+    return fitting.final(fitting.begun(how, found.values)).fit
 
 
 def _fell(before: Fit, after: Fit, how: Shooting, left: tuple[float, float]) -> bool:

@@ -41,8 +41,7 @@ STRAIGHTENED = 1.25
 """Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
 
 MANY = 3
-"""Effects that together are less likely than one that nobody knows, unless they gain more than a curve does; more of
-them only stand in for it, whatever they gain."""
+"""Effects that together are less likely than one that nobody knows, unless they gain more than a curve does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,7 +281,7 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where one curve in the place
-    of all effects gains more than they do, and something is left beside them, or they are many; nor of more than that.
+    of all effects gains more than they do, and something is left beside them, or they are many.
     """
     lacks = dependence_of(lacking(how, found.fit))
     if not found.effects or (lacks is None and len(found.effects) < MANY):
@@ -292,8 +291,7 @@ def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, 
     if lacks is None:  # nothing is left: what they cost decides, too
         gained -= sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     curves = lacking(how, without)
-    instead = curves and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0)
-    if instead or len(found.effects) > MANY:
+    if curves and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0):
         found = replace(found, fit=without, effects={}, gains={}, alternatives={})
         lacks = dependence_of(curves) or lacks
     return found, lacks
