@@ -21,7 +21,7 @@ from numba.core.typing import Signature
 from numba.extending import intrinsic, overload, register_jitable
 
 from plants.cache import cache_folder
-from plants.equation import Equation, changed, extended, gathered, select, shortened, source_hash, tell_compiler, when
+from plants.equation import Equation, changed, extended, gathered, select, source_hash, tell_compiler, when
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     numba.config.CACHE_DIR = str(cache_folder() / "compiled" / source_hash())
@@ -93,26 +93,6 @@ def _extended(typingctx: Any, cls: Any, value: Any, last: Any) -> Any:
         return context.make_tuple(builder, result, [*members, args[2]])
 
     return result(cls, value, last), codegen
-
-
-@_inside(shortened)
-def _compiled_shortened(cls: Any, value: Any) -> Callable[..., Any]:
-    def shorten(cls: Any, value: Any) -> Any:
-        return _shortened(cls, value)
-
-    return shorten
-
-
-@intrinsic
-def _shortened(typingctx: Any, cls: Any, value: Any) -> Any:
-    result = types.BaseTuple.from_types(value.types[:-1], cls.instance_class)
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return context.make_tuple(
-            builder, result, [builder.extract_value(args[1], i) for i in range(len(result.types))]
-        )
-
-    return result(cls, value), codegen
 
 
 @_inside(gathered)

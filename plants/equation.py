@@ -127,11 +127,6 @@ def extended(cls: type[NumbersT], value: tuple[Scalar, ...], last: tuple[Scalar,
     return cls._make((*value, last))
 
 
-def shortened(cls: type[NumbersT], value: tuple[Scalar, ...]) -> NumbersT:
-    """A NamedTuple of class `cls`, a constant: the members of another but its last."""
-    return cls._make(value[:-1])
-
-
 def gathered(cls: type[NumbersT], members: tuple[Any, ...]) -> NumbersT:
     """A NamedTuple of class `cls`, a constant, of its members: `cls._make` for compiled code too."""
     return cls._make(members)

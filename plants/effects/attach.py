@@ -17,10 +17,10 @@ from plants.equation import (
     equation,
     extended,
     fields,
+    gathered,
     members,
     named_tuple,
     retyped,
-    shortened,
     unmarked,
 )
 from plants.interface import Balance, Measurement, Plant
@@ -112,12 +112,12 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     by_rates, by_readings = chained(plant.State, "rates"), chained(Measurement, "readings")
     remembered, kept_in = _remembered(plant, effects), memory_of(bool(remembering))
     bare_rates, bare_signals, bare_measure = plant.derivatives, plant.signals, plant.measure
-    own_state, own_parameters = _without_memory(plant, bool(remembering)), plant.Parameters
+    parted = _parted(plant, bool(remembering))
 
     @equation
     def rates_of(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the plant's own states."""
-        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
+        memory, own, state, p = parted(state, p)
         moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         return by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
@@ -125,7 +125,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def rates_with_memory(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """Rates of the states: the plant's own, and of what the effects remember."""
-        memory, own, state, p = state.effects, p.effects, own_state(state), shortened(own_parameters, p)
+        memory, own, state, p = parted(state, p)
         moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         rates = by_rates(bare_rates(time, state, into, altered(p, moment, memory, p, own)), moment, memory, p, own)
@@ -136,7 +136,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def signals(time: Scalar, state: Any, inputs: Any, p: Any) -> Any:
         """The plant's signals, as the effects make them."""
-        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
+        memory, own, state, p = parted(state, p)
         moment = at(time, state, inputs, p)
         into = driven(inputs, moment, memory, p, own)
         return bare_signals(time, state, into, altered(p, moment, memory, p, own))
@@ -144,7 +144,7 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
     @equation
     def measure(state: Any, p: Any) -> Measurement:
         """What the plant's sensors show, and the effects make of it."""
-        memory, own, state, p = kept_in(state), p.effects, own_state(state), shortened(own_parameters, p)
+        memory, own, state, p = parted(state, p)
         moment = Moment(0.0, state.position, state.velocity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return by_readings(bare_measure(state, p), moment, memory, p, own)
 
@@ -231,7 +231,7 @@ def _chained(plant: Plant, effects: Sequence[Effect], cls: type[NamedTuple], cha
 
 def _changing(before: Chain, place: int, change: Change, index: int, remembered: int | None) -> Chain:
     """The chain with one effect's change of the member at a place behind it; to it go what it remembers and its own
-    parameters alone: compiled code takes tuples apart at every call, which takes long to compile.
+    parameters alone, and one function does it: compiled code takes all tuples apart at every call.
     """
 
     @equation
@@ -252,19 +252,19 @@ def _memory_index(effects: Sequence[Effect], effect: Effect) -> int | None:
     return remembering.index(effect) if effect in remembering else None
 
 
-def _without_memory(plant: Plant, remembers: bool) -> Equation:
-    """The plant's own states, out of those of the plant with effects."""
-    own_class = plant.State
+def _parted(plant: Plant, remembers: bool) -> Equation:
+    """What the effects remember, their parameters, and the plant's own states and parameters, out of those of both."""
+    state_class, parameters_class, kept_in = plant.State, plant.Parameters, memory_of(remembers)
 
     @equation
-    def all_of(state: Any) -> Any:
-        return state
+    def of_plain_states(state: Any, p: Any) -> Any:
+        return kept_in(state), p.effects, state, gathered(parameters_class, p[:-1])
 
     @equation
-    def own_of(state: Any) -> Any:
-        return shortened(own_class, state)
+    def of_both(state: Any, p: Any) -> Any:
+        return kept_in(state), p.effects, gathered(state_class, state[:-1]), gathered(parameters_class, p[:-1])
 
-    return own_of if remembers else all_of
+    return of_both if remembers else of_plain_states
 
 
 @equation
