@@ -33,7 +33,7 @@ def taken(load: float, simulated: bool) -> tuple[bool, float, float]:
     settle = (lambda found: found) if simulated else None
     ask = Asked(START, {}, 10, {}, settle=settle)
     tried = fitted_with(current, {}, LOAD, ask)
-    best, _ = choose([(LOAD, tried)], current, {}, set(), ask)
+    best, _ = choose([(LOAD, tried)], current, {}, {}, ask)
     return best is not None, gain(current, tried), ask.price_of(LOAD, {}, balance)
 
 

@@ -1,12 +1,15 @@
 """What effects promise to first order: exact where a residual is linear, and never more than bounds allow."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from made_up_balances import made_balance, made_motion
+from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit, fit, weighed_fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.likelihood import FALSE_ALARMS, Outlook, asked, effects_of
@@ -127,3 +130,42 @@ def test_by_noise_alone_a_number_gains_half_of_its_square() -> None:
         gains.append(Outlook(before, columns_of(before, [LOAD], {})).gain([LOAD])[0])
     assert 2.0 * np.mean(gains) == pytest.approx(1.0, abs=0.5)
     assert max(gains) < asked(1, 60)
+
+
+def coloured(size: int, cutoff: float, seed: int) -> np.ndarray:
+    """Noise of the first order below a cutoff (1 over the instants), with a standard deviation of 1."""
+    keep = np.exp(-2.0 * np.pi * cutoff)
+    return np.asarray(
+        lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], np.random.default_rng(seed).standard_normal(size))
+    )
+
+
+def of_coloured_noise(load: float, seed: int) -> tuple[float, float]:
+    """What a load gains of a simulation whose noise is coloured: in the noise that is left with it, against that which
+    is left without it; and in the noise that is left without it.
+    """
+    motion = made_motion()
+    noise = 3.0 * coloured(motion.thinned.time.size, 0.02, seed)
+
+    def explained(of: Motion, values: Mapping[str, float]) -> np.ndarray:
+        return forces(of, values) + noise * values.get("noise", 0.0)
+
+    truth = {"spring_stiffness": 2000.0, "load_force": load, "noise": 1.0}
+    balance = replace(made_balance([motion], explained, truth), name=SIMULATION)
+    before = weighed_fit(balance, START, ["spring_stiffness"], search=EXACT)
+    outlook = Outlook(before, columns_of(before, [LOAD], {}))
+    return outlook.alone(LOAD, 0.0).gain, outlook.proposal([LOAD], {}, 0.0).gain
+
+
+def test_what_is_missing_is_told_from_coloured_noise() -> None:
+    """A load is as slow as noise can be: a spectrum of both has it as noise, however strong it is."""
+    weak, strong = (np.mean([of_coloured_noise(load, seed) for seed in range(8)], axis=0) for load in (1.6, 3.0))
+    assert weak[0] > 1.2 * weak[1]
+    assert strong[0] > 2.0 * strong[1]
+    assert strong[0] > 1.8 * weak[0]
+
+
+def test_coloured_noise_alone_gains_what_white_noise_does() -> None:
+    gains = np.array([of_coloured_noise(0.0, 100 + seed)[0] for seed in range(30)])
+    assert 2.0 * np.mean(gains) == pytest.approx(1.0, abs=0.6)
+    assert np.max(gains) < asked(1, 30)

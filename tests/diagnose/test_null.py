@@ -1,5 +1,6 @@
 """A record is held against what the same plant would leave if nothing were missing."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from made_up_balances import FORCE, made_balance, made_motion
 
 from plants.registry import plants
 from workbench.diagnose.residual_stage import ResidualStage
-from workbench.diagnose.residuals.null import with_fitted_floor
+from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.null import surrogate, with_fitted_floor
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
@@ -55,3 +57,36 @@ def test_a_floor_is_left_by_parameters_of_its_own() -> None:
     )
     assert balance.stacked({"viscous": 700.0}).std() > 3.0
     assert with_fitted_floor(balance, [motion], {"viscous": 700.0}, {}).floor == pytest.approx(FORCE, rel=0.05)
+
+
+def noisy(motion: Motion, noise: np.ndarray, step: float = 0.0) -> Motion:
+    """The motion as its sensor would show it with that noise, of a converter that counts in steps."""
+    shown = motion.position + noise
+    shown = step * np.rint(shown / step) if step else shown
+    return motion_of(replace(motion.record, channels={"position": shown}))
+
+
+def test_a_surrogate_has_the_noise_of_its_record_at_every_frequency() -> None:
+    """Noise that drifts away does not end where it began: no jump from its end to its beginning is noise in it."""
+    clean = made_motion()
+    drift = np.cumsum(1e-7 * np.random.default_rng(3).standard_normal(clean.time.size))
+    motion = noisy(clean, drift)
+    other = surrogate(motion, {"position": clean.position}, 0)
+    fast = [float(np.std(np.diff(one.measured["position"] - clean.position, 2))) for one in (motion, other)]
+    assert abs(drift[-1] - drift[0]) > 50.0 * fast[0]
+    assert fast[1] == pytest.approx(fast[0], rel=0.1)
+    assert not np.array_equal(other.measured["position"], motion.measured["position"])
+
+
+def test_a_converter_s_steps_are_in_a_surrogate_as_in_its_record() -> None:
+    """Where a rod rests its sensor shows the same step again and again, and hardly any noise."""
+    clean, step = made_motion(), 2e-5
+    moving = 0.4 * step + 0.02 * np.sin(2.0 * np.pi * 0.31 * np.maximum(clean.time - 10.0, 0.0)) ** 2
+    still = motion_of(replace(clean.record, channels={"position": moving}))
+    motion = noisy(still, 0.05 * step * np.random.default_rng(4).standard_normal(moving.size), step)
+    other = surrogate(motion, {"position": still.position}, 0)
+    levels = other.measured["position"] / step
+    assert levels == pytest.approx(np.rint(levels), abs=1e-6)
+    resting = clean.time < 9.0
+    assert np.mean(np.diff(motion.measured["position"][resting]) != 0.0) < 0.05
+    assert np.mean(np.diff(other.measured["position"][resting]) != 0.0) < 0.2

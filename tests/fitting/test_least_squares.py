@@ -1,6 +1,7 @@
 """Least squares within bounds: minima that are known, or that another solver or a search of all corners finds."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,8 +10,7 @@ from scipy.optimize import least_squares as by_scipy
 
 from workbench.fitting.least_squares import Search, Solution, bounded_minimum, least_squares
 
-STEP = 1e-6
-EXACT = Search(flat=1e-14)
+EXACT = Search(flat=1e-14, step=1e-6)
 TIMES = np.linspace(0.0, 4.0, 60)
 FREE = np.full(2, np.inf)
 
@@ -40,7 +40,7 @@ def counted(residual: Residual) -> tuple[Residual, list[int]]:
 
 def solved(residual: Residual, start: list[float], low: float = -np.inf, search: Search = EXACT) -> Solution:
     size = len(start)
-    return least_squares(residual, np.array(start), np.full(size, low), np.full(size, np.inf), STEP, search)
+    return least_squares(residual, np.array(start), np.full(size, low), np.full(size, np.inf), search)
 
 
 def test_a_valley_is_followed_to_its_end() -> None:
@@ -52,7 +52,7 @@ def test_a_valley_is_followed_to_its_end() -> None:
 
 @pytest.mark.parametrize("learns", [False, True])
 def test_a_fit_ends_where_another_solver_ends(learns: bool) -> None:
-    solution = solved(decay, [1.0, 3.0, 0.0], search=Search(flat=1e-14, learns=learns))
+    solution = solved(decay, [1.0, 3.0, 0.0], search=replace(EXACT, learns=learns))
     assert solution.x == pytest.approx(by_scipy(decay, [1.0, 3.0, 0.0], xtol=1e-14, ftol=1e-14).x, rel=1e-5)
 
 
@@ -76,13 +76,13 @@ def test_a_jacobian_that_is_learnt_costs_fewer_residuals() -> None:
 
 def test_an_unknown_at_a_bound_is_not_free_and_the_others_are_best_beside_it() -> None:
     high = np.array([0.5, np.inf])
-    solution = least_squares(rosenbrock, np.array([-1.2, 1.0]), -FREE, high, STEP, EXACT)
+    solution = least_squares(rosenbrock, np.array([-1.2, 1.0]), -FREE, high, EXACT)
     assert solution.x == pytest.approx([0.5, 0.25], abs=1e-6)
     assert solution.free.tolist() == [False, True]
 
 
 def test_an_unknown_that_starts_at_a_bound_leaves_it_where_that_is_better() -> None:
-    solution = least_squares(rosenbrock, np.array([0.0, 0.0]), np.zeros(2), np.full(2, 2.0), STEP, EXACT)
+    solution = least_squares(rosenbrock, np.array([0.0, 0.0]), np.zeros(2), np.full(2, 2.0), EXACT)
     assert solution.x == pytest.approx([1.0, 1.0], abs=1e-6)
     assert np.all(solution.free)
 
@@ -96,7 +96,7 @@ def test_within_bounds_a_line_is_fitted_as_by_another_solver(seed: int) -> None:
     def residual(x: np.ndarray) -> np.ndarray:
         return columns @ x - target
 
-    solution = least_squares(residual, np.zeros(4), low, high, STEP, EXACT)
+    solution = least_squares(residual, np.zeros(4), low, high, EXACT)
     other = by_scipy(residual, np.zeros(4), bounds=(low, high), xtol=1e-14, ftol=1e-14, gtol=1e-14)
     assert solution.residual @ solution.residual == pytest.approx(2.0 * other.cost, rel=1e-6)
     assert np.all((low <= solution.x) & (solution.x <= high))
@@ -112,7 +112,7 @@ def test_units_do_not_decide() -> None:
     units = np.array([1e-6, 1e-3, 1.0])
     start = np.array([1.0, 3.0, 0.0])
     low, high = np.full(3, -np.inf), np.full(3, np.inf)
-    other = least_squares(lambda x: decay(units * x), start / units, low, high, STEP, EXACT)
+    other = least_squares(lambda x: decay(units * x), start / units, low, high, EXACT)
     assert units * other.x == pytest.approx(solved(decay, [1.0, 3.0, 0.0]).x, rel=1e-5)
 
 
@@ -180,7 +180,7 @@ def test_an_unknown_that_is_known_to_a_millionth_is_found_as_well_as_it_is_known
         off = (x[0] - 0.3) / 1e-6
         return np.asarray(noise + slope * off + 3.0 * np.abs(slope) * max(off - 0.5, 0.0))
 
-    found = least_squares(bent, np.array([0.2999]), -FREE[:1], FREE[:1], 1e-4, Search(flat=1e-9))
+    found = least_squares(bent, np.array([0.2999]), -FREE[:1], FREE[:1], Search(flat=1e-9, step=1e-4))
     line = float(-(noise @ slope) / (slope @ slope))
     assert abs(line) < 0.5, "the least is where nothing bends"
     assert (found.x[0] - 0.3) / 1e-6 == pytest.approx(line, abs=1e-3)

@@ -39,7 +39,8 @@ FORESEEN = 0.4
 
 @dataclass(frozen=True)
 class Search:
-    """When a search ends: a step gains less of the sum of squares, or there were many.
+    """When a search ends: a step gains less of the sum of squares, or there were many; and the largest `step` of a
+    difference quotient, of an unknown or of 1, whichever is larger.
 
     Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which
     is then no exact one, at the end either.
@@ -48,6 +49,7 @@ class Search:
     flat: float = 1e-7
     most_steps: int = 100
     learns: bool = False
+    step: float = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +81,13 @@ def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.n
         return np.column_stack(list(pool.map(column, range(x.size))))
 
 
-def least_squares(
-    residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, step: float, search: Search
-) -> Solution:
+def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, search: Search) -> Solution:
     """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
     Args:
         residual: of the unknowns, shape (rows,); finite.
         start: shape (unknowns,), within the bounds.
         low, high: shape (unknowns,), infinite where there is none.
-        step: of difference quotients, at most, of an unknown or of 1, whichever is larger.
         search: when it ends.
     """
     x = np.asarray(start, dtype=float)
@@ -96,7 +95,7 @@ def least_squares(
     if not x.size:
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
-    jacobian = jacobian_of(residual, x, base, _within(x, high, step * np.maximum(1.0, np.abs(x))))
+    jacobian = jacobian_of(residual, x, base, _within(x, high, search.step * np.maximum(1.0, np.abs(x))))
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
@@ -112,13 +111,13 @@ def least_squares(
             ends = flat and fresh
             fresh = not search.learns or not (gained > FORESEEN * expected) or (flat and not ends)
             if fresh:
-                jacobian = jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
+                jacobian = jacobian_of(residual, x, base, differences(x, high, search.step, jacobian, cost))
             else:
                 jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
             if ends:
                 break
         elif not fresh:
-            fresh, jacobian = True, jacobian_of(residual, x, base, _differences(x, high, step, jacobian, cost))
+            fresh, jacobian = True, jacobian_of(residual, x, base, differences(x, high, search.step, jacobian, cost))
         elif expected < search.flat * cost or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
@@ -131,7 +130,7 @@ def least_squares(
     return Solution(x, base, jacobian, ~held)
 
 
-def _differences(x: np.ndarray, high: np.ndarray, step: float, jacobian: np.ndarray, cost: float) -> np.ndarray:
+def differences(x: np.ndarray, high: np.ndarray, step: float, jacobian: np.ndarray, cost: float) -> np.ndarray:
     """Steps of difference quotients that move the residual by a few of its standard deviations, and are `step` at most:
     an unknown that is known to a millionth is not to be moved by a thousandth.
     """

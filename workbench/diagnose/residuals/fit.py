@@ -11,10 +11,7 @@ from workbench.diagnose.residuals.motion import fluctuation
 from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Values, unknown
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
-from workbench.fitting.least_squares import Search, least_squares
-
-STEP = 1e-4
-"""Relative step of difference quotients; the residuals are exact functions of the parameters."""
+from workbench.fitting.least_squares import Search, differences, jacobian_of, least_squares
 
 VAGUE = 0.5 * float(np.log(WIDEST))
 """Standard deviation of the logarithm of a positive parameter about its start, before any record: two that records
@@ -100,6 +97,22 @@ class Fit:
         return np.asarray(self.jacobian.T @ self.jacobian + known)
 
     @cached_property
+    def changes(self) -> np.ndarray:
+        """What a unit of each unknown changes of the residual (rows, unknowns), for noise of any colour to weigh."""
+        x, high = self.places, np.array([u.high for u in self.unknowns])
+        steps = differences(x, high, THOROUGH.step, self.jacobian, self.squares)
+        return jacobian_of(lambda places: _stacked(self.balance, self.at(places)), x, self.residual, steps)
+
+    @cached_property
+    def beside(self) -> tuple[np.ndarray, Sequence[np.ndarray]]:
+        """What no parameter decides, at its values."""
+        return self.balance.beside(self.values)
+
+    def at(self, places: np.ndarray) -> dict[str, float]:
+        """The values where the unknowns are elsewhere, as a search sees them."""
+        return _at(self.values, self.unknowns, places)
+
+    @cached_property
     def covariance(self) -> np.ndarray:
         """Of the unknowns, with what noise still has of memory; 0 for one that is held at a bound."""
         series = [place for slices in self.balance.series for place in slices]
@@ -150,11 +163,8 @@ def fit(
     """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
     unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
-    def at(x: np.ndarray) -> dict[str, float]:
-        return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
-
     def stacked(x: np.ndarray) -> np.ndarray:
-        return np.nan_to_num(balance.stacked(at(x)), nan=LOST, posinf=LOST, neginf=-LOST)
+        return _stacked(balance, _at(values, unknowns, x))
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
@@ -164,12 +174,12 @@ def fit(
     def residual(x: np.ndarray) -> np.ndarray:
         return np.concatenate([weigh(stacked(x)), logarithmic * x])
 
-    solution = least_squares(residual, start, low, high, STEP, search)
+    solution = least_squares(residual, start, low, high, search)
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
     return Fit(
         balance=balance,
         names=tuple(names),
-        values=at(solution.x),
+        values=_at(values, unknowns, solution.x),
         residual=stacked(solution.x),
         weighed=solution.residual[:size],
         vague=solution.residual[size:],
@@ -179,6 +189,14 @@ def fit(
         bounded=frozenset(u.name for u, place in places if min(place - u.low, u.high - place) < BOUNDED),
         weighing=weigh,
     )
+
+
+def _at(values: Values, unknowns: Sequence[Unknown], x: np.ndarray) -> dict[str, float]:
+    return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
+
+
+def _stacked(balance: Balance, values: Values) -> np.ndarray:
+    return np.nan_to_num(balance.stacked(values), nan=LOST, posinf=LOST, neginf=-LOST)
 
 
 def over(fitted: Fit, balance: Balance) -> Fit:
@@ -197,10 +215,9 @@ def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
     return weighing_of if balance.name == SIMULATION else by_scatter
 
 
-def weighed_again(fitted: Fit, weighed: np.ndarray) -> Weighing:
-    """How the weighed residuals of a fit weigh once more if these are its noise: in floors, which have a meaning."""
-    unit = float(fitted.weighing.filters[0].numbers[0])
-    return noise_like(fitted.balance)(fitted.balance.series, weighed / unit).times(1.0 / unit)
+def weighed_without(fitted: Fit, residual: np.ndarray) -> Weighing:
+    """How the residuals of a fit weigh if this is what noise leaves of them."""
+    return weighed_by(noise_like(fitted.balance), replace(fitted, residual=residual), fitted.beside)
 
 
 def weighing_at(fitted: Fit) -> Weighing:
@@ -214,7 +231,7 @@ def weighed_by(
     beside: tuple[np.ndarray, Sequence[np.ndarray]] | None = None,
 ) -> Weighing:
     """What a fit leaves as noise, without what no parameter decides, if that is not known already."""
-    columns, groups = fitted.balance.beside(fitted.values) if beside is None else beside
+    columns, groups = fitted.beside if beside is None else beside
     return weigh(fitted.balance.series, without(fitted.residual, columns, groups)).without(columns, groups)
 
 

@@ -218,9 +218,13 @@ def white_noise(values: np.ndarray) -> float:
     It is at least that of the steps in which a converter counts, uniform over one step: a slow signal rests on them.
     """
     known = values[np.isfinite(values)]
-    levels = np.diff(np.unique(known))
-    step = float(np.min(levels)) if levels.size else 0.0
-    return max(fluctuation(known), step * UNIFORM)
+    return max(fluctuation(known), converter_step(known) * UNIFORM)
+
+
+def converter_step(values: np.ndarray) -> float:
+    """The least difference between two values of a channel: a step of its converter, or next to nothing."""
+    levels = np.diff(np.unique(values[np.isfinite(values)]))
+    return float(np.min(levels)) if levels.size else 0.0
 
 
 def fluctuation(values: np.ndarray) -> float:

@@ -20,7 +20,7 @@ from plants.interface import Measurement
 from workbench.diagnose.residuals.along import Along, input_along
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import QUICK, fit
-from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.motion import UNIFORM, Motion, converter_step, motion_of
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.fitting.replay import Sampled
@@ -135,21 +135,28 @@ def accelerated(along: Along, parameters: Any, state: Any, inputs: Any, name: st
 def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:
     """The motion that a plant `simulated` (channels at every sample), with noise of the spectrum of what it leaves of
     the record, at random phases: none of it has to do with the motion (Theiler et al. 1992). A plant beside a record
-    leaves what a loop makes of noise; the sensors' is white then.
+    leaves what a loop makes of noise; the sensors' is white then. A converter counts in steps, as it did in the record:
+    where a rod rests it shows no noise.
     """
     white = any(name in SENSED for name in simulated)
     draw, record = np.random.default_rng([SEED, seed]), motion.record
     channels = dict(record.channels)
     for name, values in simulated.items():
-        left = motion.measured[name] - values
+        left, step = motion.measured[name] - values, converter_step(record.channels[name])
         noise = motion.sensed[name] * draw.standard_normal(left.size) if white else _turned(left, draw)
-        channels[name] = np.where(np.isfinite(record.channels[name]), values + noise, np.nan)
+        random = max(1.0 - (step * UNIFORM) ** 2 / max(float(np.mean(noise**2)), 1e-300), 0.0)  # the rest is the steps'
+        shown = values + np.sqrt(random) * noise
+        counted = step * np.rint(shown / step) if step > 0.0 else shown
+        channels[name] = np.where(np.isfinite(record.channels[name]), counted, np.nan)
     return motion_of(replace(record, channels=channels))
 
 
 def _turned(left: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """Noise of the spectrum of a series, at random phases."""
-    spectrum = np.fft.rfft(left - np.mean(left))
+    """Noise of the spectrum of a series, at random phases: that of its tapered middle, since a jump from its end to its
+    beginning would be noise at all frequencies.
+    """
+    taper = np.hanning(left.size)
+    spectrum = np.fft.rfft((left - np.mean(left)) * taper / np.sqrt(np.mean(taper**2)))
     turned = np.abs(spectrum) * np.exp(2j * np.pi * draw.random(spectrum.size))
     return np.fft.irfft(turned, left.size)
 

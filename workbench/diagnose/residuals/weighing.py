@@ -82,6 +82,19 @@ class Weighing:
             out[rows] -= basis @ (basis.T @ out[rows])
         return out
 
+    def log_likelihood(self, residual: np.ndarray, counts: np.ndarray) -> float:
+        """Logarithm of the likelihood, but for a constant, of rows of a residual that count as noise of this spectrum,
+        less one for each number of its autoregressions (Akaike 1974): of two that whiten as well, that with fewer.
+        """
+        weighed = self(residual)[counts]
+        scales = sum(
+            float(np.log(white.numbers[0])) * int(np.count_nonzero(counts[place]))
+            for slices in self.series
+            for place, white in zip(slices, self.filters, strict=True)
+        )
+        orders = sum(white.numbers.size - 1 for white in self.filters)
+        return scales - 0.5 * float(weighed @ weighed) - orders
+
     def times(self, factor: float) -> "Weighing":
         """The same of a residual that is in other units."""
         return Weighing(self.series, [white.times(factor) for white in self.filters], self.counts, self.beside)

@@ -2,11 +2,15 @@
 it, on parts that were left out, and against what it would gain where nothing is missing.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
+import numpy as np
+
+from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
-from workbench.diagnose.selection.likelihood import Proposal
+from workbench.diagnose.selection.likelihood import Proposal, likelier
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
 
@@ -15,6 +19,9 @@ WEIGHED = 2
 
 BESIDE = 1.1
 """Times the least rms that a fit may leave which is weighed: noise of any colour hides what drifts away slowly."""
+
+NEARER = 0.98
+"""Times the rms that a set left when it was seen, from which it is another one."""
 
 BY_BLOCKS = 0.3
 """Share of what an effect gains that it has to gain on blocks that were left out of its fit, too."""
@@ -26,24 +33,30 @@ happens once in a record is in one block alone. Of a balance, whose noise nobody
 
 
 def choose(
-    better: Sequence[tuple[Proposal, Fit]], current: Fit, taken: Effects, seen: Set[frozenset[str]], ask: Asked
+    better: Sequence[tuple[Proposal, Fit]],
+    current: Fit,
+    taken: Effects,
+    seen: Mapping[frozenset[str], float],
+    ask: Asked,
 ) -> tuple[tuple[Proposal, Fit] | None, Fit]:
     """The first set that gains what is asked of it by the noise that it leaves itself, on blocks left out, too; and the
-    fit without it, which may be nearer than it was.
+    fit without it, which may be nearer than it was. Sets that were `seen`, with the rms that they left then, are none,
+    unless they are nearer now.
     """
+    known_as = partial(_is_known, taken=taken, seen=seen)
     nearer = current
     for proposal, tried in better[:WEIGHED]:
-        if frozenset(after(taken, proposal)) in seen:
+        if known_as(proposal, tried):
             continue
         proposal, found = _needed(proposal, ask.settled(tried), current, taken, ask)
-        if frozenset(after(taken, proposal)) in seen:
+        if known_as(proposal, found):
             continue
         beside = _beside(nearer, found, ask)
         price = ask.price_of(proposal, taken, current.balance)
-        gained = 0.5 * (beside.seen_by(found.weighing) - found.squares) - price
+        gained = _gained(found, beside) - price
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
-        known = is_estimated(found, current.balance)
+        known = is_estimated(found, current.balance) and found.rms < BESIDE * beside.rms
         sure = ask.settle is not None and gained > BEYOND * price
         holds = gained > 0.0 and known and enough and (not proposal.added or sure or _holds(beside, found, price, ask))
         if holds and gained > _by_itself(beside, found, ask):
@@ -53,6 +66,20 @@ def choose(
     return None, nearer
 
 
+def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[frozenset[str], float]) -> bool:
+    """Whether a set was left before that was as near as it is now."""
+    return fitted.rms > NEARER * seen.get(frozenset(after(taken, proposal)), np.inf)
+
+
+def _gained(found: Fit, beside: Fit) -> float:
+    """By how much the logarithm of a fit's likelihood is above that of another one beside it: of a simulation each by
+    the noise that it leaves itself, of a balance, whose noise nobody knows, by that of the first.
+    """
+    if found.balance.name == SIMULATION:
+        return likelier((found.weighing, found.residual), (beside.weighing, beside.residual))
+    return 0.5 * (beside.seen_by(found.weighing) - found.squares)
+
+
 def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:
     """A set with its fit, less what it has that is not worth what is asked of it beside the others."""
     for trial in proposal.added if len(proposal.added) > 1 else ():
@@ -60,7 +87,7 @@ def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: A
         start = {name: value for name, value in proposal.start.items() if any(name in other.names for other in others)}
         fewer = replace(proposal, added=others, start=start)
         without = ask.settled(fitted_with(current, taken, fewer, ask))
-        lost = 0.5 * (without.seen_by(found.weighing) - found.squares)
+        lost = _gained(found, without)
         if lost < ask.of_trial(trial, current.balance) or found.rms > (1.0 - ask.least_share) * without.rms:
             return _needed(fewer, without, current, taken, ask)
     return proposal, found
@@ -75,7 +102,7 @@ def _beside(current: Fit, rival: Fit, ask: Asked) -> Fit:
     other = fit(begun.balance, start, current.names, ask.bounds, QUICK, rival.weighing)
     fits = [current, other, *([ask.settle(other)] if ask.settle is not None else [])]
     nearest = min(one.rms for one in fits)
-    return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: one.seen_by(rival.weighing))
+    return min((one for one in fits if one.rms < BESIDE * nearest), key=lambda one: _gained(rival, one))
 
 
 def _holds(before: Fit, found: Fit, price: float, ask: Asked) -> bool:

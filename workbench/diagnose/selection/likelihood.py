@@ -1,14 +1,15 @@
 """What sets of effects would gain in likelihood, to first order: from the columns of all, with no further fit."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.stats import chi2
 
-from workbench.diagnose.residuals.fit import Fit, weighed_again
-from workbench.diagnose.residuals.weighing import plain
+from workbench.diagnose.residuals.balance import SIMULATION
+from workbench.diagnose.residuals.fit import Fit, weighed_without
+from workbench.diagnose.residuals.weighing import Weighing
 from workbench.diagnose.selection.trials import Columns, Trial
 from workbench.fitting.least_squares import bounded_minimum
 
@@ -29,26 +30,61 @@ TIMES = 3
 
 
 def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
-    """By how much the logarithm of the likelihood rises, to first order, with weighed columns (rows, numbers) between
-    bounds beside a fit's own unknowns, and how far they go: noise is what is left with them. What is missing is
-    coloured, and would else pass for noise.
+    """By how much the logarithm of the likelihood rises, to first order, with columns (rows, numbers; not weighed)
+    between bounds beside a fit's own unknowns, and how far they go.
+
+    What is missing is coloured, and may pass for noise: with the columns and without them noise is what is left.
     """
-    own = fitted.jacobian * fitted.free
-    vague = fitted.curvature - fitted.jacobian.T @ fitted.jacobian
-    count, residual = own.shape[1], fitted.weighed
-    stack, wide = np.column_stack([own, block]), np.full(count, np.inf)
+    own = fitted.changes * fitted.free
+    x, weighing, left = _settled(fitted, np.column_stack([own, block]), low, high)
+    if fitted.balance.name == SIMULATION:
+        noise, without = _own_noise(fitted)
+        return likelier((weighing, left), (noise, without)), x[own.shape[1] :]
+    columns, residual = weighing(np.column_stack([own, block])), weighing(fitted.residual)
+    curvature, slope = columns.T @ columns, columns.T @ residual
+    count = own.shape[1]
+    curvature[:count, :count] += _vague(fitted)
+    wide = np.full(count, np.inf)
+    before, _ = _fallen(curvature[:count, :count], slope[:count], -wide, wide)
+    fallen, _ = _fallen(curvature, slope, np.concatenate([-wide, low]), np.concatenate([wide, high]))
+    return fallen - before, x[count:]
+
+
+def likelier(one: tuple[Weighing, np.ndarray], other: tuple[Weighing, np.ndarray]) -> float:
+    """By how much the logarithm of the likelihood of a residual by its noise is above that of another by its own."""
+    (weighing, residual), (beside, rest) = one, other
+    counts = weighing.counts & beside.counts
+    return weighing.log_likelihood(residual, counts) - beside.log_likelihood(rest, counts)
+
+
+def _settled(
+    fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, Weighing, np.ndarray]:
+    """How far columns go, of which the first are a fit's own unknowns; the noise then, and what is left."""
+    count, residual, weigh = len(fitted.unknowns), fitted.residual, fitted.weighing
+    wide = np.full(count, np.inf)
     low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
-    gain, x = 0.0, np.zeros(stack.shape[1])
-    weigh = replace(plain(fitted.balance.series, residual.size), counts=residual != 0.0)
+    x, left = np.zeros(stack.shape[1]), residual
     for _ in range(TIMES):
-        columns, left = weigh(stack), weigh(residual)
-        curvature, slope = columns.T @ columns, columns.T @ left
-        curvature[:count, :count] += vague
-        before = _fallen(curvature[:count, :count], slope[:count], low[:count], high[:count])[0]
-        fallen, x = _fallen(curvature, slope, low, high)
-        gain = fallen - before
-        weigh = weighed_again(fitted, np.where(residual != 0.0, residual + stack @ x, 0.0))
-    return gain, x[count:]
+        columns = weigh(stack)
+        curvature = columns.T @ columns
+        curvature[:count, :count] += _vague(fitted)
+        _, x = _fallen(curvature, columns.T @ weigh(residual), low, high)
+        left = np.where(residual != 0.0, residual + stack @ x, 0.0)
+        weigh = weighed_without(fitted, left)
+    return x, weigh, left
+
+
+@lru_cache(maxsize=2)
+def _own_noise(fitted: Fit) -> tuple[Weighing, np.ndarray]:
+    """The noise that a fit leaves by itself, and what it leaves."""
+    nothing = np.zeros(0)
+    return _settled(fitted, fitted.changes * fitted.free, nothing, nothing)[1:]
+
+
+def _vague(fitted: Fit) -> np.ndarray:
+    """What is known of a fit's unknowns before any record, as a curvature."""
+    return fitted.curvature - fitted.jacobian.T @ fitted.jacobian
 
 
 def _fallen(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
@@ -123,7 +159,7 @@ class Outlook:
     def alone(self, trial: Trial, price: float) -> Proposal:
         """One trial, by the noise that it would leave itself."""
         columns = self.columns[trial]
-        gain, x = gain_of(self.fitted, columns.block, columns.low, columns.high)
+        gain, x = gain_of(self.fitted, columns.change, columns.low, columns.high)
         return Proposal((trial,), (), gain, gain - price, columns.values(x))
 
     def proposal(self, added: Sequence[Trial], dropped: Mapping[str, Mapping[int, float]], price: float) -> Proposal:

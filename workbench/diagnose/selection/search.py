@@ -6,7 +6,7 @@ is taken, and the search goes on from there. So one effect that stood in for two
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -72,7 +72,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     """Add, drop and exchange effects until no set gains more than is asked of it."""
     current = start
     taken: Effects = dict(effects)
-    steps, seen = list[Step](), {frozenset(taken)}
+    steps, seen = list[Step](), {frozenset(taken): start.rms}
     shapes: dict[str, list[Shape]] = {}
     for _ in range(ROUNDS):
         outlook = _outlook(current, taken, ask)
@@ -90,15 +90,18 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))
         taking, nearer = choose(better, current, taken, seen, ask)
         if taking is None:
-            if nearer is current:
+            if nearer is not current:
+                current = nearer
+            elif ask.shapes:  # which another residual showed best: what it did not show may have others
+                ask = replace(ask, shapes={})
+            else:
                 steps.append(Step(current, candidates))
                 break
-            current = nearer
             continue
         proposal, found = taking
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
         current, taken = found, after(taken, proposal)
-        seen.add(frozenset(taken))
+        seen[frozenset(taken)] = found.rms
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(outlook if outlook.fitted is current else _outlook(current, taken, ask), taken, ask)
     gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}

@@ -64,13 +64,14 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """What a trial's numbers change: weighed columns (rows, numbers) a step, the steps as a search sees them, where the
-    numbers start, and between which bounds they may move from there.
+    """What a trial's numbers change: columns (rows, numbers) a step, as they are and weighed (`block`), the steps as a
+    search sees them, where the numbers start, and between which bounds they may move from there.
     """
 
     trial: Trial
     unknowns: Sequence[Unknown]
     starts: np.ndarray
+    change: np.ndarray
     block: np.ndarray
     low: np.ndarray
     high: np.ndarray
@@ -212,8 +213,15 @@ def _columns(fitted: Fit, trial: Trial, bounds: Bounds) -> Columns | None:
         columns.append(found)
     low = np.array([u.low for u in unknowns]) - np.array(starts)
     high = np.array([u.high for u in unknowns]) - np.array(starts)
+    change = np.column_stack(columns)
     return Columns(
-        trial, unknowns, np.array(starts), np.column_stack(columns), np.minimum(low, 0.0), np.maximum(high, 0.0)
+        trial,
+        unknowns,
+        np.array(starts),
+        change,
+        fitted.weighing(change),
+        np.minimum(low, 0.0),
+        np.maximum(high, 0.0),
     )
 
 
@@ -223,8 +231,8 @@ def _value(values: Values, name: str) -> float:
 
 
 def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.ndarray | None:
-    """What a change of one number does to the weighed residual, a unit of the number as a search sees it; None of one
-    that at no plausible size is seen.
+    """What a change of one number does to the residual, a unit of the number as a search sees it; None of one that at
+    no plausible size is seen.
     """
     room = searched.high - place if searched.high - place > place - searched.low else searched.low - place
     sign = 1.0 if room > 0.0 else -1.0
@@ -232,10 +240,13 @@ def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.
 
     def change(step: float) -> np.ndarray:
         moved = fitted.balance.stacked({**values, searched.name: searched.value(place + step)})
-        return fitted.weighing(np.nan_to_num(moved, nan=LOST, posinf=LOST, neginf=-LOST) - fitted.residual)
+        return np.nan_to_num(moved, nan=LOST, posinf=LOST, neginf=-LOST) - fitted.residual
+
+    def seen(moved: np.ndarray) -> float:
+        return float(np.linalg.norm(fitted.weighing(moved)))
 
     moved = change(step)
-    felt = float(np.linalg.norm(moved))
+    felt = seen(moved)
     for _ in range(2):
         if LITTLE * FELT < felt < MUCH * FELT:
             break
@@ -245,7 +256,7 @@ def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.
             break
         step = wanted
         moved = change(step)
-        felt = float(np.linalg.norm(moved))
+        felt = seen(moved)
     if not np.isfinite(felt) or felt * abs(room / step) < UNSEEN:
         return None
     return moved / step

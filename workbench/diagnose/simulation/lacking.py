@@ -21,8 +21,14 @@ from workbench.fitting.least_squares import THREADS
 from workbench.records.reading import Record
 
 NODES, FINE = 8, 24
-"""Of a curve: hats between them, at even shares of the signal's values; and of the curve that gains most, once more,
+"""Of a curve: hats between them, at even shares of the signal's values; and of the curves that gain most, once more,
 since what happens at one place or speed alone is narrow."""
+
+DEGREE = 3
+"""Of the polynomial over the signal that is one of a curve's shapes: what bends little has few numbers."""
+
+REFINED, LEADING = 0.3, 3
+"""Share of what the best curve gains from which another is refined, too; and how many are, at most."""
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make: to first order, and above the solver's error."""
@@ -47,9 +53,9 @@ PUSHES: Mapping[str, Sequence[tuple[str, bool]]] = {
 }
 """By balance the signals over which something may be missing, and whether it turns with the direction of motion."""
 
-CERTAIN, BESIDE = 1.5, 3.5
-"""Times what is asked of a curve from which it is told: since curves gain more of short records, and of a plant that is
-kept beside its record, whose contact noise shakes.
+CERTAIN, CERTAIN_FINE, BESIDE = 1.15, 1.5, 2.0
+"""Times what is asked of a curve from which it is told; of a refined one, which follows slow noise over time, too; and
+of one on a plant that is kept beside its record, whose contact noise shakes.
 """
 
 LEVEL = 0.5
@@ -79,26 +85,34 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     motions = fitted.balance.motions
     followed = [_simulated(how, motion, fitted) for motion in motions]
     base = how.balance(motions, ()).stacked(fitted.values)
-    certain = BESIDE if how.is_beside(motions[0]) else CERTAIN
+    beside = BESIDE if how.is_beside(motions[0]) else 1.0
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
 
-    def over(balance: str, signal: str, turns: bool, nodes: int) -> Lacking | None:
-        pushes = _hats(motions, followed, signal, turns, nodes)
+    def over(balance: str, signal: str, turns: bool, count: int) -> list[Lacking]:
+        nodes, pushes = _hats(motions, followed, signal, turns, count)
         if not pushes:
-            return None
-        block = _columns(how, fitted, base, balance, pushes)
-        wide = np.full(block.shape[1], np.inf)
-        gain, _ = gain_of(fitted, block, -wide, wide)
-        return Lacking(_told(how, balance), signal, gain, certain * asked(block.shape[1], len(wanted)))
+            return []
+        hats, name = _columns(how, fitted, base, balance, pushes), _told(how, balance)
+        shapes, certain = ([hats], CERTAIN_FINE) if count == FINE else ([hats @ _powers(nodes), hats], CERTAIN)
+        return [
+            Lacking(name, signal, _gain(fitted, block), max(certain, beside) * asked(block.shape[1], 2 * len(wanted)))
+            for block in shapes
+        ]
 
-    tried = [(one, each) for each in wanted if (one := over(*each, NODES)) is not None]
-    if not tried:
-        return []
-    _, best = min(tried, key=lambda one: one[0].asked - one[0].gain)
-    found = [one for one, _ in tried] + [one for one in [over(*best, FINE)] if one is not None]
-    return sorted(found, key=lambda one: one.asked - one.gain)
+    tried = [(curves, each) for each in wanted if (curves := over(*each, NODES))]
+    most = max((curve.gain for curves, _ in tried for curve in curves), default=0.0)
+    leading = sorted(tried, key=lambda one: -max(curve.gain for curve in one[0]))[:LEADING]
+    finer = [over(*each, FINE) for curves, each in leading if max(curve.gain for curve in curves) > REFINED * most]
+    return sorted(
+        (one for curves in [*(c for c, _ in tried), *finer] for one in curves), key=lambda one: one.asked - one.gain
+    )
+
+
+def _gain(fitted: Fit, block: np.ndarray) -> float:
+    wide = np.full(block.shape[1], np.inf)
+    return gain_of(fitted, block, -wide, wide)[0]
 
 
 def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
@@ -134,8 +148,10 @@ def _simulated(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
 
 def _hats(
     motions: Sequence[Motion], followed: Sequence[Motion], signal: str, turns: bool, count: int
-) -> list[dict[Record, np.ndarray]]:
-    """Hats over a signal at every sample of each record, with so many nodes at even shares of its values."""
+) -> tuple[np.ndarray, list[dict[Record, np.ndarray]]]:
+    """Nodes of a signal, at even shares of its values, so many at most; and hats over it at every sample of each
+    record.
+    """
     along = [signals_of(motion)[signal] for motion in followed]
     nodes = np.unique(np.quantile(np.concatenate(along), np.linspace(0.0, 1.0, count)))
     hats = []
@@ -147,23 +163,29 @@ def _hats(
             ways = smooth.velocity / (np.abs(smooth.velocity) + max(motion.creep, 1e-30)) if turns else 1.0
             hat[motion.record] = ways * np.interp(values, nodes, heights)
         hats.append(hat)
-    return hats
+    return nodes, hats
+
+
+def _powers(nodes: np.ndarray) -> np.ndarray:
+    """Heights at the nodes of polynomials up to `DEGREE`, shape (nodes, polynomials)."""
+    low, high = float(nodes[0]), float(nodes[-1])
+    return np.polynomial.legendre.legvander((2.0 * nodes - low - high) / (high - low), min(DEGREE, nodes.size - 1))
 
 
 def _columns(
     how: Shooting, fitted: Fit, base: np.ndarray, balance: str, pushes: Sequence[Mapping[Record, np.ndarray]]
 ) -> np.ndarray:
-    """What each push changes of the weighed residual, which without it is `base`."""
+    """What each push changes of the residual, which without it is `base`, in units that make as much of it."""
 
     def moved(push: Mapping[Record, np.ndarray], size: float) -> np.ndarray:
         series = {record: size * values for record, values in push.items()}
         stack = (
             replace(how, push=Push(balance == FLOW, series)).balance(fitted.balance.motions, ()).stacked(fitted.values)
         )
-        return fitted.weighing(np.nan_to_num(stack - base, nan=LOST, posinf=LOST, neginf=-LOST))
+        return np.nan_to_num(stack - base, nan=LOST, posinf=LOST, neginf=-LOST)
 
     size = FIRST * how.push_scale(balance == FLOW)
-    felt = float(np.linalg.norm(moved(pushes[len(pushes) // 2], size)))
+    felt = float(np.linalg.norm(fitted.weighing(moved(pushes[len(pushes) // 2], size))))
     size *= float(np.clip(FELT / max(felt, 1e-12), 1e-6, 1e6))
     with ThreadPoolExecutor(THREADS) as pool:
         return np.column_stack(list(pool.map(lambda push: moved(push, size), pushes)))

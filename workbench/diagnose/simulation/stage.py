@@ -33,6 +33,7 @@ from workbench.diagnose.simulation.fits import (
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
@@ -148,7 +149,7 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    best = best if best.is_near else fit_led(best, fitting, starts[0])
+    best = along_valley(fitting, best if best.is_near else fit_led(best, fitting, starts[0]))
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         best = min(best, straight, key=lambda one: one.fit.rms)
@@ -245,17 +246,20 @@ def _stage(
         else:  # the record itself speaks against them
             dropped = list(given)
     lacks = None
+    ask = Asked(
+        start.declared, bounds, len(how.effects), start.shapes, settle=lambda fit: settle(how, motions, fit, bounds)
+    )
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)
-        ask = Asked(
-            start.declared, bounds, len(how.effects), start.shapes, settle=lambda fit: settle(how, motions, fit, bounds)
-        )
         found = search(current, effects, ask)
         progress("what no effect explains", 0.8)
         found, lacks = _without_stand_ins(how, found, ask)
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
+    if found.fit.rms < before.rms:  # what is left without what was found is no effect's
+        plain = ask.settled(without_effects(found.fit, found.effects, ask)) if found.effects else found.fit
+        before = min(before, plain, key=lambda one: one.rms)
     return SimulationStage(
         how=how,
         before=before,
@@ -280,8 +284,9 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
-    """What was found, and on what depends that which no effect explains. Nothing is found where one curve in the place
-    of all effects gains more than they do, and something is left beside them, or they are many.
+    """What was found, and on what depends that which no effect explains. Nothing is found where something is left
+    beside many effects, or beside few where one curve in their place gains more than they do; nor where many leave
+    nothing, but one curve would do for them.
     """
     lacks = dependence_of(lacking(how, found.fit))
     if not found.effects or (lacks is None and len(found.effects) < MANY):
@@ -291,7 +296,8 @@ def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, 
     if lacks is None:  # nothing is left: what they cost decides, too
         gained -= sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     curves = lacking(how, without)
-    if curves and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0):
+    instead = bool(curves) and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0)
+    if instead or (lacks is not None and len(found.effects) >= MANY):
         found = replace(found, fit=without, effects={}, gains={}, alternatives={})
         lacks = dependence_of(curves) or lacks
     return found, lacks

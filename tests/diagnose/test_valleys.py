@@ -1,0 +1,60 @@
+"""A fit that ended in a hollow of a narrow valley gets to its bottom."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from made_up_balances import made_balance, made_motion
+
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import fit
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.simulation.fits import Fitting, Simulated
+from workbench.diagnose.simulation.valleys import NARROW, along_valley
+
+NAMES = ("spring_stiffness", "viscous")
+TRUTH = {"spring_stiffness": 2000.0, "viscous": 300.0}
+STARTS = ({"spring_stiffness": 1600.0, "viscous": 340.0}, {"spring_stiffness": 2600.0, "viscous": 340.0})
+
+
+def hollowed(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A spring and a damper, and a push that comes and goes with every fiftieth of each: hollows beside one another."""
+    hollows = sum(np.sin(50.0 * 2.0 * np.pi * np.log(values[name] / TRUTH[name])) ** 2 for name in NAMES)
+    push = 3.0 * hollows * np.cos(2.0 * np.pi * motion.time)
+    return np.asarray(values["spring_stiffness"] * motion.position + values["viscous"] * motion.velocity + push)
+
+
+@dataclass(frozen=True)
+class Hollowed:
+    """In the place of a simulation from end to end."""
+
+    length: float = np.inf
+
+    def balance(self, motions: Sequence[Motion], names: Sequence[str]) -> Balance:
+        return made_balance(motions, hollowed, TRUTH, tuple(names))
+
+
+class Beginning(Fitting):
+    """What is fitted begins where it is: there are no states at its starts."""
+
+    def begun(self, how: Hollowed, values: Values) -> Simulated:  # type: ignore[override]
+        return Simulated(how, fit(how.balance(self.motions, ()), values, ()))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_a_fit_that_ended_in_a_hollow_gets_to_the_bottom(start: Values) -> None:
+    how, fitting = Hollowed(), Beginning([made_motion()], NAMES, {})
+    ended = fit(how.balance(fitting.motions, NAMES), start, NAMES, {}, NARROW)
+    assert ended.rms > 1.5
+    found = along_valley(fitting, Simulated(how, ended))  # type: ignore[arg-type]
+    assert found.fit.rms == pytest.approx(1.0, abs=0.1)
+    for name in NAMES:
+        assert found.fit.values[name] == pytest.approx(TRUTH[name], rel=0.04), name
+
+
+def test_a_fit_that_is_at_noise_stays() -> None:
+    how, fitting = Hollowed(), Beginning([made_motion()], NAMES, {})
+    first = Simulated(how, fit(how.balance(fitting.motions, NAMES), TRUTH, NAMES, {}))  # type: ignore[arg-type]
+    assert along_valley(fitting, first) is first
