@@ -1,0 +1,59 @@
+"""The search for what a balance lacks: where a shape that another residual showed is wrong, the right one is found."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up_balances import made_balance, made_motion
+
+from workbench.diagnose.residuals.balance import SIMULATION
+from workbench.diagnose.residuals.fit import fit, weighing_at
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.selection.judging import choose
+from workbench.diagnose.selection.likelihood import Proposal
+from workbench.diagnose.selection.search import search
+from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.selection.trials import Shape, Shapes
+from workbench.fitting.least_squares import Search
+
+EXACT = Search(flat=1e-14)
+PITCH = 0.01
+TRUTH = {"cogging_cosine": 0.3, "cogging_sine": -0.4, "cogging_pitch": PITCH, "load_force": 0.0}
+START = {"load_force": 0.0}
+WRONG: Shape = (("cogging_pitch", 0.0137),)
+
+
+def ripple(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A force that repeats along the way, and a load."""
+    angle = 2.0 * np.pi * motion.position / values.get("cogging_pitch", PITCH)
+    waves = values.get("cogging_cosine", 0.0) * np.cos(angle) + values.get("cogging_sine", 0.0) * np.sin(angle)
+    return np.asarray(waves + values.get("load_force", 0.0))
+
+
+def asked(shapes: Shapes) -> Asked:
+    return Asked(START, {}, 10, shapes, settle=lambda found: found)
+
+
+@pytest.mark.parametrize("shapes", [{}, {"cogging": [WRONG]}])
+def test_a_shape_that_was_taken_for_the_best_is_not_the_only_one(shapes: Shapes) -> None:
+    balance = replace(made_balance([made_motion()], ripple, TRUTH, effects=("cogging",)), name=SIMULATION)
+    found = search(fit(balance, START, ["load_force"], None, EXACT), {}, asked(shapes))
+    assert list(found.effects) == ["cogging"]
+    assert found.fit.values["cogging_pitch"] == pytest.approx(PITCH, rel=1e-2)
+    assert abs(found.fit.values["cogging_sine"] + 0.4) < 4.0 * found.fit.deviations["cogging_sine"]
+
+
+def test_a_set_that_was_left_is_taken_again_where_it_is_nearer_now() -> None:
+    """What was found has led the plant's own parameters out of a hollow: without it they leave as little."""
+    balance = replace(made_balance([made_motion()], ripple, {**TRUTH, "load_force": 2.0}), name=SIMULATION)
+    whole = ["load_force", "cogging_cosine", "cogging_sine"]
+    first = fit(balance, START, whole, None, EXACT)
+    current = fit(balance, {**first.values, "cogging_cosine": 0.0}, whole, None, EXACT, weighing_at(first))
+    plain = fit(balance, {**current.values, "cogging_cosine": 0.0, "cogging_sine": 0.0}, ["load_force"], None, EXACT)
+    taken = {"cogging": ("cogging_cosine", "cogging_sine")}
+    drop = Proposal((), ("cogging",), 0.0, 0.0, {})
+    ask = replace(asked({}), candidates=10**60)  # so much is asked of it that it is not worth it
+    for rms, again in ((10.0 * plain.rms, True), (plain.rms, False)):
+        best, _ = choose([(drop, plain)], current, taken, {frozenset(): rms}, ask)
+        assert (best is not None) is again
