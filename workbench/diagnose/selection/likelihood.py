@@ -1,7 +1,7 @@
 """What sets of effects would gain in likelihood, to first order: from the columns of all, with no further fit."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -109,6 +109,7 @@ class Outlook:
 
     fitted: Fit
     columns: Mapping[Trial, Columns]
+    _alone: dict[Trial, Proposal] = field(default_factory=dict)
 
     @cached_property
     def _whole(self) -> tuple[np.ndarray, np.ndarray, dict[Trial, list[int]]]:
@@ -158,9 +159,12 @@ class Outlook:
 
     def alone(self, trial: Trial, price: float) -> Proposal:
         """One trial, by the noise that it would leave itself."""
-        columns = self.columns[trial]
-        gain, x = gain_of(self.fitted, columns.change, columns.low, columns.high)
-        return Proposal((trial,), (), gain, gain - price, columns.values(x))
+        if trial not in self._alone:
+            columns = self.columns[trial]
+            gain, x = gain_of(self.fitted, columns.change, columns.low, columns.high)
+            self._alone[trial] = Proposal((trial,), (), gain, gain, columns.values(x))
+        known = self._alone[trial]
+        return replace(known, score=known.gain - price)
 
     def proposal(self, added: Sequence[Trial], dropped: Mapping[str, Mapping[int, float]], price: float) -> Proposal:
         """The set with these added and dropped, for what it costs."""

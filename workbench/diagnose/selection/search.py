@@ -209,12 +209,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     """Sets that may do better, from the best: further effects, one or more at once, with any of those that are there
     dropped.
     """
-    best: dict[str, tuple[float, Trial]] = {}
-    for trial in outlook.columns:
-        score = outlook.proposal([trial], {}, ask.of_trial(trial, outlook.fitted.balance)).score
-        if trial.effect not in best or score > best[trial.effect][0]:
-            best[trial.effect] = (score, trial)
-    ordered = [trial for _, trial in sorted(best.values(), key=lambda pair: -pair[0])]
+    ordered = list(_best_alone(outlook, ask).values())
     alone = [outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)) for trial in ordered]
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
@@ -269,18 +264,25 @@ def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
 
 
 def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: Asked) -> list[Candidate]:
-    """Every effect of a round, from the best, with what it gains."""
-    best: dict[str, Candidate] = {}
-    for trial in outlook.columns:
-        gain = outlook.proposal([trial], {}, 0.0).gain
-        candidate = Candidate(trial.effect, trial.names, gain, ask.of_trial(trial, outlook.fitted.balance))
-        if trial.effect not in best or gain - candidate.asked > best[trial.effect].gain - best[trial.effect].asked:
-            best[trial.effect] = candidate
-    for proposal, found in fitted:
+    """Every effect of a round, from the best, with what it gains by the noise that it would leave itself."""
+    best, balance = _best_alone(outlook, ask), outlook.fitted.balance
+    found = {
+        effect: Candidate(effect, trial.names, outlook.alone(trial, 0.0).gain, ask.of_trial(trial, balance))
+        for effect, trial in best.items()
+    }
+    for proposal, other in fitted:
         if len(proposal.added) == 1 and not proposal.dropped:
             (trial,) = proposal.added
-            gain = 0.5 * (outlook.fitted.squares - found.squares)
-            best[trial.effect] = Candidate(
-                trial.effect, trial.names, gain, ask.of_trial(trial, outlook.fitted.balance), found
-            )
-    return sorted(best.values(), key=lambda candidate: candidate.asked - candidate.gain)
+            gain = max(proposal.gain, 0.5 * (outlook.fitted.squares - other.squares))
+            found[trial.effect] = Candidate(trial.effect, trial.names, gain, ask.of_trial(trial, balance), other)
+    return sorted(found.values(), key=lambda candidate: candidate.asked - candidate.gain)
+
+
+def _best_alone(outlook: Outlook, ask: Asked) -> dict[str, Trial]:
+    """For each effect the trial that promises most by the noise of the fit, from the best effect on."""
+    best: dict[str, tuple[float, Trial]] = {}
+    for trial in outlook.columns:
+        score = outlook.proposal([trial], {}, ask.of_trial(trial, outlook.fitted.balance)).score
+        if trial.effect not in best or score > best[trial.effect][0]:
+            best[trial.effect] = (score, trial)
+    return {effect: trial for effect, (_, trial) in sorted(best.items(), key=lambda item: -item[1][0])}
