@@ -1,15 +1,12 @@
 """The search for what a balance lacks: where a shape that another residual showed is wrong, the right one is found."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from made_up_balances import made_balance, made_motion
+from made_up_balances import made_balance, made_motion, ripple
 
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import fit, weighing_at
-from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import search
@@ -22,13 +19,6 @@ PITCH = 0.01
 TRUTH = {"cogging_cosine": 0.3, "cogging_sine": -0.4, "cogging_pitch": PITCH, "load_force": 0.0}
 START = {"load_force": 0.0}
 WRONG: Shape = (("cogging_pitch", 0.0137),)
-
-
-def ripple(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
-    """A force that repeats along the way, and a load."""
-    angle = 2.0 * np.pi * motion.position / values.get("cogging_pitch", PITCH)
-    waves = values.get("cogging_cosine", 0.0) * np.cos(angle) + values.get("cogging_sine", 0.0) * np.sin(angle)
-    return np.asarray(waves + values.get("load_force", 0.0))
 
 
 def asked(shapes: Shapes) -> Asked:

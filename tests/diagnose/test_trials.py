@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from made_up_balances import FORCE, SCALES, made_balance, made_motion
+from made_up_balances import FORCE, SCALES, made_balance, made_motion, ripple
 
 from plants.effects.loads import COGGING, CUSHION
 from workbench.diagnose.residuals.balance import Balance
@@ -15,13 +15,6 @@ from workbench.diagnose.selection.trials import PEAKS, UNSEEN, Trial, columns_of
 TRAVEL = 0.04
 AMPLITUDE = 1.0
 """N, about the noise of one instant."""
-
-
-def ripple(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
-    """A force that repeats along the way, and a load."""
-    angle = 2.0 * np.pi * motion.position / values.get("cogging_pitch", 0.01)
-    waves = values.get("cogging_cosine", 0.0) * np.cos(angle) + values.get("cogging_sine", 0.0) * np.sin(angle)
-    return np.asarray(waves + values.get("load_force", 0.0))
 
 
 def rippled(pitch: float = 0.01, amplitude: float = 0.0, duration: float = 20.0) -> Balance:

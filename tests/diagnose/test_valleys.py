@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.fits import Fitting, Simulated
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.valleys import NARROW, along_valley
 
 NAMES = ("spring_stiffness", "viscous")
@@ -39,22 +41,22 @@ class Hollowed:
 class Beginning(Fitting):
     """What is fitted begins where it is: there are no states at its starts."""
 
-    def begun(self, how: Hollowed, values: Values) -> Simulated:  # type: ignore[override]
-        return Simulated(how, fit(how.balance(self.motions, ()), values, ()))  # type: ignore[arg-type]
+    def begun(self, how: Shooting, values: Values) -> Simulated:
+        return Simulated(how, fit(how.balance(self.motions, ()), values, ()))
 
 
 @pytest.mark.parametrize("start", STARTS)
 def test_a_fit_that_ended_in_a_hollow_gets_to_the_bottom(start: Values) -> None:
-    how, fitting = Hollowed(), Beginning([made_motion()], NAMES, {})
+    how, fitting = cast(Shooting, Hollowed()), Beginning([made_motion()], NAMES, {})
     ended = fit(how.balance(fitting.motions, NAMES), start, NAMES, {}, NARROW)
     assert ended.rms > 1.5
-    found = along_valley(fitting, Simulated(how, ended))  # type: ignore[arg-type]
+    found = along_valley(fitting, Simulated(how, ended))
     assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in NAMES:
         assert found.fit.values[name] == pytest.approx(TRUTH[name], rel=0.04), name
 
 
 def test_a_fit_that_is_at_noise_stays() -> None:
-    how, fitting = Hollowed(), Beginning([made_motion()], NAMES, {})
-    first = Simulated(how, fit(how.balance(fitting.motions, NAMES), TRUTH, NAMES, {}))  # type: ignore[arg-type]
+    how, fitting = cast(Shooting, Hollowed()), Beginning([made_motion()], NAMES, {})
+    first = Simulated(how, fit(how.balance(fitting.motions, NAMES), TRUTH, NAMES, {}))
     assert along_valley(fitting, first) is first

@@ -48,3 +48,10 @@ def made_balance(
         return [explained(thin, truth) + noise[id(motion)] - explained(thin, values)]
 
     return Balance("force", motions, residual, FORCE, "N", free, SCALES, effects)
+
+
+def ripple(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A force that repeats along the way, and a load."""
+    angle = 2.0 * np.pi * motion.position / values.get("cogging_pitch", 0.01)
+    waves = values.get("cogging_cosine", 0.0) * np.cos(angle) + values.get("cogging_sine", 0.0) * np.sin(angle)
+    return np.asarray(waves + values.get("load_force", 0.0))

@@ -30,6 +30,9 @@ THOROUGH = Search()
 QUICK = Search(flat=1e-3, most_steps=15, learns=True)
 """When a fit ends from which another goes on, or by which alone the size of what it leaves is asked."""
 
+AS_IT_IS = Search(most_steps=1)
+"""No search, but what parameters change where they are."""
+
 FINAL = Search(flat=1e-5, most_steps=6)
 """When a fit ends that goes on from another one's end."""
 
@@ -101,7 +104,7 @@ class Fit:
         """What a unit of each unknown changes of the residual (rows, unknowns), for noise of any colour to weigh."""
         x, high = self.places, np.array([u.high for u in self.unknowns])
         steps = differences(x, high, THOROUGH.step, self.jacobian, self.squares)
-        return jacobian_of(lambda places: _stacked(self.balance, self.at(places)), x, self.residual, steps)
+        return jacobian_of(lambda places: stacked(self.balance, self.at(places)), x, self.residual, steps)
 
     @cached_property
     def beside(self) -> tuple[np.ndarray, Sequence[np.ndarray]]:
@@ -163,16 +166,16 @@ def fit(
     """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
     unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
-    def stacked(x: np.ndarray) -> np.ndarray:
-        return _stacked(balance, _at(values, unknowns, x))
+    def left(x: np.ndarray) -> np.ndarray:
+        return stacked(balance, _at(values, unknowns, x))
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
     logarithmic = np.array([float(u.logarithmic) for u in unknowns]) / VAGUE
-    weigh = plain(balance.series, stacked(start).size) if weighing is None else weighing
+    weigh = plain(balance.series, left(start).size) if weighing is None else weighing
 
     def residual(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([weigh(stacked(x)), logarithmic * x])
+        return np.concatenate([weigh(left(x)), logarithmic * x])
 
     solution = least_squares(residual, start, low, high, search)
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
@@ -180,7 +183,7 @@ def fit(
         balance=balance,
         names=tuple(names),
         values=_at(values, unknowns, solution.x),
-        residual=stacked(solution.x),
+        residual=left(solution.x),
         weighed=solution.residual[:size],
         vague=solution.residual[size:],
         jacobian=solution.jacobian[:size],
@@ -195,7 +198,8 @@ def _at(values: Values, unknowns: Sequence[Unknown], x: np.ndarray) -> dict[str,
     return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
 
 
-def _stacked(balance: Balance, values: Values) -> np.ndarray:
+def stacked(balance: Balance, values: Values) -> np.ndarray:
+    """The residuals of a balance over its floor, `LOST` where the plant diverges."""
     return np.nan_to_num(balance.stacked(values), nan=LOST, posinf=LOST, neginf=-LOST)
 
 

@@ -8,9 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
-from workbench.diagnose.selection.likelihood import Proposal, likelier
+from workbench.diagnose.selection.likelihood import Proposal, gained
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
 
@@ -53,13 +52,19 @@ def choose(
             continue
         beside = _beside(nearer, found, ask)
         price = ask.price_of(proposal, taken, current.balance)
-        gained = _gained(found, beside) - price
+        worth = _gained(found, beside) - price
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
-        known = is_estimated(found, current.balance) and found.rms < BESIDE * beside.rms
-        sure = ask.settle is not None and gained > BEYOND * price
-        holds = gained > 0.0 and known and enough and (not proposal.added or sure or _holds(beside, found, price, ask))
-        if holds and gained > _by_itself(beside, found, ask):
+        known, near = is_estimated(found, current.balance), found.rms < BESIDE * beside.rms
+        sure = ask.settle is not None and worth > BEYOND * price
+        holds = (
+            worth > 0.0
+            and known
+            and near
+            and enough
+            and (not proposal.added or sure or _holds(beside, found, price, ask))
+        )
+        if holds and worth > _by_itself(beside, found, ask):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:
             nearer = beside
@@ -72,12 +77,8 @@ def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[fro
 
 
 def _gained(found: Fit, beside: Fit) -> float:
-    """By how much the logarithm of a fit's likelihood is above that of another one beside it: of a simulation each by
-    the noise that it leaves itself, of a balance, whose noise nobody knows, by that of the first.
-    """
-    if found.balance.name == SIMULATION:
-        return likelier((found.weighing, found.residual), (beside.weighing, beside.residual))
-    return 0.5 * (beside.seen_by(found.weighing) - found.squares)
+    """By how much a fit is likelier than another one beside it."""
+    return gained(found.balance, (found.weighing, found.residual), (beside.weighing, beside.residual))
 
 
 def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.stats import chi2
 
-from workbench.diagnose.residuals.balance import SIMULATION
+from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.fit import Fit, weighed_without
 from workbench.diagnose.residuals.weighing import Weighing
 from workbench.diagnose.selection.trials import Columns, Trial
@@ -29,6 +29,10 @@ TIMES = 3
 """Times that noise is found anew as what is left with some columns."""
 
 
+Left = tuple[Weighing, np.ndarray]
+"""What is left of a record, and how it weighs as noise."""
+
+
 def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
     """By how much the logarithm of the likelihood rises, to first order, with columns (rows, numbers; not weighed)
     between bounds beside a fit's own unknowns, and how far they go.
@@ -36,60 +40,43 @@ def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -
     What is missing is coloured, and may pass for noise: with the columns and without them noise is what is left.
     """
     own = fitted.changes * fitted.free
-    x, weighing, left = _settled(fitted, np.column_stack([own, block]), low, high)
-    if fitted.balance.name == SIMULATION:
-        noise, without = _own_noise(fitted)
-        return likelier((weighing, left), (noise, without)), x[own.shape[1] :]
-    columns, residual = weighing(np.column_stack([own, block])), weighing(fitted.residual)
-    curvature, slope = columns.T @ columns, columns.T @ residual
-    count = own.shape[1]
-    curvature[:count, :count] += _vague(fitted)
-    wide = np.full(count, np.inf)
-    before, _ = _fallen(curvature[:count, :count], slope[:count], -wide, wide)
-    fallen, _ = _fallen(curvature, slope, np.concatenate([-wide, low]), np.concatenate([wide, high]))
-    return fallen - before, x[count:]
+    x, left = _settled(fitted, np.column_stack([own, block]), low, high)
+    return gained(fitted.balance, left, _own_noise(fitted)), x[own.shape[1] :]
 
 
-def likelier(one: tuple[Weighing, np.ndarray], other: tuple[Weighing, np.ndarray]) -> float:
-    """By how much the logarithm of the likelihood of a residual by its noise is above that of another by its own."""
-    (weighing, residual), (beside, rest) = one, other
+def gained(balance: Balance, one: Left, other: Left) -> float:
+    """By how much the logarithm of the likelihood of what is left is above that of what another leaves: of a simulation
+    each by the noise that it is itself, of a balance, whose noise nobody knows, by that of the first.
+    """
+    (weighing, left), (beside, rest) = one, other
+    if balance.name != SIMULATION:
+        return 0.5 * float(np.sum(weighing(rest) ** 2) - np.sum(weighing(left) ** 2))
     counts = weighing.counts & beside.counts
-    return weighing.log_likelihood(residual, counts) - beside.log_likelihood(rest, counts)
+    return weighing.log_likelihood(left, counts) - beside.log_likelihood(rest, counts)
 
 
-def _settled(
-    fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray
-) -> tuple[np.ndarray, Weighing, np.ndarray]:
-    """How far columns go, of which the first are a fit's own unknowns; the noise then, and what is left."""
+def _settled(fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, Left]:
+    """How far columns go, of which the first are a fit's own unknowns, and what is left then."""
     count, residual, weigh = len(fitted.unknowns), fitted.residual, fitted.weighing
+    vague = fitted.curvature - fitted.jacobian.T @ fitted.jacobian  # what is known of them before any record
     wide = np.full(count, np.inf)
     low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
     x, left = np.zeros(stack.shape[1]), residual
     for _ in range(TIMES):
         columns = weigh(stack)
         curvature = columns.T @ columns
-        curvature[:count, :count] += _vague(fitted)
-        _, x = _fallen(curvature, columns.T @ weigh(residual), low, high)
+        curvature[:count, :count] += vague
+        x = bounded_minimum(curvature, columns.T @ weigh(residual), low, high)
         left = np.where(residual != 0.0, residual + stack @ x, 0.0)
         weigh = weighed_without(fitted, left)
-    return x, weigh, left
+    return x, (weigh, left)
 
 
 @lru_cache(maxsize=2)
-def _own_noise(fitted: Fit) -> tuple[Weighing, np.ndarray]:
-    """The noise that a fit leaves by itself, and what it leaves."""
+def _own_noise(fitted: Fit) -> Left:
+    """What a fit leaves by itself."""
     nothing = np.zeros(0)
-    return _settled(fitted, fitted.changes * fitted.free, nothing, nothing)[1:]
-
-
-def _vague(fitted: Fit) -> np.ndarray:
-    """What is known of a fit's unknowns before any record, as a curvature."""
-    return fitted.curvature - fitted.jacobian.T @ fitted.jacobian
-
-
-def _fallen(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
-    x = bounded_minimum(curvature, slope, low, high)
-    return -float(slope @ x + 0.5 * x @ curvature @ x), x
+    return _settled(fitted, fitted.changes * fitted.free, nothing, nothing)[1]
 
 
 @dataclass(frozen=True, eq=False)

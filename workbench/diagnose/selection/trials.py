@@ -13,7 +13,7 @@ from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import LOST, Fit
+from workbench.diagnose.residuals.fit import Fit, stacked
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
 from workbench.fitting.least_squares import THREADS
@@ -239,8 +239,7 @@ def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.
     step = sign * min(CHANGE if searched.logarithmic else 1.0, 0.5 * abs(room))
 
     def change(step: float) -> np.ndarray:
-        moved = fitted.balance.stacked({**values, searched.name: searched.value(place + step)})
-        return np.nan_to_num(moved, nan=LOST, posinf=LOST, neginf=-LOST) - fitted.residual
+        return stacked(fitted.balance, {**values, searched.name: searched.value(place + step)}) - fitted.residual
 
     def seen(moved: np.ndarray) -> float:
         return float(np.linalg.norm(fitted.weighing(moved)))

@@ -16,7 +16,17 @@ from functools import cached_property
 import numpy as np
 
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import FINAL, LOST, NEAR_NOISE, QUICK, Fit, fit, weighed_by, weighing_at
+from workbench.diagnose.residuals.fit import (
+    AS_IT_IS,
+    FINAL,
+    NEAR_NOISE,
+    QUICK,
+    Fit,
+    fit,
+    stacked,
+    weighed_by,
+    weighing_at,
+)
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
@@ -192,7 +202,7 @@ class Fitting:
         balance = of.how.balance(self.motions, self.names)
         weighing, search = weighing_at(of.fit), FINAL
         if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
-            weighing, search = weighed_by(by_scatter, of.fit), Search(most_steps=1)
+            weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
@@ -384,8 +394,7 @@ def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
 
         def left(changed: Values, of: Balance = balance, width: float = width) -> float:
-            residual = np.nan_to_num(of.stacked(changed), nan=LOST, posinf=LOST, neginf=-LOST)
-            return float(np.mean(np.log1p((residual / width) ** 2)))
+            return float(np.mean(np.log1p((stacked(of, changed) / width) ** 2)))
 
         for name in fitting.names:
             if name not in EITHER_SIGN and values[name] > 0.0:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import LOST, Fit
+from workbench.diagnose.residuals.fit import Fit, stacked
 from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
 from workbench.diagnose.selection.likelihood import asked, gain_of
 from workbench.diagnose.selection.unexplained import Dependence
@@ -84,7 +84,7 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     """What a fit of the simulated plant lacks, over each signal, from what gains most."""
     motions = fitted.balance.motions
     followed = [_simulated(how, motion, fitted) for motion in motions]
-    base = how.balance(motions, ()).stacked(fitted.values)
+    base = stacked(how.balance(motions, ()), fitted.values)
     beside = BESIDE if how.is_beside(motions[0]) else 1.0
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
@@ -179,10 +179,8 @@ def _columns(
 
     def moved(push: Mapping[Record, np.ndarray], size: float) -> np.ndarray:
         series = {record: size * values for record, values in push.items()}
-        stack = (
-            replace(how, push=Push(balance == FLOW, series)).balance(fitted.balance.motions, ()).stacked(fitted.values)
-        )
-        return np.nan_to_num(stack - base, nan=LOST, posinf=LOST, neginf=-LOST)
+        pushed = replace(how, push=Push(balance == FLOW, series)).balance(fitted.balance.motions, ())
+        return stacked(pushed, fitted.values) - base
 
     size = FIRST * how.push_scale(balance == FLOW)
     felt = float(np.linalg.norm(fitted.weighing(moved(pushes[len(pushes) // 2], size))))

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit, fit, weighed_by, weighing_at
+from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit, weighed_by, weighing_at
 from workbench.diagnose.residuals.weighing import by_scatter
 from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, Fitting, Simulated
 from workbench.fitting.least_squares import THREADS, Search
@@ -20,9 +20,6 @@ AWAY = tuple(side * away for away in (1.0, 3.0, 10.0, 30.0) for side in (1.0, -1
 
 WIDE, NARROW = Search(flat=1e-3, most_steps=15, step=1e-2), Search(flat=1e-3, most_steps=15)
 """Searches over hollows, and to the end of one."""
-
-AS_IT_IS = Search(most_steps=1)
-"""No search, but what its parameters change."""
 
 ROUNDS = 8
 """At most; each goes on from the best of the one before."""
