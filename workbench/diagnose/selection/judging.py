@@ -51,24 +51,34 @@ def choose(
         if known_as(proposal, found):
             continue
         beside = _beside(nearer, found, ask)
-        price = ask.price_of(proposal, taken, current.balance)
-        worth = _gained(found, beside) - price
+        worth = _gained(found, beside) - ask.price_of(proposal, taken, current.balance)
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
         known, near = is_estimated(found, current.balance), found.rms < BESIDE * beside.rms
-        sure = ask.settle is not None and worth > BEYOND * price
-        holds = (
-            worth > 0.0
+        if (
+            worth > max(0.0, _by_itself(beside, found, ask))
             and known
             and near
             and enough
-            and (not proposal.added or sure or _holds(beside, found, price, ask))
-        )
-        if holds and worth > _by_itself(beside, found, ask):
+            and _is_sure(proposal, found, beside, current, taken, ask)
+        ):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:
             nearer = beside
     return None, nearer
+
+
+def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: Effects, ask: Asked) -> bool:
+    """Whether what is added gains far more than is asked of it, or holds on blocks left out, too; in exchange for
+    others beside the fit without either, since what is sure beside a bad effect may be none.
+    """
+    if not proposal.added:
+        return True
+    if proposal.dropped:
+        beside = ask.settled(fitted_with(current, taken, replace(proposal, added=(), start={}), ask))
+    price = sum(ask.of_trial(trial, found.balance) for trial in proposal.added)
+    far = ask.settle is not None and _gained(found, beside) > (1.0 + BEYOND) * price
+    return far or _holds(beside, found, price, ask)
 
 
 def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[frozenset[str], float]) -> bool:
