@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
 HIGHEST_ORDER = 24
@@ -45,9 +44,12 @@ class Whitening:
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """A series, or columns of several, shape (rows,) or (rows, columns), from its beginning on."""
         first = min(self.head.shape[0], values.shape[0])
-        out = lfilter(self.numbers, 1.0, values, axis=0)
-        out[:first] = self.head[:first, :first] @ values[:first]
-        return np.asarray(out)
+        if not first:
+            return np.asarray(self.numbers[0] * values)
+        columns = values.reshape(values.shape[0], -1)
+        out = np.column_stack([np.convolve(column, self.numbers)[: column.size] for column in columns.T])
+        out[:first] = self.head[:first, :first] @ columns[:first]
+        return out.reshape(values.shape)
 
     def times(self, factor: float) -> "Whitening":
         """The same of residuals in other units."""
@@ -181,11 +183,12 @@ def _whitening(pieces: Sequence[np.ndarray]) -> Whitening:
     covariance = covariance * taper
     covariance[0] *= 1.0 + 1e-9
     best, chosen, shorter = np.inf, Whitening.of(1.0), list[np.ndarray]()
+    numbers, variance = np.ones(1), float(covariance[0])
     for order in range(most + 1):
-        numbers = np.ones(1)
-        if order:
-            numbers = np.concatenate([[1.0], solve_toeplitz(covariance[:order], -covariance[1 : order + 1])])
-        variance = float(numbers @ covariance[: order + 1])
+        if order:  # Levinson and Durbin: from each order the next
+            reflected = float(numbers @ covariance[order:0:-1]) / variance
+            longer = np.append(numbers, 0.0)
+            numbers, variance = longer - reflected * longer[::-1], variance * (1.0 - reflected**2)
         if variance <= 0.0:
             break
         criterion = known * np.log(variance) + 2.0 * order

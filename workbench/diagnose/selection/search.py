@@ -6,6 +6,7 @@ is taken, and the search goes on from there. So one effect that stood in for two
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -19,8 +20,8 @@ from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
-from workbench.diagnose.selection.trials import Shape, Shapes, Trial, columns_of, trials_of
-from workbench.fitting.least_squares import Search
+from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, columns_of, seen_of, together, trials_of
+from workbench.fitting.least_squares import THREADS, Search
 from workbench.parameters.sets import NEUTRAL
 
 FIRST_STEPS = Search(flat=1e-3, most_steps=8, learns=True)
@@ -74,8 +75,9 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     taken: Effects = dict(effects)
     steps, seen = list[Step](), {frozenset(taken): start.rms}
     shapes: dict[str, list[Shape]] = {}
+    columns: Seen | None = None
     for _ in range(ROUNDS):
-        outlook = _outlook(current, taken, ask)
+        outlook, columns = _outlook(current, taken, ask, columns)
         shapes |= _best_shapes(outlook)
         explored = current.rms > FAR and current.balance.name != SIMULATION  # a pass of a balance costs little
         if explored:
@@ -103,7 +105,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         current, taken = found, after(taken, proposal)
         seen[frozenset(taken)] = found.rms
     current, taken = _simplest(current, taken, ask)
-    level = _in_their_place(outlook if outlook.fitted is current else _outlook(current, taken, ask), taken, ask)
+    level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
     gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
     return Found(current, taken, steps, gains, level, shapes)
 
@@ -201,8 +203,11 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
     return [(p, again(found, found.weighing, ask.bounds, QUICK)) for p, found in near]
 
 
-def _outlook(current: Fit, taken: Effects, ask: Asked) -> Outlook:
-    return Outlook(current, columns_of(current, trials_of(current, list(taken), ask.shapes), ask.bounds))
+def _outlook(current: Fit, taken: Effects, ask: Asked, before: Seen | None) -> tuple[Outlook, Seen]:
+    """What is to be expected beside a fit, and the columns that show it, with those that were seen `before`."""
+    trials = trials_of(current, list(taken), ask.shapes)
+    seen = seen_of(current, trials, ask.bounds, before)
+    return Outlook(current, together(seen, trials)), seen
 
 
 def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
@@ -210,7 +215,8 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     dropped.
     """
     ordered = list(_best_alone(outlook, ask).values())
-    alone = [outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)) for trial in ordered]
+    with ThreadPoolExecutor(THREADS) as pool:
+        alone = list(pool.map(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), ordered))
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):

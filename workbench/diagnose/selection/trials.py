@@ -62,6 +62,31 @@ class Trial:
         return (*self.sized, *(name for name, _ in self.shapes))
 
 
+Kind = tuple[str, Shape]
+"""A number that sizes an effect, with the values that shape the effect."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """What a number changes of a residual (rows), a unit of it as a search sees it, by the `step` with which that was
+    found; where it starts, and whether records could show it at any plausible size.
+    """
+
+    unknown: Unknown
+    start: float
+    step: float
+    change: np.ndarray
+    shows: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """The columns that were found of a fit."""
+
+    fitted: Fit
+    columns: Mapping[Kind, Column]
+
+
 @dataclass(frozen=True, eq=False)
 class Columns:
     """What a trial's numbers change: columns (rows, numbers) a step, as they are and weighed (`block`), the steps as a
@@ -193,36 +218,48 @@ def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarr
 
 def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds) -> dict[Trial, Columns]:
     """The columns of each trial that these records could show."""
+    return together(seen_of(fitted, trials, bounds), trials)
+
+
+def together(seen: Seen, trials: Sequence[Trial]) -> dict[Trial, Columns]:
+    """The same, of columns that were found."""
+    made = {}
+    for trial in trials:
+        own = [seen.columns[name, trial.shapes] for name in trial.sized]
+        if all(column.shows for column in own):
+            made[trial] = _together(seen.fitted, trial, own)
+    return made
+
+
+def seen_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds, before: Seen | None = None) -> Seen:
+    """The column of each number of these trials with each of its shapes. Those that were seen `before` of the same fit
+    are known; of another one, or with the first of its shapes, it is known how far to move a number.
+    """
+    known = before.columns if before is not None and before.fitted is fitted else {}
+    kinds = list(dict.fromkeys((name, trial.shapes) for trial in trials for name in trial.sized))
+    wanted = [kind for kind in kinds if kind not in known]
+    steps = {name: column.step for (name, _), column in reversed(before.columns.items())} if before is not None else {}
+    found = dict(known)
+    first = {name: (name, shapes) for name, shapes in reversed(wanted) if name not in steps}
+
+    def made(kind: Kind) -> Column:
+        return _column(fitted, kind, bounds, steps.get(kind[0]))
+
     with ThreadPoolExecutor(THREADS) as pool:
-        made = pool.map(lambda trial: _columns(fitted, trial, bounds), trials)
-        return {trial: columns for trial, columns in zip(trials, made, strict=True) if columns is not None}
+        found |= zip(first.values(), pool.map(made, first.values()), strict=True)
+        steps |= {name: found[kind].step for name, kind in first.items()}
+        rest = [kind for kind in wanted if kind not in found]
+        found |= zip(rest, pool.map(made, rest), strict=True)
+    return Seen(fitted, found)
 
 
-def _columns(fitted: Fit, trial: Trial, bounds: Bounds) -> Columns | None:
-    values, scales = {**fitted.values, **dict(trial.shapes)}, fitted.balance.scales
-    unknowns, starts, columns = [], [], []
-    for name in trial.sized:
-        searched = unknown(name, values, bounds, scales)
-        start = _value(values, name)
-        place = searched.place(start) if not searched.logarithmic or start > 0.0 else 0.0
-        found = _column(fitted, values, searched, place)
-        if found is None:
-            return None
-        unknowns.append(searched)
-        starts.append(place)
-        columns.append(found)
-    low = np.array([u.low for u in unknowns]) - np.array(starts)
-    high = np.array([u.high for u in unknowns]) - np.array(starts)
-    change = np.column_stack(columns)
-    return Columns(
-        trial,
-        unknowns,
-        np.array(starts),
-        change,
-        fitted.weighing(change),
-        np.minimum(low, 0.0),
-        np.maximum(high, 0.0),
-    )
+def _together(fitted: Fit, trial: Trial, own: Sequence[Column]) -> Columns:
+    unknowns, starts = [column.unknown for column in own], np.array([column.start for column in own])
+    low = np.array([u.low for u in unknowns]) - starts
+    high = np.array([u.high for u in unknowns]) - starts
+    change = np.column_stack([column.change for column in own])
+    block = fitted.weighing(change)
+    return Columns(trial, unknowns, starts, change, block, np.minimum(low, 0.0), np.maximum(high, 0.0))
 
 
 def _value(values: Values, name: str) -> float:
@@ -230,32 +267,36 @@ def _value(values: Values, name: str) -> float:
     return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
 
 
-def _column(fitted: Fit, values: Values, searched: Unknown, place: float) -> np.ndarray | None:
-    """What a change of one number does to the residual, a unit of the number as a search sees it; None of one that at
-    no plausible size is seen.
-    """
+def _column(fitted: Fit, kind: Kind, bounds: Bounds, first: float | None) -> Column:
+    """What a change of one number does to the residual, of a size that is felt: at `first`, if that is known."""
+    name, shapes = kind
+    values = {**fitted.values, **dict(shapes)}
+    searched = unknown(name, values, bounds, fitted.balance.scales)
+    start = _value(values, name)
+    place = searched.place(start) if not searched.logarithmic or start > 0.0 else 0.0
     room = searched.high - place if searched.high - place > place - searched.low else searched.low - place
     sign = 1.0 if room > 0.0 else -1.0
-    step = sign * min(CHANGE if searched.logarithmic else 1.0, 0.5 * abs(room))
+
+    def within(size: float) -> float:
+        return sign * min(abs(size), 0.5 * abs(room))
 
     def change(step: float) -> np.ndarray:
-        return stacked(fitted.balance, {**values, searched.name: searched.value(place + step)}) - fitted.residual
+        return stacked(fitted.balance, {**values, name: searched.value(place + step)}) - fitted.residual
 
-    def seen(moved: np.ndarray) -> float:
+    def felt_of(moved: np.ndarray) -> float:
         return float(np.linalg.norm(fitted.weighing(moved)))
 
+    step = within(first if first is not None else CHANGE if searched.logarithmic else 1.0)
     moved = change(step)
-    felt = seen(moved)
+    felt = felt_of(moved)
     for _ in range(2):
         if LITTLE * FELT < felt < MUCH * FELT:
             break
-        wanted = step * min(max(FELT / max(felt, 1e-12), 1e-6), 1e3)
-        wanted = sign * min(abs(wanted), 0.5 * abs(room))
+        wanted = within(step * min(max(FELT / max(felt, 1e-12), 1e-6), 1e3))
         if abs(wanted / step - 1.0) < 0.1:
             break
         step = wanted
         moved = change(step)
-        felt = seen(moved)
-    if not np.isfinite(felt) or felt * abs(room / step) < UNSEEN:
-        return None
-    return moved / step
+        felt = felt_of(moved)
+    shows = bool(np.isfinite(felt)) and felt * abs(room / step) >= UNSEEN
+    return Column(searched, place, step, moved / step, shows)
