@@ -235,11 +235,11 @@ def seen_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds, before: Seen |
     """The column of each number of these trials with each of its shapes. Those that were seen `before` of the same fit
     are known; of another one, or with the first of its shapes, it is known how far to move a number.
     """
-    known = before.columns if before is not None and before.fitted is fitted else {}
+    known = before.columns if before is not None and before.fitted is fitted else dict[Kind, Column]()
     kinds = list(dict.fromkeys((name, trial.shapes) for trial in trials for name in trial.sized))
     wanted = [kind for kind in kinds if kind not in known]
-    steps = {name: column.step for (name, _), column in reversed(before.columns.items())} if before is not None else {}
-    found = dict(known)
+    found, last = dict(known), before.columns if before is not None else known
+    steps = {name: column.step for (name, _), column in reversed(list(last.items()))}
     first = {name: (name, shapes) for name, shapes in reversed(wanted) if name not in steps}
 
     def made(kind: Kind) -> Column:
