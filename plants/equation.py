@@ -230,11 +230,17 @@ def replaced(value: NumbersT, numbers: Mapping[str, float]) -> NumbersT:
 
 def leaves(value: Scalar | tuple[Scalar, ...]) -> Iterator[Scalar]:
     """The numbers, arrays or symbols of a (nested) NamedTuple, in the order of `fields`."""
-    if isinstance(value, tuple):
-        for item in value:
-            yield from leaves(item)
-    else:
-        yield value
+    return iter(_flat(value) if isinstance(value, tuple) else [value])
+
+
+def _flat(value: tuple[Scalar, ...]) -> list[Scalar]:
+    numbers: list[Scalar] = []
+    for item in value:
+        if isinstance(item, tuple):
+            numbers += _flat(item)
+        else:
+            numbers.append(item)
+    return numbers
 
 
 def from_array(cls: type[NumbersT], values: Iterable[Scalar]) -> NumbersT:
@@ -243,13 +249,14 @@ def from_array(cls: type[NumbersT], values: Iterable[Scalar]) -> NumbersT:
 
 
 @functools.cache
-def _plain_hints(cls: type[NamedTuple]) -> dict[str, type]:
-    return typing.get_type_hints(cls)
+def _nested(cls: type[NamedTuple]) -> tuple[type[NamedTuple] | None, ...]:
+    """The class of each field that is a NamedTuple of its own; None of a number."""
+    hints = typing.get_type_hints(cls)
+    return tuple(None if hints[name] is float else hints[name] for name in cls._fields)
 
 
 def _build(cls: type[NumbersT], values: Iterator[Scalar]) -> NumbersT:
-    hints = _plain_hints(cls)
-    return cls._make(next(values) if hints[n] is float else _build(hints[n], values) for n in cls._fields)
+    return cls._make([next(values) if inner is None else _build(inner, values) for inner in _nested(cls)])
 
 
 def fingerprint(function: Equation) -> str:

@@ -20,6 +20,25 @@ from workbench.parameters.sets import build, named_sets, read_parameters
 pytest.register_assert_rewrite("command", "mistakes")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that share what a fixture made go to one worker, and go first; any other goes to whichever is free."""
+    groups = {item: _shared_by(item) for item in items}
+    for item, group in groups.items():
+        if group:
+            item.add_marker(pytest.mark.xdist_group(group))
+    items.sort(key=lambda item: not groups[item])
+
+
+def _shared_by(item: pytest.Item) -> str:
+    """What a test shares with others: the one diagnosis, or fixtures of its module; "" where nothing."""
+    made = [each[-1] for each in item._fixtureinfo.name2fixturedefs.values()]  # type: ignore[attr-defined]
+    if any(fixture.argname == "experiment" and fixture.scope == "session" for fixture in made):
+        return "experiment"
+    module = item.nodeid.partition("::")[0]
+    return module if any(fixture.baseid == module and fixture.scope != "function" for fixture in made) else ""
+
+
 @pytest.fixture(autouse=True, scope="session")
 def no_progress() -> Iterator[None]:
     """A command says nothing of how far it is, however slow the machine: what it says is compared."""

@@ -15,7 +15,7 @@ from workbench.records.reading import Record
 STIFFNESS = 2e4
 """N/m: of a spring that nobody declared."""
 
-NOISE, SENSOR, DURATION = 2e-6, 1.0, 6.0
+NOISE, SENSOR, DURATION = 2e-6, 1.0, 4.0
 """m, N: of both sensors; s."""
 
 STROKE = 1.0

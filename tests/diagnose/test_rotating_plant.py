@@ -65,7 +65,7 @@ def named(stage: ResidualStage) -> dict[str, dict[str, float]]:
 
 
 def test_a_valve_s_overlap_and_friction_along_the_stroke_are_named(tmp_path: Path) -> None:
-    stage = stage_of(tmp_path, {"valve_overlap": 1e-5, "friction_curvature": 0.8}, 15.0)
+    stage = stage_of(tmp_path, {"valve_overlap": 1e-5, "friction_curvature": 0.8}, 10.0)
     added = named(stage)
     assert set(added) == {"valve_deadband", "position_dependent_friction"}
     assert added["valve_deadband"]["valve_overlap"] == pytest.approx(1e-5, rel=2e-3)

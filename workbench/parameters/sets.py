@@ -291,7 +291,9 @@ def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived
     available = {**values, FLOW_SHARE: FLOW_LAWS[flow]}
     numbers, missing = [], []
     for item in fields(cls):
-        number = available.get(item.name, available.get(plain_name(item.name), item.default))
+        number = available.get(item.name)
+        if number is None:
+            number = available.get(plain_name(item.name), item.default)
         if number is None:
             missing.append(item.name)
         else:

@@ -78,14 +78,14 @@ class Along:
 
     def parameters(self, values: Values) -> Any:
         """The plant's parameters (SI)."""
-        return build(self.plant.Parameters, values, self.flow)
+        return _built(self.plant, tuple(values.items()), self.flow)
 
     def acting(self, values: Values) -> tuple[Plant, Any]:
         """The plant and its parameters, without effects where none of them does anything: that costs half as much."""
         parameters, bare = self.parameters(values), self.plant.bare
         if bare is None or parameters.effects != type(parameters.effects)():
             return self.plant, parameters
-        return bare, build(bare.Parameters, values, self.flow)
+        return bare, _built(bare, tuple(values.items()), self.flow)
 
     @property
     def parameter_names(self) -> frozenset[str]:
@@ -98,19 +98,11 @@ class Along:
 
     def hidden(self, motion: Motion, start: Collection[str]) -> frozenset[str]:
         """The states that no channel shows and on which the rates of `start` depend."""
-        known = [name for name in self.names if shown(motion.channels, name)]
-        return dependences(self.plant).reached(start, known)
+        return _hidden(self.plant, tuple(start), frozenset(motion.channels))
 
     def by_input(self, motion: Motion, hidden: Collection[str]) -> frozenset[str]:
         """Those of the hidden states that recorded inputs alone drive, whatever the motion is."""
-        depends, fed = dependences(self.plant), self._fed(motion)
-        driven = {name for name in hidden if any(depends.inputs[each] & fed for each in depends.reached([name], []))}
-        return frozenset(name for name in driven if depends.reached([name], []) <= set(hidden))
-
-    def _fed(self, motion: Motion) -> frozenset[str]:
-        """The inputs that channels give."""
-        names = [item.name for item in fields(self.plant.Inputs)]
-        return frozenset(name for name in names if given_by(motion.channels, name))
+        return _by_input(self.plant, frozenset(hidden), frozenset(motion.channels))
 
     def tracked(
         self,
@@ -286,6 +278,28 @@ class Along:
         whole[:, columns] = tracked.rest[columns]
         idle = self.rates(motion.time, whole, np.tile(tracked.idle, (whole.shape[0], 1)), tracked.parameters)
         return np.asarray(tracked.rates - idle[:, [self.names.index(name) for name in states]])
+
+
+@functools.lru_cache(REMEMBERED)
+def _built(plant: Plant, values: tuple[tuple[str, float], ...], flow: str) -> Any:
+    """A plant's parameters: of one simulation they are asked for more than once."""
+    return build(plant.Parameters, dict(values), flow)
+
+
+@functools.cache
+def _hidden(plant: Plant, start: tuple[str, ...], channels: frozenset[str]) -> frozenset[str]:
+    """See `Along.hidden`."""
+    known = [item.name for item in fields(plant.State) if shown(channels, item.name)]
+    return dependences(plant).reached(start, known)
+
+
+@functools.cache
+def _by_input(plant: Plant, hidden: frozenset[str], channels: frozenset[str]) -> frozenset[str]:
+    """See `Along.by_input`."""
+    depends = dependences(plant)
+    fed = {item.name for item in fields(plant.Inputs) if given_by(channels, item.name)}
+    driven = {name for name in hidden if any(depends.inputs[each] & fed for each in depends.reached([name], []))}
+    return frozenset(name for name in driven if depends.reached([name], []) <= hidden)
 
 
 @functools.lru_cache(REMEMBERED)

@@ -48,11 +48,15 @@ def _with_every_effect(plant: Plant, known: tuple[str, ...]) -> Plant:
     return plant.with_effects(*(effect for effect in possible(plant) if effect.name in known))
 
 
-def _counting(plant: Plant) -> list[str]:
+def _counting(plant: Plant) -> frozenset[str]:
     """The parameters of a plant, without those for which its friction law has no use."""
     law = LAWS.working().get(plant.friction)
-    unused = () if law is None else {*LuGre._fields} - {*law.uses}
-    return [field.name for field in fields(plant.Parameters) if plain_name(field.name) not in unused]
+    return _without(plant, frozenset() if law is None else frozenset(LuGre._fields) - {*law.uses})
+
+
+@functools.cache
+def _without(plant: Plant, unused: frozenset[str]) -> frozenset[str]:
+    return frozenset(field.name for field in fields(plant.Parameters) if plain_name(field.name) not in unused)
 
 
 def controller_settings(case: Case, item: Resolved) -> dict[Key, str]:
