@@ -22,21 +22,17 @@ pytest.register_assert_rewrite("command", "mistakes")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests that share what a fixture made go to one worker, and go first; any other goes to whichever is free."""
-    groups = {item: _shared_by(item) for item in items}
-    for item, group in groups.items():
-        if group:
-            item.add_marker(pytest.mark.xdist_group(group))
-    items.sort(key=lambda item: not groups[item])
+    """Tests that share what a fixture made go first, and together: a worker that is free steals the last ones."""
+    items.sort(key=_shares)
 
 
-def _shared_by(item: pytest.Item) -> str:
-    """What a test shares with others: the one diagnosis, or fixtures of its module; "" where nothing."""
+def _shares(item: pytest.Item) -> int:
+    """0 of tests of the one diagnosis, 1 of those that share fixtures of their module, 2 of any other."""
     made = [each[-1] for each in item._fixtureinfo.name2fixturedefs.values()]  # type: ignore[attr-defined]
     if any(fixture.argname == "experiment" and fixture.scope == "session" for fixture in made):
-        return "experiment"
+        return 0
     module = item.nodeid.partition("::")[0]
-    return module if any(fixture.baseid == module and fixture.scope != "function" for fixture in made) else ""
+    return 1 if any(fixture.baseid == module and fixture.scope != "function" for fixture in made) else 2
 
 
 @pytest.fixture(autouse=True, scope="session")
