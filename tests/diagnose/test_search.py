@@ -6,12 +6,12 @@ import pytest
 from made_up_balances import made_balance, made_motion, ripple
 
 from workbench.diagnose.residuals.balance import SIMULATION
-from workbench.diagnose.residuals.fit import fit, weighing_at
-from workbench.diagnose.selection.judging import choose
+from workbench.diagnose.residuals.fit import AS_IT_IS, fit, weighing_at
+from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import search
 from workbench.diagnose.selection.sets import Asked
-from workbench.diagnose.selection.trials import Shape, Shapes
+from workbench.diagnose.selection.trials import Shape, Shapes, Trial
 from workbench.fitting.least_squares import Search
 
 EXACT = Search(flat=1e-14)
@@ -47,3 +47,15 @@ def test_a_set_that_was_left_is_taken_again_where_it_is_nearer_now() -> None:
     for rms, again in ((10.0 * plain.rms, True), (plain.rms, False)):
         best, _ = choose([(drop, plain)], current, taken, {frozenset(): rms}, ask)
         assert (best is not None) is again
+
+
+@pytest.mark.parametrize(("load", "sure"), [(0.0, False), (2.0, True)])
+def test_what_comes_in_exchange_is_held_against_the_plant_without_either(load: float, sure: bool) -> None:
+    """Beside a ripple that is not there a load gains much, whether it is there or not."""
+    balance = replace(made_balance([made_motion()], ripple, {"load_force": load}), name=SIMULATION)
+    waves = ("cogging_cosine", "cogging_sine")
+    bad = fit(balance, {**START, "cogging_cosine": 1.0, "cogging_sine": 1.0}, waves, None, AS_IT_IS)
+    found = fit(balance, START, ["load_force"], None, EXACT)
+    exchange = Proposal((Trial("constant_load", ("load_force",)),), ("cogging",), 0.0, 0.0, {})
+    assert bad.squares - found.squares > 100.0
+    assert _is_sure(exchange, found, bad, bad, {"cogging": waves}, asked({})) is sure
