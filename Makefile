@@ -56,7 +56,7 @@ study-decision: $(ENVIRONMENT)/ready
 	done
 
 test: lint
-	$(BIN)/python -m pytest -n 2 --dist worksteal  # tests that share what a fixture made go first: tests/conftest.py
+	$(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
 
 # Every plant with every friction law and every controller, checked, and simulated where that is admitted.
 combinations: $(ENVIRONMENT)/ready-for-tests

@@ -22,17 +22,8 @@ pytest.register_assert_rewrite("command", "mistakes")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests that share what a fixture made go first, and together: a worker that is free steals the last ones."""
-    items.sort(key=_shares)
-
-
-def _shares(item: pytest.Item) -> int:
-    """0 of tests of the one diagnosis, 1 of those that share fixtures of their module, 2 of any other."""
-    made = [each[-1] for each in item._fixtureinfo.name2fixturedefs.values()]  # type: ignore[attr-defined]
-    if any(fixture.argname == "experiment" and fixture.scope == "session" for fixture in made):
-        return 0
-    module = item.nodeid.partition("::")[0]
-    return 1 if any(fixture.baseid == module and fixture.scope != "function" for fixture in made) else 2
+    """Tests of the one diagnosis go first, and together: a worker that is free steals the last ones."""
+    items.sort(key=lambda item: not (isinstance(item, pytest.Function) and "diagnosed" in item.fixturenames))
 
 
 @pytest.fixture(autouse=True, scope="session")

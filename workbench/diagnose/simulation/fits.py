@@ -33,6 +33,7 @@ from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing
 from workbench.diagnose.simulation.beside import SLOWEST
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
 from workbench.fitting.least_squares import THREADS, Search
 from workbench.parameters.sets import EITHER_SIGN
 
@@ -73,10 +74,6 @@ FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 
 SCANS = 2
 """Times that it does."""
-
-FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
-"""Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
-that leaves less, and after one that does not; and how many are tried."""
 
 LED = Search(flat=1e-4, most_steps=40, learns=True)
 """When a fit ends of a plant that a loop leads along its records."""
@@ -314,7 +311,7 @@ def left_of_pieces(fitted: Fit, groups: Sequence[np.ndarray]) -> float:
 
 
 def _mean_squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
-    return _squares(residual, groups) / np.array([max(rows.size, 1) for rows in groups])
+    return squares_of(residual, groups) / np.array([max(rows.size, 1) for rows in groups])
 
 
 def _without_astray(weighing: Weighing, of: Simulated) -> Weighing:
@@ -331,58 +328,6 @@ def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
     instants = max(motion.thinned.time.size for motion in motions)
     step = motions[0].thinning * motions[0].record.sample_time
     return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
-
-
-def restarted(
-    how: Shooting, fitted: Fit, starting: tuple[np.ndarray, Sequence[np.ndarray]], damping: np.ndarray
-) -> tuple[Shooting, np.ndarray]:
-    """The same with the states at each start where they leave less of its piece, by what a change of them does
-    (`Shooting.starting`): by a damped Gauss-Newton step, of those that a command sets only if that is better; and the
-    damping of each start from which to go on.
-    """
-    motions, values, (columns, groups) = fitted.balance.motions, fitted.values, starting
-    weigh = weighing_of(fitted.balance.series, fitted.residual) if fitted.excess < NEAR_NOISE else None
-    block, left = (columns, fitted.residual) if weigh is None else (weigh(columns), weigh(fitted.residual))
-    moving = [~how.follows, *([np.ones_like(how.follows)] if np.any(how.follows) else [])]
-    first = _squares(left, groups)
-    least, chosen = first, np.zeros((len(groups), columns.shape[1]))
-    damping = np.broadcast_to(damping, least.shape)
-    for _ in range(TRIES):
-        for moved in moving:
-            each = zip(groups, damping, strict=True)
-            steps = np.array([_step(moved * block[rows], left[rows], one) for rows, one in each])
-            other = fit(_begun(how, motions, values, steps).balance(motions, ()), values, ()).residual
-            squares = _squares(other if weigh is None else weigh(other), groups)
-            chosen = np.where((squares < least)[:, None], steps, chosen)
-            least = np.minimum(least, squares)
-        lower = least < first
-        damping = np.where(lower, np.maximum(damping * EASIER, LEAST), damping * HARDER)
-        if np.all(lower):
-            break
-    return _begun(how, motions, values, chosen), damping
-
-
-def _squares(residual: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
-    return np.array([float(residual[rows] @ residual[rows]) for rows in groups])
-
-
-def _step(block: np.ndarray, left: np.ndarray, damping: float) -> np.ndarray:
-    """By how many of their moves states go where they leave least."""
-    norms = np.linalg.norm(block, axis=0)
-    scale = np.where(norms > 0.0, norms, 1.0)
-    unit = block / scale
-    return np.asarray(-np.linalg.solve(unit.T @ unit + damping * np.eye(scale.size), unit.T @ left) / scale)
-
-
-def _begun(how: Shooting, motions: Sequence[Motion], values: Values, steps: np.ndarray) -> Shooting:
-    """The same with its starts moved by so many moves of each state, shape (starts of all records, moves)."""
-    begins, at = dict(how.begins), 0
-    for motion in motions:
-        moves, count = np.array(how.moves(motion, values)), len(how.starts(motion))
-        reach, begin = how.reach(motion, values), begins.get(motion.record, 0.0) + steps[at : at + count] @ moves
-        begins[motion.record] = np.clip(begin, -reach, reach)
-        at += count
-    return replace(how, begins=begins)
 
 
 def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
