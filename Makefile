@@ -88,7 +88,7 @@ clean:
 
 $(ENVIRONMENT)/ready: pyproject.toml
 	$(PYTHON) -m venv $(ENVIRONMENT)
-	$(INSTALL) --editable .
+	$(INSTALL) --editable ".[bench]"
 	@touch $@
 
 $(ENVIRONMENT)/ready-for-tests: $(ENVIRONMENT)/ready

@@ -30,6 +30,7 @@ this:
 """
 
 from workbench.api.analysis import linearise, loop_gain, margins
+from workbench.api.bench import Bench, bench
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
 from workbench.api.loops import LoopSetup, setup
 from workbench.api.questions import decide, diagnose, identify, tune
@@ -40,6 +41,7 @@ from workbench.api.studies import Study
 from workbench.errors import UserError
 
 __all__ = [
+    "Bench",
     "CaseResult",
     "ControllerChoice",
     "LoopRun",
@@ -48,6 +50,7 @@ __all__ = [
     "Study",
     "StudyResults",
     "UserError",
+    "bench",
     "chirp",
     "controller",
     "decide",

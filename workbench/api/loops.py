@@ -16,6 +16,8 @@ from workbench.simulation.simulate import Setup
 from workbench.study.plan import plan
 from workbench.study.reading import study_of
 from workbench.study.resolve import Resolved
+from workbench.study.study import Case
+from workbench.study.study import Study as StudyContent
 
 A_LOOP = "a loop; make one with wb.setup(...), or with study.setup(...) from a case of a study"
 """What is expected where something else than a loop is given."""
@@ -28,7 +30,7 @@ DURATION = "5 s"
 class LoopSetup:
     """A loop that is ready to run: what `setup` and `Study.setup` return.
 
-    `resolved` is the case as a study runs it; `axes` are the columns that tell it apart there.
+    `resolved` is the `case` of `study` as that runs it.
 
     Example:
         >>> loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(kp=500))
@@ -39,7 +41,13 @@ class LoopSetup:
     """
 
     resolved: Resolved
-    axes: Mapping[str, object]
+    study: StudyContent
+    case: Case
+
+    @property
+    def axes(self) -> Mapping[str, object]:
+        """The columns that tell it apart in its study."""
+        return self.case.columns
 
     @property
     def simulation(self) -> Setup:
@@ -157,4 +165,4 @@ def setup(
     planned = plan(study_of(plain_table(content, "setup"), "", Path(folder) / "setup"))
     for line in planned.warnings:
         warnings.warn(line, stacklevel=2)
-    return LoopSetup(planned.resolved[0], planned.cases[0].columns)
+    return LoopSetup(planned.resolved[0], planned.study, planned.cases[0])

@@ -8,11 +8,12 @@ import pandas as pd
 
 from workbench.api.loops import A_LOOP, LoopSetup
 from workbench.api.plain import expect
-from workbench.api.signals import frame_of, plot_signals, units_of
+from workbench.api.signals import frame_of, plot_signals
 from workbench.metrics.evaluate import evaluate as metrics_of
 from workbench.metrics.registry import names_along
 from workbench.simulation import simulate as engine
 from workbench.simulation.simulate import Run
+from workbench.study.names import units_of
 from workbench.study.runner import figures_of
 
 if TYPE_CHECKING:

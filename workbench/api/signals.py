@@ -5,12 +5,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from plants.equation import fields
 from workbench.errors import UserError, nearest
 from workbench.publish.tables import with_unit
 from workbench.simulation.run import Run
-from workbench.simulation.setup import memory_names
-from workbench.study.names import SIGNAL_UNITS
+from workbench.study.names import units_of
 
 if TYPE_CHECKING:
     from workbench.publish.notebook import NotebookFigure
@@ -25,15 +23,6 @@ def frame_of(run: Run) -> pd.DataFrame:
     units = units_of(run)
     frame.attrs[UNITS] = {str(name): units.get(str(name), "1") for name in frame.columns}
     return frame
-
-
-def units_of(run: Run) -> dict[str, str]:
-    """The SI unit of every signal of a run, by name."""
-    plant, controller = run.plant, run.loop.controller
-    units = {item.name: item.unit for item in (*fields(plant.Inputs), *fields(plant.Signals))}
-    for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
-        units[name] = plant.unit_for(item.unit)
-    return {**{name: plant.unit_for(unit) for name, unit in SIGNAL_UNITS.items()}, **units}
 
 
 def plot_signals(frame: pd.DataFrame, names: Sequence[str], against: str, title: str) -> "NotebookFigure":

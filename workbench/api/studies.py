@@ -114,7 +114,7 @@ class Study:
                 f"{self.content.path}: {number} with {in_words(axes) or 'no condition'}, expected one; the axes are "
                 f"{', '.join(self.plan.axes) or 'none'}"
             )
-        return LoopSetup(resolve(self.content, cases[0]), cases[0].columns)
+        return LoopSetup(resolve(self.content, cases[0]), self.content, cases[0])
 
     def run(
         self,

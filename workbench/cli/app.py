@@ -10,7 +10,20 @@ import typer
 
 from workbench.errors import UserError
 
-COMMANDS = ("run", "check", "list", "table", "plot", "agree", "decide", "import", "identify", "diagnose", "tune")
+COMMANDS = (
+    "run",
+    "bench",
+    "check",
+    "list",
+    "table",
+    "plot",
+    "agree",
+    "decide",
+    "import",
+    "identify",
+    "diagnose",
+    "tune",
+)
 """In the order in which help shows them; each is the function `command` of a file of its name, or of `FILES`."""
 
 FILES = {"import": "import_log"}

@@ -13,7 +13,7 @@ from plants.interface import SENSORS, Measurement, Plant
 from plants.registry import plants
 from workbench.metrics.interface import ending
 from workbench.metrics.registry import columns
-from workbench.simulation.run import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE
+from workbench.simulation.run import ESTIMATE, FRICTION_ERROR, MEASURED, TRUE, Run
 from workbench.simulation.setup import memory_names
 from workbench.toml.units import COMMAND, factor
 
@@ -73,6 +73,15 @@ def signal_units(axis: str = LINEAR) -> dict[str, str]:
             if COMMAND not in item.unit:
                 units.setdefault(name, unit_along(item.unit, axis))
     return units
+
+
+def units_of(run: Run) -> dict[str, str]:
+    """The SI unit of every signal of a run, by name."""
+    plant, controller = run.plant, run.loop.controller
+    units = {item.name: item.unit for item in (*fields(plant.Inputs), *fields(plant.Signals))}
+    for name, item in zip(memory_names(controller), fields(controller.State), strict=True):
+        units[name] = plant.unit_for(item.unit)
+    return {**{name: plant.unit_for(unit) for name, unit in SIGNAL_UNITS.items()}, **units}
 
 
 def unit_of_column(column: str) -> str:

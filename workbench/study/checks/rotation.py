@@ -47,11 +47,12 @@ def unstable_band(item: Resolved, rpm: float) -> tuple[float, float] | None:
     R^2 dF/dw + K_t K_bemf / R_m < 0, friction's slope around the rod and the motor's own damping: there a rod that is
     a little too slow is slowed further. None where `rpm` is no such speed.
     """
-    radius = item.belief.motor.piston_radius
+    radius, plant = item.belief.motor.piston_radius, item.setup.plant
+    believed = plant.bare or plant  # what controllers believe has no effects
 
     def falls(speed: float) -> bool:
         around = [speed * factor / RPM * radius for factor in (0.999, 1.001)]
-        slower, faster = (item.setup.plant.equilibrium(item.belief, w)[1].motor_voltage for w in around)
+        slower, faster = (believed.equilibrium(item.belief, w)[1].motor_voltage for w in around)
         return bool(faster < slower)
 
     if not falls(rpm):

@@ -1,0 +1,212 @@
+"""The bench in a real browser: a slider that moves numbers and curves, a sweep that is clicked, a saved study."""
+
+import contextlib
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from benches import short
+
+import workbench as wb
+from workbench.bench.opened import opened
+from workbench.bench.outcome import outcome_of
+from workbench.bench.serving import bench_server
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+CHROMIUM = next(
+    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), ""
+)
+
+pytestmark = pytest.mark.skipif(not CHROMIUM, reason="no browser: skipped")
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bench")
+
+
+@pytest.fixture(scope="module")
+def address(folder: Path) -> Iterator[str]:
+    server = bench_server(short(rpm=120), folder)
+    server.start_beside()
+    yield server.url
+    server.stop()
+
+
+@contextlib.contextmanager
+def opened_page(browser: "Browser", address: str, width: int = 1300) -> Iterator["Page"]:
+    """A page of the bench, without a word of trouble in its console until the end."""
+    page = browser.new_page(viewport={"width": width, "height": 1000})
+    troubles: list[str] = []
+    page.on("console", lambda line: troubles.append(line.text) if line.type == "error" else None)
+    page.on("pageerror", lambda error: troubles.append(str(error)))
+    page.on("requestfailed", lambda request: troubles.append(request.url))
+    page.goto(address)
+    page.wait_for_selector("canvas")
+    try:
+        yield page
+        assert not troubles
+    finally:
+        page.close()
+
+
+def handle(page: "Page", label: str) -> None:
+    """Put the keyboard on the slider below the field of that label."""
+    field = page.get_by_label(label, exact=True)
+    box = field.bounding_box()
+    assert box is not None
+    for one in page.locator(".noUi-handle").all():
+        place = one.bounding_box()
+        if place is not None and 0.0 < place["y"] - box["y"] < 60.0:
+            one.focus()
+            return
+    raise AssertionError(f"no slider below {label}")
+
+
+def shown(page: "Page", row: str, figure: str) -> str:
+    """A cell of the table of figures."""
+    heads = page.locator("th[scope=col]").all_inner_texts()
+    cells = page.locator(f"tr:has(th:text-is('{row}')) td").all_inner_texts()
+    return cells[heads.index(figure)]
+
+
+def test_a_slider_moves_numbers_and_curves(browser: "Browser", address: str) -> None:
+    with opened_page(browser, address) as page:
+        before = shown(page, "here", "rms error")
+        page.get_by_role("button", name="Pin", exact=True).click()
+        page.wait_for_selector("th:text-is('pinned')")
+        handle(page, "kp")
+        for _ in range(5):
+            page.keyboard.press("ArrowRight")
+            page.wait_for_timeout(150)
+        page.wait_for_timeout(1500)  # until the address has it
+        text = page.get_by_label("kp", exact=True).input_value()
+        gain = float(text.removesuffix(" V/m"))
+        assert gain > 500.0
+        expected = outcome_of(short(rpm=120).changed({"controllers.p.kp": gain})).figures["rms_error_m"]
+        assert isinstance(expected, float)
+        assert float(shown(page, "here", "rms error").removesuffix(" mm")) == pytest.approx(1e3 * expected, rel=1e-3)
+        assert shown(page, "pinned", "rms error") == before
+        assert re.search(r"[?]state=", page.url)
+        with opened_page(browser, page.url) as again:
+            assert again.get_by_label("kp", exact=True).input_value() == text
+
+
+def test_what_is_typed_wrongly_is_told(browser: "Browser", address: str) -> None:
+    with opened_page(browser, address) as page:
+        field = page.get_by_label("kp", exact=True)
+        field.fill("3 apples")
+        field.press("Enter")
+        page.wait_for_selector("text=kp: got")
+        field.fill("-3 V/m")
+        field.press("Enter")
+        page.wait_for_selector("text=expected a value that is not negative")
+        field.fill("0.7 V/mm")
+        field.press("Enter")
+        page.wait_for_selector("text=expected a value", state="hidden")
+        page.wait_for_timeout(300)
+        assert page.get_by_label("kp", exact=True).input_value() == "700 V/m"
+
+
+def test_a_saved_study_is_run_to_the_same_figures(browser: "Browser", address: str, folder: Path) -> None:
+    with opened_page(browser, address) as page:
+        field = page.get_by_label("kp", exact=True)
+        field.fill("640")
+        field.press("Enter")
+        page.wait_for_timeout(500)
+        lag = shown(page, "here", "phase lag")
+        page.get_by_placeholder("my_study.toml").fill("found.toml")
+        page.get_by_placeholder("my_study.toml").press("Enter")
+        page.get_by_role("button", name="Save as study").click()
+        page.wait_for_selector("text=workbench run found.toml")
+        row = wb.Study(folder / "found.toml").run(folder / "results").frame.iloc[0]
+        figures = outcome_of(opened(folder / "found.toml")).figures
+        assert row["phase_lag_deg"] == figures["phase_lag_deg"]
+        assert float(lag.removesuffix(" deg")) == pytest.approx(row["phase_lag_deg"], rel=1e-3)
+        page.get_by_role("button", name="Save as study").click()
+        page.wait_for_selector("text=there is a file of this name")
+
+
+def test_a_click_in_a_sweep_takes_the_bench_there(browser: "Browser", address: str) -> None:
+    with opened_page(browser, address) as page:
+        page.get_by_label("points", exact=True).fill("12")
+        page.get_by_label("points", exact=True).press("Enter")
+        page.get_by_role("button", name="Sweep", exact=True).click()
+        page.wait_for_selector("text=/^1[0-9] points$/")
+        page.wait_for_timeout(500)
+        before = page.get_by_label("kp", exact=True).input_value()
+        page.mouse.click(*page.evaluate(POINT))
+        page.wait_for_timeout(500)
+        after = page.get_by_label("kp", exact=True).input_value()
+        assert after != before
+        assert float(after.removesuffix(" V/m")) == pytest.approx(page.evaluate(VALUE), rel=1e-5)
+
+
+_SWEEP = """
+const plot = [...Bokeh.documents[0]._all_models.values()].find(m => m.name === "sweep log")
+const {x, y} = plot.renderers[0].data_source.data
+const view = Bokeh.index.get_one(plot)
+"""
+
+POINT = f"""() => {{
+{_SWEEP}
+view.el.scrollIntoView()
+const corner = view.el.getBoundingClientRect()
+return [corner.left + view.frame.x_scale.compute(x[8]), corner.top + view.frame.y_scale.compute(y[8])]
+}}"""
+"""Where the ninth point of the sweep is on the screen."""
+
+VALUE = f"() => {{ {_SWEEP} return x[8] }}"
+
+
+@pytest.mark.parametrize("width", [1300, 390])
+def test_nothing_is_wider_than_the_screen(browser: "Browser", address: str, width: int) -> None:
+    with opened_page(browser, address, width) as page:
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_curves_can_be_taken_along(browser: "Browser", address: str, tmp_path: Path) -> None:
+    with opened_page(browser, address) as page:
+        page.locator(".bk-Figure").first.hover(force=True)
+        for title, ending in (("Save the curves as CSV", "csv"), ("Save as SVG", "svg")):
+            with page.expect_download() as download:
+                page.locator(f'[title="{title}"]').first.click()
+            path = tmp_path / download.value.suggested_filename
+            download.value.save_as(path)
+            assert path.name == f"position.{ending}"
+        lines = (tmp_path / "position.csv").read_text(encoding="utf-8").splitlines()
+        assert lines[0] == '"curve","time (s)","position (mm)"'
+        assert lines[1].startswith('"reference position",0,')
+        assert (tmp_path / "position.svg").read_text(encoding="utf-8").startswith("<svg")
+
+
+def test_the_page_says_how_soon_it_follows(browser: "Browser", address: str) -> None:
+    with opened_page(browser, address) as page:
+        handle(page, "kp")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_selector("text=/drawn [0-9]+ ms after the hand moved/")

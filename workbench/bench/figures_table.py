@@ -1,0 +1,73 @@
+"""The figures of a run as a table, beside those of the pinned one."""
+
+import math
+from html import escape
+
+from workbench.bench.outcome import Outcome
+from workbench.metrics.registry import names_along
+from workbench.publish.along import SHOWN
+from workbench.publish.tables import shown_number
+
+COLUMNS = (
+    ("phase_lag_deg", "phase lag"),
+    ("rms_error_m", "rms error"),
+    ("max_error_m", "largest error"),
+    ("steady_state_error_m", "steady-state error"),
+    ("limit_cycle", "limit cycle"),
+    ("limit_cycle_amplitude_m", "its amplitude"),
+    ("control_effort_V", "command, rms"),
+    ("total_power_W", "power"),
+    ("paid_power_W", "power paid"),
+)
+"""Columns of results.csv, and what they are called here."""
+
+DIGITS = 4
+
+
+def figures_table(here: Outcome, pinned: Outcome | None) -> str:
+    """An HTML table: a row for each run, a column for each figure that one of them has."""
+    runs = [("here", here), *([("pinned", pinned)] if pinned is not None else [])]
+    cells = [_cells(outcome) for _, outcome in runs]
+    names = [name for name in cells[0] if any(row[name] for row in cells)]
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
+    rows = "".join(
+        f'<tr><th scope="row">{words}</th>' + "".join(f"<td>{escape(row[name])}</td>" for name in names) + "</tr>"
+        for (words, _), row in zip(runs, cells, strict=True)
+    )
+    return f"{_STYLE}<div><table><tr><td></td>{head}</tr>{rows}</table></div>"
+
+
+_STYLE = """<style>
+:host, .bk-clearfix { max-width: 100%; overflow-x: auto; }
+table { border-collapse: collapse; font-size: 13px; white-space: nowrap; }
+th, td { padding: 0.15em 0.7em 0.15em 0; text-align: left; }
+th { font-weight: 600; color: var(--faint); }
+</style>"""
+
+
+def _cells(outcome: Outcome) -> dict[str, str]:
+    figures = outcome.figures
+    axis = outcome.run.plant.axis
+    called = names_along(axis)
+    cells = {"outcome": outcome.run.outcome}
+    for name, words in COLUMNS:
+        value = figures.get(called[name])
+        cells[words] = value.replace("_", " ") if isinstance(value, str) else _number(name, value, axis)
+    gain = outcome.loop_gain
+    margins = None if isinstance(gain, str) else gain.margins
+    cells["gain margin"] = "" if margins is None else _margin(margins.gain_dB, "dB")
+    cells["phase margin"] = "" if margins is None else _margin(margins.phase_deg, "deg")
+    return cells
+
+
+def _number(name: str, value: float | None, axis: str) -> str:
+    if value is None:
+        return ""
+    if name.endswith("_m"):
+        return SHOWN[axis].length(value, DIGITS)
+    unit = {"W": "W", "V": "V", "deg": "deg"}[name.rpartition("_")[2]]
+    return f"{shown_number(value, DIGITS)} {unit}"
+
+
+def _margin(value: float, unit: str) -> str:
+    return f"{value:.1f} {unit}" if math.isfinite(value) else "none" if value > 0.0 else "unstable"

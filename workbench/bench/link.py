@@ -1,0 +1,53 @@
+"""The state of a bench as text in an address, and back: what differs from the loop as it was opened."""
+
+import base64
+import json
+import zlib
+from dataclasses import replace
+from typing import Any
+
+from workbench.bench.loop import BenchLoop
+from workbench.errors import UserError
+
+TABLES = ("controllers", "references")
+"""Tables that choosing a name adds to."""
+
+LARGEST = 1_000_000
+"""Bytes of a state."""
+
+
+def encoded(loop: BenchLoop, first: BenchLoop) -> str:
+    """What a loop has that the first has not, fit for an address; "" where that is nothing."""
+    state: dict[str, Any] = {}
+    if loop.changes:
+        state["changes"] = dict(loop.changes)
+    for section in TABLES:
+        known, now = first.content.get(section, {}), loop.content.get(section, {})
+        if added := {name: table for name, table in now.items() if name not in known}:
+            state[section] = added
+    if not state:
+        return ""
+    packed = zlib.compress(json.dumps(state, sort_keys=True).encode(), 9)
+    return base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def decoded(text: str, first: BenchLoop) -> BenchLoop:
+    """The loop of which `encoded` made this text.
+
+    Raises:
+        UserError: it made it of another one, or never; or the loop cannot be run.
+    """
+    try:
+        packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+        state = json.loads(zlib.decompressobj().decompress(packed, LARGEST))
+        content = {
+            **first.content,
+            **{section: {**state.get(section, {}), **first.content.get(section, {})} for section in TABLES},
+        }
+        loop = replace(first, content=content).changed(dict(state.get("changes", {})))
+    except (ValueError, TypeError, AttributeError, zlib.error) as error:
+        raise UserError(
+            "the address holds no state of this bench; what is shown is the loop as it was opened"
+        ) from error
+    _ = loop.resolved
+    return loop

@@ -1,0 +1,81 @@
+"""What a loop on the bench does: its run, and the row that a study of it would have in results.csv."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from workbench.bench.loop import BenchLoop
+from workbench.errors import UserError
+from workbench.linear.margins import Margins, Response, margins_of
+from workbench.linear.open_loop import open_loop
+from workbench.simulation.run import Run
+from workbench.simulation.simulate import simulate
+from workbench.study.runner import figures_of
+
+SLOW = 0.01
+"""m/s, or rad/s. The speed of the slide about which a loop is linearised whose reference does not move."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A loop and its run."""
+
+    loop: BenchLoop
+    run: Run
+
+    @cached_property
+    def figures(self) -> Mapping[str, float | str | None]:
+        """The columns of results.csv, without those that take a second run."""
+        return figures_of(self.loop.resolved, self.run, solver_error=False)
+
+    @cached_property
+    def speed(self) -> float:
+        """The speed about which the loop is linearised: the largest of its reference."""
+        if self.run.reference is None:
+            return SLOW
+        fastest = float(abs(self.run.reference[1]).max())
+        return fastest if fastest > 0.0 else SLOW
+
+    @cached_property
+    def loop_gain(self) -> "LoopGain | str":
+        """L about that slide; in words why there is none."""
+        setup = self.loop.resolved.setup
+        if setup.reference is None:
+            return "open loop: there is no loop gain"
+        try:
+            loop = open_loop(setup, self.speed)
+        except UserError as error:
+            return str(error)
+        return LoopGain(np.asarray(loop.A), np.asarray(loop.B), np.asarray(loop.C), setup.sample_time, self.speed)
+
+
+@dataclass(frozen=True)
+class LoopGain:
+    """L(z) = C (zI - A)^-1 B of a loop about the rod's sliding at `speed`, sampled."""
+
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+    sample_time: float
+    speed: float
+
+    @cached_property
+    def response(self) -> Response:
+        """L over frequency (rad/s)."""
+        return Response(self.a, self.b, self.c, self.sample_time)
+
+    @cached_property
+    def margins(self) -> Margins:
+        """Gain and phase margin, and whether the loop is stable there."""
+        return margins_of(self.a, self.b, self.c, self.sample_time, self.speed)
+
+
+def outcome_of(loop: BenchLoop) -> Outcome:
+    """Simulate a loop.
+
+    Raises:
+        UserError: a change that does not serve.
+    """
+    return Outcome(loop, simulate(loop.resolved.setup))

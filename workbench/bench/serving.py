@@ -1,0 +1,36 @@
+"""Serving a loop as a bench, where Bokeh is installed."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workbench.bench.loop import BenchLoop
+from workbench.bench.outcome import outcome_of
+from workbench.errors import UserError
+
+if TYPE_CHECKING:
+    from bokeh.document import Document
+
+    from workbench.bench.server import BenchServer
+
+
+def bench_server(loop: BenchLoop, folder: Path, port: int = 0) -> "BenchServer":
+    """A server whose pages begin with this loop; studies are saved in `folder`.
+
+    Raises:
+        UserError: the loop cannot be run, Bokeh is not installed, or the port is taken.
+    """
+    try:
+        from workbench.bench.page import STATE, BenchPage
+        from workbench.bench.server import BenchServer
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "bokeh":
+            raise
+        raise UserError('the bench needs Bokeh; install it with pip install -e ".[bench]"') from None
+    outcome_of(loop)  # what is wrong with it is told here; and it is compiled before somebody waits for a page
+
+    def build(document: "Document") -> None:
+        request: Any = getattr(document.session_context, "request", None)
+        given = [] if request is None else request.arguments.get(STATE, [])
+        BenchPage(document, loop, folder, given[0].decode("ascii", "replace") if given else "")
+
+    return BenchServer(build, port)
