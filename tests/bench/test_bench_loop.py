@@ -165,8 +165,6 @@ def test_an_address_that_holds_no_state_is_told(text: str) -> None:
 def test_what_is_opened(tmp_path: Path) -> None:
     assert opened(None).case.rpm == 120.0
     assert np.isfinite(outcome_of(opened(STUDIES / "scenarios" / "payload.toml")).figures["rms_error_m"])
-    with pytest.raises(UserError, match=r"workbench diagnose .* finds its plant"):
-        opened(STUDIES / "closed_loop" / "experiment.toml")
     with pytest.raises(UserError, match=r"holds neither study.toml nor plant.toml"):
         opened(tmp_path)
     with pytest.raises(UserError, match=r"no case with rpm 7; the axes are rpm"):

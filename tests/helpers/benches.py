@@ -6,7 +6,7 @@ from typing import Any
 from command import STUDIES
 
 from plants.equation import fields, to_array
-from workbench.bench.groups import GROUPS, controls_of
+from workbench.bench.groups import controls_of, groups_of
 from workbench.bench.knobs import Control, Knob
 from workbench.bench.loop import BenchLoop
 from workbench.bench.opened import opened
@@ -32,4 +32,4 @@ def knob_of(outcome: Outcome, key: str) -> Knob:
 
 def controls(outcome: Outcome) -> list[Control]:
     """All that can be turned."""
-    return [control for group in GROUPS for control in controls_of(group, outcome)]
+    return [control for group in groups_of(outcome.loop) for control in controls_of(group, outcome)]

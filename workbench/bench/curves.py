@@ -13,7 +13,7 @@ from workbench.bench.outcome import Outcome
 from workbench.bench.scopes import SCOPES, View
 from workbench.publish.style import COLOURS
 
-MOST_CURVES = 3
+MOST_CURVES = 4
 """Of a scope, for either run."""
 
 HERE, PINNED = "here", "pinned"
@@ -28,7 +28,7 @@ DASHED = "6 4"
 
 LEGEND_COLUMNS = 4
 
-SHARED = frozenset({"reference position", "-1"})
+SHARED = frozenset({"reference position", "-1", "recorded position", "recorded pressure 1", "recorded pressure 2"})
 """Curves that are the same for both runs, or would only be in the way: not drawn again of the pinned one."""
 
 

@@ -28,12 +28,12 @@ def figures_table(here: Outcome, pinned: Outcome | None) -> str:
     """An HTML table: a row for each run, a column for each figure that one of them has."""
     runs = [("here", here), *([("pinned", pinned)] if pinned is not None else [])]
     cells = [_cells(outcome) for _, outcome in runs]
-    names = [name for name in cells[0] if any(row[name] for row in cells)]
+    names = [name for name in cells[0] if any(row.get(name) for row in cells)]
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
-    rows = "".join(
-        f'<tr><th scope="row">{words}</th>' + "".join(f"<td>{escape(row[name])}</td>" for name in names) + "</tr>"
-        for (words, _), row in zip(runs, cells, strict=True)
-    )
+    rows = ""
+    for (words, _), row in zip(runs, cells, strict=True):
+        values = "".join(f"<td>{escape(row.get(name, ''))}</td>" for name in names)
+        rows += f'<tr><th scope="row">{words}</th>{values}</tr>'
     return f"{_STYLE}<div><table><tr><td></td>{head}</tr>{rows}</table></div>"
 
 
@@ -50,6 +50,10 @@ def _cells(outcome: Outcome) -> dict[str, str]:
     axis = outcome.run.plant.axis
     called = names_along(axis)
     cells = {"outcome": outcome.run.outcome}
+    for channel, rms in outcome.misfits.items():
+        unit = outcome.units[channel]
+        words = f"{channel.replace('_', ' ')} off, rms"
+        cells[words] = SHOWN[axis].length(rms, DIGITS) if unit == axis else f"{shown_number(rms, DIGITS)} {unit}"
     for name, words in COLUMNS:
         value = figures.get(called[name])
         cells[words] = value.replace("_", " ") if isinstance(value, str) else _number(name, value, axis)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from controllers.registry import CONTROLLERS
 from workbench.bench.knobs import Choice, Control
 from workbench.bench.loop import BenchLoop
+from workbench.bench.measured import RECORD, MeasuredLoop
 from workbench.bench.offered import controller, effects, machine, motion
 from workbench.bench.outcome import Outcome
 
@@ -30,7 +31,15 @@ _OFFERED: Mapping[str, Callable[[Outcome], list[Control]]] = {
     "reference": lambda outcome: motion.reference_controls(outcome.loop),
     "sensors": lambda outcome: motion.sensor_controls(outcome.loop),
     "run": lambda outcome: motion.run_controls(outcome.loop),
+    "record": lambda outcome: motion.record_controls(outcome.loop),
 }
+
+
+def groups_of(loop: BenchLoop) -> dict[str, str]:
+    """The groups that a loop has, with their titles: what a record drives has no controller, and no sensors to set."""
+    if not isinstance(loop, MeasuredLoop):
+        return dict(GROUPS)
+    return {"record": "Record", **{name: GROUPS[name] for name in ("machine", "friction", "effects")}}
 
 
 def controls_of(group: str, outcome: Outcome) -> list[Control]:
@@ -52,6 +61,8 @@ def chosen(loop: BenchLoop, key: str, name: str) -> BenchLoop | None:
     """The loop with another name at `key`, None where it cannot take it: a controller or a reference may be new to it,
     and then starts with what it has in common with the present one, as far as that serves.
     """
+    if key == RECORD and isinstance(loop, MeasuredLoop):
+        return loop.with_record(name)
     if key == "controller":
         gauge = name in CONTROLLERS.working() and CONTROLLERS.working()[name].gauge
         tried = [loop.with_controller(name, table, gauge) for table in controller.starting_tables(loop, name)]

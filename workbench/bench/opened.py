@@ -10,6 +10,7 @@ from plants.axis import LINEAR
 from plants.interface import Plant
 from plants.registry import PLANTS
 from workbench.bench.loop import BenchLoop, loop_of
+from workbench.bench.measured import measured_loop
 from workbench.errors import UserError
 from workbench.parameters.sets import axis_of, build, lacks, read_parameters, serves
 from workbench.records.experiment import is_experiment
@@ -74,10 +75,7 @@ def _opened(path: Path | None, where: Mapping[str, object]) -> BenchLoop:
     if "parameters" in data:
         return _plant(path)
     if is_experiment(data):
-        raise UserError(
-            f"{path}: this is an experiment; workbench diagnose {path} --out DIR finds its plant, and workbench bench "
-            "DIR opens that"
-        )
+        return measured_loop(path)
     layer = layer_of(path)
     return _case(read_study(path) if layer is None else layer_trial(layer, path), where)
 

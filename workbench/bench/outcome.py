@@ -7,15 +7,21 @@ from functools import cached_property
 import numpy as np
 
 from workbench.bench.loop import BenchLoop
+from workbench.bench.measured import RECORDED, MeasuredLoop
 from workbench.errors import UserError
 from workbench.linear.margins import Margins, Response, margins_of
 from workbench.linear.open_loop import open_loop
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import simulate
+from workbench.study.names import units_of
 from workbench.study.runner import figures_of
 
 SLOW = 0.01
 """m/s, or rad/s. The speed of the slide about which a loop is linearised whose reference does not move."""
+
+
+OUTPUTS = ("position", "pressure_1", "pressure_2")
+"""Channels of a record that a plant answers with."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,29 @@ class Outcome:
     def figures(self) -> Mapping[str, float | str | None]:
         """The columns of results.csv, without those that take a second run."""
         return figures_of(self.loop.resolved, self.run, solver_error=False)
+
+    @cached_property
+    def signals(self) -> Mapping[str, np.ndarray]:
+        """The signals of the run, and what was measured beside it."""
+        own = {"time": self.run.time, **self.run.signals}
+        return {**own, **self.loop.signals(self.run)} if isinstance(self.loop, MeasuredLoop) else own
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """The SI unit of each."""
+        units = units_of(self.run)
+        recorded = {name: name.removeprefix(RECORDED) for name in self.signals if name.startswith(RECORDED)}
+        return {**units, **{name: units.get(channel, "1") for name, channel in recorded.items()}}
+
+    @cached_property
+    def misfits(self) -> Mapping[str, float]:
+        """Rms (SI) by which a run is off what was measured, by channel; nothing where nothing was."""
+        signals = self.signals
+        return {
+            name.removeprefix(RECORDED): float(np.sqrt(np.mean((values - signals[name.removeprefix(RECORDED)]) ** 2)))
+            for name, values in signals.items()
+            if name.startswith(RECORDED) and name.removeprefix(RECORDED) in OUTPUTS
+        }
 
     @cached_property
     def speed(self) -> float:

@@ -17,7 +17,7 @@ from jinja2 import Template
 
 from workbench.bench.curves import ScopeFigure
 from workbench.bench.figures_table import figures_table
-from workbench.bench.groups import chosen
+from workbench.bench.groups import chosen, groups_of
 from workbench.bench.knobs import Knob
 from workbench.bench.link import decoded, encoded
 from workbench.bench.looks import WIDGETS, WRAPPED
@@ -45,15 +45,19 @@ _DARK = "document.documentElement.dataset.theme = cb_obj.active ? 'dark' : 'ligh
 class BenchPage:
     """The bench in one tab of a browser: a loop at hand, and one that is pinned beside it."""
 
-    def __init__(self, document: Document, loop: BenchLoop, folder: Path, state: str = "") -> None:
+    def __init__(
+        self, document: Document, loop: BenchLoop, folder: Path, state: str = "", beside: BenchLoop | None = None
+    ) -> None:
         self._document, self._folder, self._first = document, folder, loop
-        self._pinned: Outcome | None = None
+        self._pinned = None if beside is None else outcome_of(beside)
         self._change: dict[str, object] = {}
         self._workers = ThreadPoolExecutor(1)
         self._moves = 0
         self._scopes = {name: ScopeFigure(name) for name in FIRST}
         self._pace = Pace(document, self._run_change, self._take_time)
-        self._panel = ControlPanel(Hands(self._turned, self._chosen, self._flipped, self._tell), self._show_controls)
+        self._panel = ControlPanel(
+            groups_of(loop), Hands(self._turned, self._chosen, self._flipped, self._tell), self._show_controls
+        )
         self._sweep = SweepPanel(document, lambda: self._here.loop, lambda: self._panel.knobs, self._go)
         self._message = Div(text="", visible=False, stylesheets=[WIDGETS], sizing_mode="stretch_width", name="message")
         self._table = Div(text="", sizing_mode="stretch_width", stylesheets=[WIDGETS], name="figures")

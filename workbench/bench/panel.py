@@ -1,6 +1,6 @@
 """The controls of a group on the page: sliders with what may be typed, choices, switches."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from typing import Any
@@ -14,7 +14,7 @@ from bokeh.models.widgets.inputs import Switch as SwitchWidget
 from bokeh.models.widgets.markups import Div
 from bokeh.models.widgets.sliders import Slider
 
-from workbench.bench.groups import GROUPS, controls_of
+from workbench.bench.groups import controls_of
 from workbench.bench.knobs import Choice, Control, Knob, Switch
 from workbench.bench.looks import WIDGETS, Options
 from workbench.bench.loop import Change
@@ -48,13 +48,13 @@ class Hands:
 class ControlPanel:
     """The group that is shown, and its controls."""
 
-    def __init__(self, hands: Hands, show: Callable[[], None]) -> None:
+    def __init__(self, groups: Mapping[str, str], hands: Hands, show: Callable[[], None]) -> None:
         self._hands = hands
-        self.group = next(iter(GROUPS))
+        self.group = next(iter(groups))
         self._shown: dict[str, _Shown] = {}
         self._quiet = False
-        titles: Options = [*GROUPS.items()]
-        groups = Select(
+        titles: Options = [*groups.items()]
+        choose = Select(
             options=titles,
             value=self.group,
             title="What to turn",
@@ -62,9 +62,9 @@ class ControlPanel:
             sizing_mode="stretch_width",
             name="group",
         )
-        groups.on_change("value", lambda _attr, _old, new: self._choose(str(new), show))
+        choose.on_change("value", lambda _attr, _old, new: self._choose(str(new), show))
         self._column = column(Div(), sizing_mode="stretch_width")
-        self.layout = column(groups, self._column, sizing_mode="stretch_width", name="controls")
+        self.layout = column(choose, self._column, sizing_mode="stretch_width", name="controls")
 
     def _choose(self, group: str, show: Callable[[], None]) -> None:
         self.group = group

@@ -8,6 +8,7 @@ from typing import Any
 import tomli_w
 
 from workbench.bench.figures_table import COLUMNS
+from workbench.bench.measured import MeasuredLoop
 from workbench.bench.outcome import Outcome
 from workbench.errors import UserError
 from workbench.metrics.registry import names_along
@@ -72,6 +73,8 @@ def save(outcome: Outcome, name: str, folder: Path, *, replace: bool = False) ->
     Raises:
         UserError: a name that leads out of the folder or has another ending, or a file that is there already.
     """
+    if isinstance(outcome.loop, MeasuredLoop):
+        raise UserError("what a record drives is no study; identify or diagnose the experiment to keep what it says")
     path = (folder / name.strip()).resolve()
     if not path.is_relative_to(folder.resolve()) or path == folder.resolve():
         raise UserError(

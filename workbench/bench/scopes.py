@@ -10,7 +10,6 @@ from workbench.bench.outcome import Outcome
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import with_unit
 from workbench.simulation.run import TRUE
-from workbench.study.names import units_of
 
 BUCKETS = 600
 """Of a curve over time, with two points each: a scope is some 600 pixels wide."""
@@ -21,6 +20,8 @@ FREQUENCIES = 240
 LOWEST_SHOWN = 1e-2
 """Hz, of a response."""
 
+POSITIONS = ("reference_position", "recorded_position", "position")
+PRESSURES = ("recorded_pressure_1", "pressure_1", "recorded_pressure_2", "pressure_2")
 POWERS = ("hydraulic_power", "rotation_power", "total_power")
 
 READERS: dict[str, tuple[str, float]] = {
@@ -101,8 +102,7 @@ def _against(x: str, names: Sequence[str], outcome: Outcome) -> View:
 
 def _drawn(x: str, names: Sequence[str], outcome: Outcome, label: str, start: int) -> View:
     run = outcome.run
-    units, axis = units_of(run), run.plant.axis
-    signals = {"time": run.time, **run.signals}
+    units, axis, signals = outcome.units, run.plant.axis, outcome.signals
     found = [name for name in dict.fromkeys(names) if name in signals]
     x_unit, x_factor = _reader(units[x], axis)
     below = with_unit(_words(x), x_unit)
@@ -121,10 +121,10 @@ def _drawn(x: str, names: Sequence[str], outcome: Outcome, label: str, start: in
 def _spectrum(outcome: Outcome) -> View:
     """Amplitude of the error over frequency, after the transient: of a sine of amplitude a a peak of height a."""
     run = outcome.run
-    name = "error" if "error" in run.signals else "position"
+    name = "error" if "error" in outcome.signals else "position"
     start = int(np.searchsorted(run.time, outcome.loop.resolved.transient))
-    values = run.signals[name][start:]
-    unit, factor = _reader(units_of(run)[name], run.plant.axis)
+    values = outcome.signals[name][start:]
+    unit, factor = _reader(outcome.units[name], run.plant.axis)
     y = with_unit(f"amplitude of the {name}", unit)
     if values.size < 8 or not np.all(np.isfinite(values)):
         return View((), "frequency (Hz)", y, "too short, or diverged")
@@ -184,13 +184,13 @@ def _nyquist(outcome: Outcome) -> View:
 
 
 SCOPES: dict[str, Scope] = {
-    "position": Scope("Position and reference", partial(_over_time, ("reference_position", "position"))),
+    "position": Scope("Position and reference", partial(_over_time, POSITIONS)),
     "error": Scope("Error", partial(_over_time, ("error",))),
     "friction": Scope("Friction against velocity", partial(_against, "velocity", ("controller_friction", TRUE))),
     "command": Scope("Command", lambda outcome: _over_time((outcome.run.plant.command,), outcome)),
     "phase": Scope("Phase portrait", partial(_against, "position", ("velocity",))),
     "spectrum": Scope("Spectrum", _spectrum, log_x=True, log_y=True),
-    "pressures": Scope("Pressures", partial(_over_time, ("pressure_1", "pressure_2"), label="pressure")),
+    "pressures": Scope("Pressures", partial(_over_time, PRESSURES, label="pressure")),
     "rotation": Scope("Rod speed", partial(_over_time, ("rotation_speed",))),
     "torque": Scope("Motor current", partial(_over_time, ("motor_current",))),
     "power": Scope("Power", partial(_over_time, POWERS, label="power")),

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from workbench.bench.server import BenchServer
 
 
-def bench_server(loop: BenchLoop, folder: Path, port: int = 0) -> "BenchServer":
-    """A server whose pages begin with this loop; studies are saved in `folder`.
+def bench_server(loop: BenchLoop, folder: Path, port: int = 0, beside: BenchLoop | None = None) -> "BenchServer":
+    """A server whose pages begin with this loop, and one pinned `beside` it; studies are saved in `folder`.
 
     Raises:
         UserError: the loop cannot be run, Bokeh is not installed, or the port is taken.
@@ -31,6 +31,6 @@ def bench_server(loop: BenchLoop, folder: Path, port: int = 0) -> "BenchServer":
     def build(document: "Document") -> None:
         request: Any = getattr(document.session_context, "request", None)
         given = [] if request is None else request.arguments.get(STATE, [])
-        BenchPage(document, loop, folder, given[0].decode("ascii", "replace") if given else "")
+        BenchPage(document, loop, folder, given[0].decode("ascii", "replace") if given else "", beside)
 
     return BenchServer(build, port)

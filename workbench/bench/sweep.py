@@ -7,6 +7,8 @@ from typing import Any
 
 from workbench.bench.knobs import Knob
 from workbench.bench.loop import BenchLoop, Change
+from workbench.bench.measured import MeasuredLoop
+from workbench.bench.outcome import outcome_of
 from workbench.errors import UserError
 from workbench.parallel import job_count
 from workbench.simulation.simulate import simulate
@@ -37,6 +39,8 @@ def swept(
 
 
 def _figure(loop: BenchLoop, change: Change, column: str) -> float | None:
+    if isinstance(loop, MeasuredLoop):
+        return _beside_record(loop, change, column)
     tables: dict[str, Any] = loop.case.tables
     for key, value in change.items():
         tables = _laid(tables, key.split("."), value)
@@ -45,6 +49,16 @@ def _figure(loop: BenchLoop, change: Change, column: str) -> float | None:
     except UserError:
         return None
     figure = evaluated(resolved, simulate(resolved.setup), (column,))[column]
+    return figure if isinstance(figure, float) else None
+
+
+def _beside_record(loop: MeasuredLoop, change: Change, column: str) -> float | None:
+    """The same of a plant that a record drives; its rms error is by how much its position is off the record."""
+    turned = loop.changed(change)
+    if not turned.serves:
+        return None
+    outcome = outcome_of(turned)
+    figure = outcome.misfits.get("position") if column == "rms_error_m" else outcome.figures.get(column)
     return figure if isinstance(figure, float) else None
 
 

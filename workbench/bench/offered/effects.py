@@ -10,6 +10,7 @@ from plants.interface import Plant
 from workbench.bench.knobs import DECADE, Control, Knob, Switch, words_of
 from workbench.bench.outcome import Outcome
 from workbench.diagnose.residuals.scales import Moved, scales_from
+from workbench.parameters.sets import NEUTRAL
 from workbench.toml.units import si
 
 
@@ -18,7 +19,11 @@ def effect_controls(outcome: Outcome) -> list[Control]:
     loop = outcome.loop
     plant = loop.resolved.setup.plant
     scales = _scales(outcome)
-    given = {**loop.parsed.tables.plant.set}
+    given = {
+        name: value
+        for name, value in {**loop.parsed.values.true, **loop.parsed.tables.plant.set}.items()
+        if name in loop.parsed.tables.plant.set or value != NEUTRAL.get(name, value)
+    }
     controls: list[Control] = []
     for effect in possible(plant.bare or plant):
         if not effect.sought or not set(effect.own_names) >= set(effect.numbers):

@@ -9,6 +9,7 @@ import numpy as np
 from plants.axis import unit_along
 from workbench.bench.knobs import Choice, Control, Knob, ranged, words_of
 from workbench.bench.loop import BenchLoop
+from workbench.bench.measured import RECORD, MeasuredLoop
 from workbench.study.reference_tables import REFERENCES
 from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.toml.units import si, unit_written
@@ -78,6 +79,17 @@ def _reach(loop: BenchLoop) -> float:
 
 
 SAMPLES = 1000
+
+
+def record_controls(loop: BenchLoop) -> list[Control]:
+    """Which of the records is beside the plant, and how exactly that is simulated."""
+    assert isinstance(loop, MeasuredLoop)
+    options = [(one.name, f"{one.name} ({'held out' if one.use == 'held_out' else 'fit'})") for one in loop.records]
+    tolerance = loop.parsed.tables.simulation.tolerance
+    return [
+        Choice(RECORD, "record", loop.record.name, options, "held out: no fit has seen it"),
+        Knob("simulation.tolerance", "tolerance", tolerance, "1", 1e-10, 1e-2, True),
+    ]
 
 
 def sensor_controls(loop: BenchLoop) -> list[Control]:
