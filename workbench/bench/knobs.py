@@ -72,18 +72,22 @@ class Knob:
         return min(math.log(self.value / self.low) / math.log(self.high / self.low), 1.0)
 
     def at(self, place: float) -> float:
-        """The value (SI) at a place of the slider, with as many digits as its steps can tell apart."""
+        """The value (SI) at a place of the slider, with no more digits than tell places apart."""
         if self.logarithmic and self.may_be_off and place <= 0.0:
             return 0.0
         if self.logarithmic:
-            return _rounded(self.low * (self.high / self.low) ** place)
-        return _rounded(self.low + place * (self.high - self.low), self.high - self.low)
+            value = self.low * (self.high / self.low) ** place
+            return _rounded(value, value * math.log(self.high / self.low) / APART)
+        return _rounded(self.low + place * (self.high - self.low), (self.high - self.low) / APART)
 
 
-def _rounded(value: float, size: float = 0.0) -> float:
-    """A value with four digits, or to a ten-thousandth of a size."""
-    largest = max(abs(value), size)
-    return round(value, 3 - math.floor(math.log10(largest))) if largest else 0.0
+APART = 1000
+"""Places of a slider that differ."""
+
+
+def _rounded(value: float, step: float) -> float:
+    """A value to the power of ten that is no more than `step`."""
+    return round(value, -math.floor(math.log10(step)))
 
 
 @dataclass(frozen=True)
