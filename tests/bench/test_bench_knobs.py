@@ -3,16 +3,20 @@
 from dataclasses import replace
 
 import pytest
-from benches import controls, knob_of, of_name, short
+from benches import SHORT, controls, knob_of, of_name, short
+from command import STUDIES
 from hypothesis import given
 from hypothesis import strategies as st
 
+import workbench as wb
 from workbench.bench.groups import chosen, controls_of
 from workbench.bench.knobs import Choice, Knob, Switch
+from workbench.bench.loop import loop_of
 from workbench.bench.opened import opened
 from workbench.bench.outcome import Outcome, outcome_of
 from workbench.bench.stable import stable_range
 from workbench.bench.sweep import places, swept
+from workbench.study.unfold import unfold
 from workbench.toml.units import QuantityError
 
 LOOPS = {
@@ -86,6 +90,26 @@ def test_a_direction_that_differs_keeps_its_value() -> None:
     before = outcome.loop.resolved.setup.parameters
     assert of_name(turned, "coulomb") == 400.0
     assert of_name(turned, "coulomb_negative") == of_name(before, "coulomb_negative")
+
+
+def test_what_a_scenario_multiplies_is_shown_and_turned_as_it_is() -> None:
+    outcome = outcome_of(short("comparison", case="slow_sine", machine="thesis_simulation", scenario="friction_up"))
+    true = of_name(outcome.loop.resolved.setup.parameters, "coulomb")
+    knob = knob_of(outcome, "plant.set.coulomb")
+    assert knob.value == pytest.approx(true)
+    turned = outcome.loop.changed(knob.change(400.0))
+    assert of_name(turned.resolved.setup.parameters, "coulomb") == pytest.approx(400.0)
+    assert knob.turned(knob.change(400.0)).value == pytest.approx(400.0)
+
+
+@pytest.mark.parametrize("name", ["thesis_chapter4", "lugre_reference", "observers", "thesis_chapter5", "hunting"])
+def test_references_of_any_input_and_kind_are_offered(name: str) -> None:
+    study = wb.Study(STUDIES / f"{name}.toml").content
+    for case in unfold(study)[:12]:
+        outcome = outcome_of(loop_of(study, case).changed(SHORT))
+        found = [one for one in controls_of("reference", outcome) if isinstance(one, Knob)]
+        for knob in found:
+            assert outcome.loop.changed(knob.change(knob.at(min(knob.place + 0.01, 1.0)))).serves, knob
 
 
 def test_effects_are_turned_on_and_off() -> None:

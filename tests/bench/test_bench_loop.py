@@ -1,9 +1,13 @@
 """A loop on the bench is a study of one case: the same numbers, changes that are the truth's, a file that says them."""
 
+import base64
+import json
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 from benches import of_name, short
 from command import STUDIES, workbench
 from hypothesis import given, settings
@@ -110,6 +114,8 @@ def test_a_saved_study_finds_its_files_from_where_it_stands(tmp_path: Path) -> N
         ("out.txt", "ends in .toml"),
         ("none/out.toml", "no such folder"),
         ("there.toml", "there is a file of this name"),
+        ("a\0b.toml", "is no name of a file"),
+        ("a\ud800.toml", "is no name of a file"),
     ],
 )
 def test_a_name_under_which_nothing_is_saved(name: str, told: str, tmp_path: Path) -> None:
@@ -159,6 +165,75 @@ def test_the_loop_as_it_was_opened_needs_no_address() -> None:
 @pytest.mark.parametrize("text", ["", "x", "AAAA", "eJyrVkrLSM0sVrKqVkrOSMxLTy1WslKqrQUAYbQIZA", "ä", "%00"])
 def test_an_address_that_holds_no_state_is_told(text: str) -> None:
     with pytest.raises(UserError, match=r"no state of this bench|unknown|expected"):
+        decoded(text, LOOP)
+
+
+@pytest.mark.parametrize(("axis", "folder"), [("machine", "machines"), ("scenario", "scenarios")])
+def test_a_saved_study_takes_its_machine_and_scenario_along(axis: str, folder: str, tmp_path: Path) -> None:
+    """Those beside the study come before the shipped ones of their name, which another folder would find."""
+    rig, there = tmp_path / "rig", tmp_path / "there"
+    (rig / folder).mkdir(parents=True)
+    there.mkdir()
+    name = {"machine": "thesis_simulation", "scenario": "payload"}[axis]
+    layer = 'title = "own"\nsource = "test"\n[plant]\nset = { mass = "50 kg" }\n'
+    (rig / folder / f"{name}.toml").write_text(layer, encoding="utf-8")
+    outcome = outcome_of(short())
+    study = {**outcome.loop.as_study, "axes": {"rpm": [0], axis: [name]}}
+    (rig / "study.toml").write_text(tomli_w.dumps(study), encoding="utf-8")
+    found = outcome_of(opened(rig / "study.toml"))
+    assert of_name(found.loop.resolved.setup.parameters, "mass") == 50.0
+    again = outcome_of(opened(save(found, "saved.toml", there)))
+    assert dict(again.figures) == dict(found.figures)
+
+
+def test_a_saved_study_finds_a_recorded_reference(tmp_path: Path) -> None:
+    (tmp_path / "rig").mkdir()
+    time = np.linspace(0.0, 1.0, 50)
+    rows = "".join(f"{t},{0.005 * np.sin(6.0 * t)}\n" for t in time)
+    (tmp_path / "rig" / "canudas1995").write_text(f"t,x\n{rows}", encoding="utf-8")
+    study = {
+        **short().as_study,
+        "references": {"r": {"kind": "recorded", "file": "other.csv", "time": "t", "value": "x"}},
+        "axes": {"rpm": [0], "references.r.file": ["canudas1995"]},
+    }
+    (tmp_path / "rig" / "study.toml").write_text(tomli_w.dumps(study), encoding="utf-8")
+    found = outcome_of(opened(tmp_path / "rig" / "study.toml"))
+    again = outcome_of(opened(save(found, "saved.toml", tmp_path)))
+    assert dict(again.figures) == dict(found.figures)
+
+
+def test_names_with_a_dot_can_be_turned(tmp_path: Path) -> None:
+    study = short().as_study
+    study["controllers"] = {"a.b": study["controllers"]["p"]}
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(study), encoding="utf-8")
+    loop = opened(tmp_path / "study.toml")
+    assert loop.controller_name == "a_b"
+    assert loop.changed({"controllers.a_b.kp": 777.0}).resolved.settings.kp == 777.0
+
+
+HOSTILE: list[dict[str, object]] = [
+    {"changes": {"plant.parameters": "\0.toml"}},
+    {"changes": {"sensors.delay": 1e300}},
+    {"changes": {"simulation.step": 1e-300, "simulation.method": "rk4"}},
+    {"changes": {"references.sine.file": "/dev/zero"}},
+    {"references": {"r": {"kind": "recorded", "file": "/dev/zero", "time": "t", "value": "x"}}},
+    {"controllers": {"x": {"gains": "/dev/zero"}}, "changes": {"controller": "x"}},
+    {"changes": {"simulation.duration": 1e300, "simulation.sample_time": 1e299}},
+    {"changes": 3},
+    {"controllers": [1]},
+]
+
+
+@pytest.mark.parametrize("state", HOSTILE)
+def test_a_hostile_address_is_told(state: dict[str, object]) -> None:
+    text = base64.urlsafe_b64encode(zlib.compress(json.dumps(state).encode())).decode().rstrip("=")
+    with pytest.raises(UserError):
+        outcome_of(decoded(text, LOOP))
+
+
+def test_deep_nesting_in_an_address_is_told() -> None:
+    text = base64.urlsafe_b64encode(zlib.compress(b"[" * 150_000)).decode()
+    with pytest.raises(UserError, match=r"no state of this bench"):
         decoded(text, LOOP)
 
 

@@ -19,8 +19,8 @@ class Knob:
     """A number of the loop: `value`, `low` and `high` in SI `unit` (rpm of a speed of rotation), shown in `shown`.
 
     `key` is the key of the study that it sets, `linked` are others that get the same value, and `also` are those that
-    keep theirs by being set with it. A slider of it is `logarithmic`, with 0 at its left end where the number
-    `may_be_off`.
+    keep theirs by being set with it. What the key says the study multiplies by `times`. A slider of it is
+    `logarithmic`, with 0 at its left end where the number `may_be_off`.
     """
 
     key: str
@@ -35,10 +35,17 @@ class Knob:
     tip: str = ""
     also: Change = field(default_factory=dict)
     linked: tuple[str, ...] = ()
+    times: float = 1.0
 
     def change(self, value: float) -> Change:
         """What turning it to `value` changes of the loop."""
-        return {self.key: value, **dict.fromkeys(self.linked, value), **self.also}
+        said = value / self.times
+        return {self.key: said, **dict.fromkeys(self.linked, said), **self.also}
+
+    def turned(self, change: Change) -> "Knob":
+        """The knob as it stands after a change that `change` made."""
+        said = change.get(self.key)
+        return replace(self, value=said * self.times) if isinstance(said, float) else self
 
     @property
     def factor(self) -> float:

@@ -45,9 +45,20 @@ def decoded(text: str, first: BenchLoop) -> BenchLoop:
             **{section: {**state.get(section, {}), **first.content.get(section, {})} for section in TABLES},
         }
         loop = replace(first, content=content).changed(dict(state.get("changes", {})))
-    except (ValueError, TypeError, AttributeError, zlib.error) as error:
-        raise UserError(
-            "the address holds no state of this bench; what is shown is the loop as it was opened"
-        ) from error
-    _ = loop.resolved
+        _refuse_files(state)
+        _ = loop.resolved
+    except UserError:
+        raise
+    except Exception as error:
+        raise UserError(FOREIGN) from error
     return loop
+
+
+def _refuse_files(state: dict[str, Any]) -> None:
+    """Raise UserError where a state names a file, which none of ours does but for a parameter file."""
+    added = [key for section in TABLES for table in state.get(section, {}).values() for key in table]
+    if {*added, *(key.rpartition(".")[2] for key in state.get("changes", {}))} & {"file", "gains"}:
+        raise UserError(FOREIGN)
+
+
+FOREIGN = "the address holds no state of this bench; what is shown is the loop as it was opened"

@@ -15,8 +15,11 @@ from workbench.study.study import Case, Study, named
 from workbench.study.uncertainty import DRAW
 from workbench.study.unfold import merged, unfold
 
-GAINS = "controllers."
-"""Axes of controllers, which the tables of a case hold already."""
+HELD = ("controllers.", "references.")
+"""Axes of what the tables of a case hold already."""
+
+CHOSEN = ("controller", "reference")
+"""Axes that name one of them."""
 
 Change = Mapping[str, object]
 """Values by dotted key of a study, such as "controllers.p.kp": each is an axis of one value."""
@@ -132,6 +135,11 @@ def _of_another(key: str, section: str, chosen: str | None) -> bool:
     return first == section and rest.split(".")[0] != chosen
 
 
+def _undotted(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables by names without a dot, which divides the keys of a study."""
+    return {name.replace(".", "_"): table for name, table in tables.items()}
+
+
 def loop_of(study: Study, case: Case) -> BenchLoop:
     """A case of a study as a loop on the bench: without the study's other cases, its tables and its figures.
 
@@ -142,8 +150,12 @@ def loop_of(study: Study, case: Case) -> BenchLoop:
     tables = {name: getattr(file, name) for name in OVERRIDES if name != "axes"}
     if case.name is not None:
         tables = merged(tables, {key: value for key, value in file.cases[case.name].items() if key != "axes"})
-    tables["controllers"] = case.tables["controllers"]
-    axes = {axis: [value] for axis, value in case.axes.items() if axis != DRAW and not axis.startswith(GAINS)}
+    tables |= {section: _undotted(case.tables[section]) for section in ("controllers", "references")}
+    axes = {
+        axis: [str(value).replace(".", "_") if axis in CHOSEN else value]
+        for axis, value in case.axes.items()
+        if axis != DRAW and not axis.startswith(HELD)
+    }
     layers = {
         layer.section: {name: getattr(file, layer.section)[name] for name in axes.get(axis, [])}
         for axis, layer in LAYERS.items()

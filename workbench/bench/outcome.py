@@ -20,6 +20,9 @@ SLOW = 0.01
 """m/s, or rad/s. The speed of the slide about which a loop is linearised whose reference does not move."""
 
 
+MOST_SAMPLES, MOST_STEPS = 1e6, 1e8
+"""Of a run on the bench: seconds of work."""
+
 OUTPUTS = ("position", "pressure_1", "pressure_2")
 """Channels of a record that a plant answers with."""
 
@@ -107,4 +110,11 @@ def outcome_of(loop: BenchLoop) -> Outcome:
     Raises:
         UserError: a change that does not serve.
     """
-    return Outcome(loop, simulate(loop.resolved.setup))
+    setup = loop.resolved.setup
+    instants, steps = setup.duration / setup.sample_time, setup.duration / setup.integrator.step
+    if instants > MOST_SAMPLES or steps > MOST_STEPS or setup.sensors.delay > setup.duration:
+        raise UserError(
+            f"on the bench a run has at most {MOST_SAMPLES:g} samples and {MOST_STEPS:g} steps, and no delay beyond "
+            f"its end; got {instants:.3g} samples, {steps:.3g} steps, a delay of {setup.sensors.delay:g} s"
+        )
+    return Outcome(loop, simulate(setup))

@@ -1,7 +1,7 @@
 """The controls of a group on the page: sliders with what may be typed, choices, switches."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -89,11 +89,11 @@ class ControlPanel:
             shown = self._shown.get(key)
             if shown is None or not isinstance(value, float):
                 continue
-            shown.knob = replace(shown.knob, value=value)
+            shown.knob = shown.knob.turned(change)
             shown.text.value = shown.knob.text
             if abs(shown.knob.place - float(shown.slider.value)) > 1.0 / STEPS:
                 shown.slider.value = shown.knob.place
-            within &= shown.knob.low <= value <= shown.knob.high or shown.knob.may_be_off
+            within &= shown.knob.low <= shown.knob.value <= shown.knob.high or shown.knob.may_be_off
         self._quiet = False
         return within
 

@@ -82,7 +82,7 @@ def margins_of(a: np.ndarray, b: np.ndarray, c: np.ndarray, sample_time: float, 
     if not len(a):
         return Margins(np.inf, np.inf, np.inf, np.inf, True, speed)
     response = Response(a, b, c, sample_time)
-    grid = _frequencies(response.poles, sample_time)
+    grid = grid_about(response.poles, sample_time)
     values = response(grid)
     gain = _nearest(_gain_distances(response, grid, values))
     phase = _nearest(_phase_distances(response, grid, values))
@@ -106,7 +106,7 @@ def is_stable(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:
     return bool(np.all((np.abs(poles) < 1.0 - UNIT) | hidden))
 
 
-def _frequencies(poles: np.ndarray, sample_time: float) -> np.ndarray:
+def grid_about(poles: np.ndarray, sample_time: float) -> np.ndarray:
     """A logarithmic grid up to Nyquist, denser about lightly damped poles (rad/s, rising)."""
     nyquist = np.pi / sample_time
     count = int(np.ceil(POINTS_A_DECADE * np.log10(nyquist / LOWEST)))

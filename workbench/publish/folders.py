@@ -24,6 +24,7 @@ def remove(path: Path) -> None:
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` make a file beside `path`, then move it there: whenever this is stopped, `path` is whole."""
     temporary = path.with_name(f".{path.name}.part")
+    temporary.unlink(missing_ok=True)  # it may be a link that leads elsewhere
     write(temporary)
     os.replace(temporary, path)
 

@@ -31,7 +31,9 @@ def controller_controls(loop: BenchLoop) -> list[Control]:
         if name in useless:
             continue
         if item.unit:
-            controls.append(_setting_knob(key, item, value, settings, plant))
+            knob = _setting_knob(key, item, value, settings, plant)
+            if value or loop.changed(knob.change(knob.at(0.5))).serves:  # else it needs what the plant has not
+                controls.append(knob)
         elif len(item.choices) > 1:
             choices = [(one, words_of(one)) for one in item.choices]
             controls.append(Choice(key, words_of(name), str(value), choices, item.about.meaning))

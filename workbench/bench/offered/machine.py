@@ -150,7 +150,10 @@ def _parameters(loop: BenchLoop, table: str) -> Iterator[Knob]:
         entry = entries.get(name) or entries.get(plain_name(name)) or {}
         shown, tip = unit_written(entry.get("value", "")) or "", str(entry.get("source", ""))
         words = words_of(forward) + (" (backward)" if forward != name else "")
-        knob = Knob(f"{table}.set.{name}", words, value, item.unit, tip=tip, also=also, linked=linked)
+        scale = parsed.tables.plant.scale if table == "plant" else {}
+        times = scale.get(name, scale.get(forward, 1.0)) or 1.0
+        key = f"{table}.set.{name}"
+        knob = Knob(key, words, value * times, item.unit, tip=tip, also=also, linked=linked, times=times)
         yield ranged(replace(knob, shown=shown if _converts(shown, item.unit) else ""))
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from plants.axis import unit_along
+from plants.equation import fields
 from workbench.bench.knobs import Choice, Control, Knob, ranged, words_of
 from workbench.bench.loop import BenchLoop
 from workbench.bench.measured import RECORD, MeasuredLoop
@@ -14,7 +15,8 @@ from workbench.study.reference_tables import REFERENCES
 from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.toml.units import si, unit_written
 
-LENGTHS = ("amplitude", "offset", "start", "stop")
+LENGTHS = ("amplitude", "offset")
+UNITS = {"phase": "rad", "dwell": "s", "sweep": "s", "start": "s", "stop": "s"}
 SPEEDS = ("rate", "speed")
 
 
@@ -27,7 +29,8 @@ def reference_controls(loop: BenchLoop) -> list[Control]:
     controls: list[Control] = [Choice("reference", "reference", name, kinds)]
     if not name:
         return controls
-    table, unit = loop.case.tables["references"][name], loop.parsed.axis
+    table, plant, fed = loop.case.tables["references"][name], loop.resolved.setup.plant, loop.parsed.controller.fed
+    unit = next((item.unit for item in fields(plant.Inputs) if item.name == fed), plant.axis)
     model = REFERENCES.working()[str(table["kind"])].table
     for item in model.model_fields:
         if item not in table or isinstance(table[item], list) or item in ("kind", "file", "time", "value"):
@@ -42,7 +45,9 @@ def reference_controls(loop: BenchLoop) -> list[Control]:
 
 
 def _unit_of(item: str) -> str:
-    return {"phase": "rad", "dwell": "s", "sweep": "s"}.get(item, "Hz" if "frequency" in item else "")
+    return {"phase": "rad", "dwell": "s", "sweep": "s", "start": "s", "stop": "s"}.get(
+        item, "Hz" if "frequency" in item else ""
+    )
 
 
 STARTING: Mapping[str, Mapping[str, object]] = {
