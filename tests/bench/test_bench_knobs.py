@@ -124,6 +124,9 @@ def test_effects_are_turned_on_and_off() -> None:
         assert knobs.keys() == switch.on.keys()
         assert all(knobs[key].value == value for key, value in switch.on.items())
         assert loop.changed(switch.off) == outcome.loop
+    offset = next(one for one in switches if one.label == "pressure sensor offset")
+    supply = of_name(outcome.loop.resolved.setup.parameters, "supply_pressure")
+    assert next(iter(offset.on.values())) > 1e-3 * supply  # in the machine's scale
 
 
 def test_marks_end_where_the_gain_margin_says() -> None:

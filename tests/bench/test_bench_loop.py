@@ -226,9 +226,17 @@ HOSTILE: list[dict[str, object]] = [
 
 @pytest.mark.parametrize("state", HOSTILE)
 def test_a_hostile_address_is_told(state: dict[str, object]) -> None:
-    text = base64.urlsafe_b64encode(zlib.compress(json.dumps(state).encode())).decode().rstrip("=")
+    packed = base64.urlsafe_b64decode(encoded(LOOP.changed({"rpm": 1.0}), LOOP) + "==")
+    of = json.loads(zlib.decompress(packed))["of"]
+    text = base64.urlsafe_b64encode(zlib.compress(json.dumps({"of": of, **state}).encode())).decode().rstrip("=")
     with pytest.raises(UserError):
         outcome_of(decoded(text, LOOP))
+
+
+def test_an_address_of_another_loop_is_told() -> None:
+    other = opened(None)
+    with pytest.raises(UserError, match=r"that of another loop"):
+        decoded(encoded(other.changed({"rpm": 50.0}), other), LOOP)
 
 
 def test_deep_nesting_in_an_address_is_told() -> None:

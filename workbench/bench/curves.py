@@ -49,6 +49,7 @@ class ScopeFigure:
             tools="pan,box_zoom,reset,save",
             toolbar_location="above",
             output_backend="canvas",
+            match_aspect=name == "nyquist",
             name=f"scope_{name}",
         )
         self.figure.add_tools(HoverTool(tooltips="($x, $y)", visible=False))

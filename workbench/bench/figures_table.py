@@ -14,7 +14,7 @@ COLUMNS = (
     ("max_error_m", "largest error"),
     ("steady_state_error_m", "steady-state error"),
     ("limit_cycle", "limit cycle"),
-    ("limit_cycle_amplitude_m", "its amplitude"),
+    ("limit_cycle_amplitude_m", "limit-cycle amplitude"),
     ("control_effort_V", "command, rms"),
     ("total_power_W", "power"),
     ("paid_power_W", "power paid"),
@@ -58,9 +58,11 @@ def _cells(outcome: Outcome) -> dict[str, str]:
         value = figures.get(called[name])
         cells[words] = value.replace("_", " ") if isinstance(value, str) else _number(name, value, axis)
     gain = outcome.loop_gain
-    margins = None if isinstance(gain, str) else gain.margins
-    cells["gain margin"] = "" if margins is None else _margin(margins.gain_dB, "dB")
-    cells["phase margin"] = "" if margins is None else _margin(margins.phase_deg, "deg")
+    if isinstance(gain, str):
+        cells["gain margin"] = cells["phase margin"] = "" if outcome.run.reference is None else "no steady slide"
+    else:
+        cells["gain margin"] = _margin(gain.margins.gain_dB, "dB")
+        cells["phase margin"] = _margin(gain.margins.phase_deg, "deg")
     return cells
 
 

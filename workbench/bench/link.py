@@ -1,6 +1,7 @@
 """The state of a bench as text in an address, and back: what differs from the loop as it was opened."""
 
 import base64
+import hashlib
 import json
 import zlib
 from dataclasses import replace
@@ -18,14 +19,14 @@ LARGEST = 1_000_000
 
 def encoded(loop: BenchLoop, first: BenchLoop) -> str:
     """What a loop has that the first has not, fit for an address; "" where that is nothing."""
-    state: dict[str, Any] = {}
+    state: dict[str, Any] = {"of": _mark(first)}
     if loop.changes:
         state["changes"] = dict(loop.changes)
     for section in TABLES:
         known, now = first.content.get(section, {}), loop.content.get(section, {})
         if added := {name: table for name, table in now.items() if name not in known}:
             state[section] = added
-    if not state:
+    if state.keys() == {"of"}:
         return ""
     packed = zlib.compress(json.dumps(state, sort_keys=True).encode(), 9)
     return base64.urlsafe_b64encode(packed).decode().rstrip("=")
@@ -40,6 +41,8 @@ def decoded(text: str, first: BenchLoop) -> BenchLoop:
     try:
         packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
         state = json.loads(zlib.decompressobj().decompress(packed, LARGEST))
+        if state["of"] != _mark(first):
+            raise UserError("the address is that of another loop; what is shown is the loop as it was opened")
         content = {
             **first.content,
             **{section: {**state.get(section, {}), **first.content.get(section, {})} for section in TABLES},
@@ -52,6 +55,11 @@ def decoded(text: str, first: BenchLoop) -> BenchLoop:
     except Exception as error:
         raise UserError(FOREIGN) from error
     return loop
+
+
+def _mark(first: BenchLoop) -> str:
+    """By which a loop is known again."""
+    return hashlib.sha256(json.dumps(first.content, sort_keys=True, default=str).encode()).hexdigest()[:12]
 
 
 def _refuse_files(state: dict[str, Any]) -> None:

@@ -38,7 +38,7 @@ DEFAULT: Mapping[str, Any] = {
     "title": "The thesis's actuator, turning at 120 rpm",
     "plant": {"model": "by_rpm", "parameters": "owen2001_simulation"},
     "controllers": {"p": {"type": "pid", "kp": "500 V/m"}},
-    "references": {"sine": {"kind": "sine", "amplitude": "30 mm", "frequency": "0.9 Hz"}},
+    "references": {"sine": {"kind": "sine", "amplitude": "20 mm", "frequency": "0.9 Hz"}},
     "simulation": {"duration": "5 s", "transient": "1.1 s"},
     "axes": {"rpm": [120]},
 }

@@ -36,6 +36,9 @@ TEMPLATE = Path(__file__).with_name("page.html")
 STATE = "state"
 """Of the address: what was turned."""
 
+NOWHERE = (0.0, 0.0)
+"""Between these places a loop is stable that is not stable as it is."""
+
 _ADDRESS = "history.replaceState(null, '', cb_obj.text ? `?state=${cb_obj.text}` : location.pathname)"
 
 
@@ -189,9 +192,7 @@ class BenchPage:
 
     def _save(self) -> None:
         try:
-            path = save(
-                self._here, self._name.value or self._name.placeholder, self._folder, replace=self._replace.active
-            )
+            path = save(self._here, self._name.value, self._folder, replace=self._replace.active)
         except (UserError, OSError) as error:
             self._tell(str(error))
             return
@@ -211,7 +212,7 @@ class BenchPage:
 
     def _show_controls(self) -> None:
         self._panel.show(self._here)
-        self._sweep.offer()
+        self._sweep.offer(self._here)
         self._pace.rest()
 
     def _tell(self, words: str, *, good: bool = False) -> None:
@@ -237,8 +238,7 @@ class BenchPage:
             found = stable_range(here, knob, lambda: self._moves != moves)
             if self._moves != moves:
                 return
-            if found is not None:
-                self._document.add_next_tick_callback(self._marking(knob.key, found))
+            self._document.add_next_tick_callback(self._marking(knob.key, found or NOWHERE))
 
     def _marking(self, key: str, found: tuple[float, float]) -> Any:
         return lambda: self._panel.mark(key, *found)

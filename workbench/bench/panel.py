@@ -21,6 +21,9 @@ from workbench.bench.loop import Change
 from workbench.bench.outcome import Outcome
 from workbench.bench.pace import MOVED
 
+UNFILLED = ".noUi-connect { background: none !important; }"
+"""Of a slider's track: what is left of the handle hides no colour."""
+
 STEPS = 400
 """Places of a slider."""
 
@@ -103,7 +106,7 @@ class ControlPanel:
         if shown is not None:
             stops = f"var(--bad) {100 * low:.1f}%, var(--line) {100 * low:.1f}%, var(--line) {100 * high:.1f}%"
             track = f"linear-gradient(to right, {stops}, var(--bad) {100 * high:.1f}%)"
-            shown.track.css = f".noUi-target {{ background: {track}; }} .noUi-connect {{ background: none; }}"
+            shown.track.css = f".noUi-target {{ background: {track} !important; }} {UNFILLED}"
 
     def _widget(self, control: Control) -> Any:
         if isinstance(control, Knob):
@@ -115,13 +118,14 @@ class ControlPanel:
         text = TextInput(
             title=knob.label, value=knob.text, sizing_mode="stretch_width", stylesheets=[WIDGETS], name=knob.key, **tip
         )
-        track = InlineStyleSheet(css=".noUi-connect { background: var(--line); }")
+        track = InlineStyleSheet(css=UNFILLED)
         slider = Slider(
             start=0.0,
             end=1.0,
             step=1.0 / STEPS,
             value=knob.place,
             show_value=False,
+            tooltips=False,
             sizing_mode="stretch_width",
             stylesheets=[WIDGETS, track],
             name=f"slider {knob.key}",

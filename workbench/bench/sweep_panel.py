@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from typing import Any, Literal
 
+import numpy as np
 from bokeh.document import Document
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource
@@ -18,8 +19,9 @@ from workbench.bench.figures_table import COLUMNS
 from workbench.bench.knobs import Knob
 from workbench.bench.looks import WIDGETS, Options
 from workbench.bench.loop import BenchLoop
+from workbench.bench.outcome import Outcome
 from workbench.bench.sweep import POINTS, places, swept
-from workbench.metrics.registry import columns
+from workbench.metrics.registry import columns, names_along
 from workbench.publish.along import SHOWN
 from workbench.publish.style import COLOURS
 from workbench.publish.tables import with_unit
@@ -27,7 +29,7 @@ from workbench.publish.tables import with_unit
 BATCH = 10
 """Points that are drawn at a time."""
 
-NUMBERS: Options = [(name, words) for name, words in COLUMNS if name != "limit_cycle"]
+NUMBERS: list[tuple[str, str]] = [(name, words) for name, words in COLUMNS if name != "limit_cycle"]
 
 
 class SweepPanel:
@@ -46,8 +48,14 @@ class SweepPanel:
         self._knob: Knob | None = None
         self._source = ColumnDataSource(data={"x": [], "y": []})
         self._choose = Select(title="over", options=[], stylesheets=[WIDGETS], name="sweep_knob", width=190)
+        numbers: Options = [*NUMBERS]
         self._column = Select(
-            title="figure", options=NUMBERS, value="rms_error_m", stylesheets=[WIDGETS], name="sweep_figure", width=170
+            title="figure",
+            options=numbers,
+            value="rms_error_m",
+            stylesheets=[WIDGETS],
+            name="sweep_figure",
+            width=170,
         )
         self._points = Spinner(
             title="points", low=3, high=2000, step=1, value=POINTS, stylesheets=[WIDGETS], name="sweep_points", width=90
@@ -55,8 +63,7 @@ class SweepPanel:
         start = Button(label="Sweep", stylesheets=[WIDGETS], name="sweep_start", margin=(22, 5, 5, 5))
         start.on_click(self._start)
         self._words = Div(text="", stylesheets=[WIDGETS], name="sweep_words", margin=(26, 5, 5, 5))
-        self._plots = {"linear": self._plot("linear"), "log": self._plot("log")}
-        self._shown = self._plots["linear"]
+        self._shown = self._plot("linear")
         self._place = column(Div(), sizing_mode="stretch_width")
         controls = row(self._choose, self._column, self._points, start, self._words, styles={"flex-wrap": "wrap"})
         self.layout = column(
@@ -82,8 +89,12 @@ class SweepPanel:
         plot.scatter("x", "y", source=self._source, size=6, color=COLOURS[0], nonselection_alpha=0.6)
         return plot
 
-    def offer(self) -> None:
-        """Offer the knobs that are shown now."""
+    def offer(self, outcome: Outcome) -> None:
+        """Offer the knobs that are shown now, and the figures that the run has."""
+        figures = outcome.figures
+        called = names_along(outcome.run.plant.axis)
+        numbers: Options = [one for one in NUMBERS if isinstance(figures.get(called[one[0]]), float)]
+        self._column.options = numbers or [*NUMBERS]
         options: Options = [(knob.key, knob.label) for knob in self._knobs()]
         if options != self._choose.options:
             self._choose.options = options
@@ -98,7 +109,7 @@ class SweepPanel:
         self._knob, self._running = knob, next(self._turn)
         values = [knob.at(place) for place in places(int(self._points.value or POINTS))]
         values = sorted({value for value in values if value > 0.0 or not knob.logarithmic})
-        plot = self._plots["log" if knob.logarithmic else "linear"]
+        plot = self._plot("log" if knob.logarithmic else "linear")  # with ranges of its own
         self._place.children = [Div()]
         self._shown = plot
         axis = loop.parsed.axis
@@ -126,7 +137,9 @@ class SweepPanel:
             self._source.stream(dict(batch))
             if self._place.children != [self._shown]:  # an empty plot has no ranges to draw
                 self._place.children = [self._shown]
-            self._words.text = f"{number} of {of} points" if number < of else f"{of} points"
+            found = int(np.count_nonzero(np.isfinite(np.asarray(self._source.data["y"], dtype=float))))
+            lacking = f", {of - found} of them without this figure" if found < of else ""
+            self._words.text = f"{number} of {of} points" if number < of else f"{of} points{lacking}"
 
     def _clicked(self, indices: Sequence[int]) -> None:
         if indices and self._knob is not None:

@@ -16,7 +16,7 @@ from workbench.toml.units import COMMAND
 def controller_controls(loop: BenchLoop) -> list[Control]:
     """The type of the controller, and those of its settings that count."""
     own = [*loop.content.get("controllers", {})]
-    options = [(name, f"{words_of(name)} (as opened)") for name in own]
+    options = [(name, words_of(name)) for name in own]
     options += [
         (name, words_of(name))
         for name, one in CONTROLLERS.working().items()

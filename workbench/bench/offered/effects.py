@@ -61,7 +61,12 @@ def _first(effect: Effect, scales: Scales) -> dict[str, float]:
             found[name] = number.grid[len(number.grid) // 2] * scale
         elif name in sizing:
             found[name] = (FELT * number.size * scale) or effect.neutral[name]
-    return {name: min(max(value, effect.numbers[name].low), effect.numbers[name].high) for name, value in found.items()}
+    return {name: _within(value, effect.numbers[name], scales) for name, value in found.items()}
+
+
+def _within(value: float, number: Number, scales: Scales) -> float:
+    scale = number.scale(scales)
+    return min(max(value, number.low * scale), number.high * scale)
 
 
 def _effect_knob(

@@ -78,7 +78,7 @@ def _reach(loop: BenchLoop) -> float:
     if setup.reference is not None:
         far = float(np.max(np.abs(setup.reference(np.linspace(0.0, setup.duration, SAMPLES))[0])))
         if far > 0.0:
-            return far
+            return float(f"{far:.3g}")
     travel = float(setup.plant.travel(setup.parameters))
     return SHARE * travel if math.isfinite(travel) else SHARE
 
