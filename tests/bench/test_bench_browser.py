@@ -126,6 +126,7 @@ def test_what_is_typed_wrongly_is_told(browser: "Browser", address: str) -> None
         field.fill("-3 V/m")
         field.press("Enter")
         page.wait_for_selector("text=expected a value that is not negative")
+        assert page.get_by_label("kp", exact=True).input_value() == "500 V/m"  # what is refused does not stay
         field.fill("0.7 V/mm")
         field.press("Enter")
         page.wait_for_selector("text=expected a value", state="hidden")

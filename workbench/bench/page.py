@@ -175,6 +175,7 @@ class BenchPage:
             self._here = outcome_of(loop)
         except UserError as error:
             self._tell(str(error).removeprefix(f"{loop.study.path}: "))
+            self._panel.restore()
             self._pace.sent()
             return False
         self._show_run()

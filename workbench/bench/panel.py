@@ -100,6 +100,14 @@ class ControlPanel:
         self._quiet = False
         return within
 
+    def restore(self) -> None:
+        """Texts and sliders as they were, where what was turned is refused."""
+        self._quiet = True
+        for shown in self._shown.values():
+            shown.text.value = shown.knob.text
+            shown.slider.value = shown.knob.place
+        self._quiet = False
+
     def mark(self, key: str, low: float, high: float) -> None:
         """Colour a slider beyond these places, where the linearised loop is unstable."""
         shown = self._shown.get(key)
