@@ -131,16 +131,15 @@ def main() -> None:
         sys.exit("no browser: apt-get install chromium")
     print(f"one run: {', '.join(parts())}")
     print(f"sweep of 200 points of 2 s: {sweep_seconds():.2f} s")
-    begin = time.perf_counter()
     command = (sys.executable, "-c", "from workbench.cli import main; main()", "bench", "--no-browser")
-    folder = tempfile.TemporaryDirectory()
-    with folder, subprocess.Popen(command, cwd=folder.name, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        address = server.stdout.readline().split()[-1]
-        with sync_playwright() as playwright:
-            page = playwright.chromium.launch(executable_path=chromium, args=FLAGS).new_page(
-                viewport={"width": 1300, "height": 1000}
-            )
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
+        page = playwright.chromium.launch(executable_path=chromium, args=FLAGS).new_page(
+            viewport={"width": 1300, "height": 1000}
+        )
+        begin = time.perf_counter()
+        with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as server:
+            assert server.stdout is not None
+            address = server.stdout.readline().split()[-1]
             troubles: list[str] = []
             page.on("console", lambda line: troubles.append(line.text) if line.type == "error" else None)
             page.on("pageerror", lambda error: troubles.append(str(error)))
@@ -162,7 +161,7 @@ def main() -> None:
                     f"page {before[1]:.1f} -> {after[1]:.1f} MB"
                 )
             print(f"errors in the console: {len(troubles)}")
-        server.terminate()
+            server.terminate()
     print(f"memory of this process at most {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 
