@@ -7,6 +7,7 @@ from workbench.bench.outcome import Outcome
 from workbench.metrics.registry import names_along
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
+from workbench.publish.words import plain_name
 
 COLUMNS = (
     ("phase_lag_deg", "phase lag"),
@@ -52,11 +53,11 @@ def _cells(outcome: Outcome) -> dict[str, str]:
     cells = {"outcome": outcome.run.outcome}
     for channel, rms in outcome.misfits.items():
         unit = outcome.units[channel]
-        words = f"{channel.replace('_', ' ')} off, rms"
+        words = f"{plain_name(channel)} off, rms"
         cells[words] = SHOWN[axis].length(rms, DIGITS) if unit == axis else f"{shown_number(rms, DIGITS)} {unit}"
     for name, words in COLUMNS:
         value = figures.get(called[name])
-        cells[words] = value.replace("_", " ") if isinstance(value, str) else _number(name, value, axis)
+        cells[words] = plain_name(value) if isinstance(value, str) else _number(name, value, axis)
     gain = outcome.loop_gain
     if isinstance(gain, str):
         cells["gain margin"] = cells["phase margin"] = "" if outcome.run.reference is None else "no steady slide"

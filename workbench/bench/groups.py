@@ -64,10 +64,11 @@ def chosen(loop: BenchLoop, key: str, name: str) -> BenchLoop | None:
     if key == RECORD and isinstance(loop, MeasuredLoop):
         return loop.with_record(name)
     if key == "controller":
-        gauge = name in CONTROLLERS.working() and CONTROLLERS.working()[name].gauge
-        tried = [loop.with_controller(name, table, gauge) for table in controller.starting_tables(loop, name)]
+        known = CONTROLLERS.working().get(name)
+        gauged = loop.changed({"sensors.friction_gauge": True}) if known is not None and known.gauge else loop
+        tried = [gauged.with_table(key, name, table) for table in controller.starting_tables(loop, name)]
     elif key == "reference":
-        tried = [loop.with_reference(name, motion.starting_table(loop, name))]
+        tried = [loop.with_table(key, name, motion.starting_table(loop, name))]
     else:
         tried = [loop.changed({key: name})]
     return next((one for one in tried if one.serves), None)

@@ -123,11 +123,6 @@ class Switch:
 Control = Knob | Choice | Switch
 
 
-def words_of(name: str) -> str:
-    """A name as a reader sees it."""
-    return name.replace("_", " ")
-
-
 def ranged(knob: Knob) -> Knob:
     """A knob of whose range nothing is said: a decade to either side of its value; from 0 to two of its unit at 0."""
     size = abs(knob.value) or knob.factor

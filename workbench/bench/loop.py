@@ -42,21 +42,12 @@ class BenchLoop:
         together = {**self.changes, **change}
         return replace(self, changes={key: value for key, value in together.items() if value is not None})
 
-    def with_controller(self, name: str, table: Mapping[str, object], gauge: bool = False) -> "BenchLoop":
-        """The loop with another controller; one that it has not yet gets this table."""
-        known = self.content.get("controllers", {})
-        content = dict(self.content)
-        content["controllers"] = {**known, name: known.get(name, dict(table))}
-        change: dict[str, object] = {"controller": name}
-        if gauge:
-            change["sensors.friction_gauge"] = True
-        return replace(self, content=content).changed(change)
-
-    def with_reference(self, name: str, table: Mapping[str, object]) -> "BenchLoop":
-        """The loop with another reference; one that it has not yet gets this table."""
-        known = self.content.get("references", {})
-        content = {**self.content, "references": {**known, name: known.get(name, dict(table))}}
-        return replace(self, content=content).changed({"reference": name})
+    def with_table(self, axis: str, name: str, table: Mapping[str, object]) -> "BenchLoop":
+        """The loop with another "controller" or "reference"; one that it has not yet gets this table."""
+        section = f"{axis}s"
+        known = self.content.get(section, {})
+        content = {**self.content, section: {**known, name: known.get(name, dict(table))}}
+        return replace(self, content=content).changed({axis: name})
 
     @property
     def as_study(self) -> dict[str, Any]:
@@ -65,7 +56,7 @@ class BenchLoop:
         """
         axes = {**self.content.get("axes", {}), **{key: [value] for key, value in self.changes.items()}}
         content = {**self.content, "axes": axes}
-        for axis in ("controller", "reference"):
+        for axis in CHOSEN:
             section = f"{axis}s"
             chosen = axes.get(axis, [next(iter(content.get(section, {})), None)])[0]
             content[section] = {name: table for name, table in content.get(section, {}).items() if name == chosen}

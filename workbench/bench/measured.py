@@ -1,7 +1,7 @@
 """A record on the bench: the plant of an experiment, driven by what was measured, beside what it did."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,9 @@ RECORD = "record"
 RECORDED = "recorded_"
 """What stands before the name of a channel in the signals of a run beside its record."""
 
+PLANT_FILE = "plant.toml"
+"""What an identification and a diagnosis write."""
+
 FORCE = "force"
 """The channel of a measured force, or torque."""
 
@@ -35,8 +38,8 @@ ROTATION = {"motor": "voltage", "ideal": "ideal"}
 class MeasuredLoop(BenchLoop):
     """A plant that the inputs of a record drive, in open loop; `chosen` is the number of the record among all."""
 
-    experiment: Experiment = None  # type: ignore[assignment] # dataclasses want a default behind one
-    records: tuple[Record, ...] = ()
+    experiment: Experiment = field(kw_only=True)
+    records: tuple[Record, ...] = field(kw_only=True)
     chosen: int = 0
 
     @property
@@ -114,7 +117,7 @@ def measured_loop(path: Path) -> MeasuredLoop:
         "simulation": {"duration": max(float(records[0].time[-1]), 1e-3), "sample_time": records[0].sample_time},
         **_turning(records[0]),
     }
-    return MeasuredLoop(content, path.parent, {}, experiment, records)
+    return MeasuredLoop(content, path.parent, experiment=experiment, records=records)
 
 
 def _driven(record: Record, experiment: Experiment) -> Record:
@@ -131,7 +134,7 @@ def corrected(loop: MeasuredLoop, path: Path) -> MeasuredLoop:
     Raises:
         UserError: no such file.
     """
-    file = path / "plant.toml" if path.is_dir() else path
+    file = path / PLANT_FILE if path.is_dir() else path
     if not file.exists():
         raise UserError(
             f"{file}: no such file; expected the folder of a diagnosis or an identification, or a plant.toml"

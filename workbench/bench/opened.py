@@ -10,7 +10,7 @@ from plants.axis import LINEAR
 from plants.interface import Plant
 from plants.registry import PLANTS
 from workbench.bench.loop import BenchLoop, loop_of
-from workbench.bench.measured import measured_loop
+from workbench.bench.measured import PLANT_FILE, measured_loop
 from workbench.errors import UserError
 from workbench.parameters.sets import axis_of, build, lacks, read_parameters, serves
 from workbench.records.experiment import is_experiment
@@ -21,9 +21,6 @@ from workbench.study.store import STUDY_COPY
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
 from workbench.toml.reading import read_toml
-
-PLANT_FILE = "plant.toml"
-"""What an identification and a diagnosis write."""
 
 BANDWIDTH = 10.0
 """rad/s, of the loop that a parameter file is opened with."""

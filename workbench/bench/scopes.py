@@ -10,6 +10,7 @@ from workbench.bench.outcome import Outcome
 from workbench.linear.margins import grid_about
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import with_unit
+from workbench.publish.words import plain_name
 from workbench.simulation.run import TRUE
 
 BUCKETS = 600
@@ -87,10 +88,6 @@ def _reader(unit: str, axis: str) -> tuple[str, float]:
     return READERS.get(unit, (unit, 1.0))
 
 
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
 def _over_time(names: Sequence[str], outcome: Outcome, label: str = "") -> View:
     """Those of these signals that a run has, over time."""
     return _drawn("time", names, outcome, label, start=0)
@@ -107,17 +104,17 @@ def _drawn(x: str, names: Sequence[str], outcome: Outcome, label: str, start: in
     units, axis, signals = outcome.units, run.plant.axis, outcome.signals
     found = [name for name in dict.fromkeys(names) if name in signals]
     x_unit, x_factor = _reader(units[x], axis)
-    below = with_unit(_words(x), x_unit)
+    below = with_unit(plain_name(x), x_unit)
     if not found:
-        return View((), below, _words(names[0]), f"{_words(run.plant.name)} has none")
+        return View((), below, plain_name(names[0]), f"{plain_name(run.plant.name)} has none")
     unit, factor = _reader(units[found[0]], axis)
     across = signals[x][start:]
     curves = []
     for name in found:
         values = signals[name][start:]
         kept = thinned(values) if x == "time" else thinned(across, values)
-        curves.append(Curve(_words(name), x_factor * across[kept], factor * values[kept]))
-    return View(curves, below, with_unit(label or _words(found[-1]), unit))
+        curves.append(Curve(plain_name(name), x_factor * across[kept], factor * values[kept]))
+    return View(curves, below, with_unit(label or plain_name(found[-1]), unit))
 
 
 def _spectrum(outcome: Outcome) -> View:

@@ -1,7 +1,6 @@
 """A slider as an axis: one figure of the loop over the values of a knob, point by point."""
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +9,7 @@ from workbench.bench.loop import BenchLoop, Change
 from workbench.bench.measured import MeasuredLoop
 from workbench.bench.outcome import outcome_of
 from workbench.errors import UserError
-from workbench.parallel import job_count
+from workbench.parallel import workers
 from workbench.simulation.simulate import simulate
 from workbench.study.resolve import resolve
 from workbench.study.run_on import evaluated
@@ -34,8 +33,8 @@ def swept(
     def point(value: float) -> tuple[float, float | None]:
         return value, None if stopped() else _figure(loop, knob.change(value), column)
 
-    with ThreadPoolExecutor(job_count(None)) as workers:
-        yield from workers.map(point, values)
+    with workers() as executor:
+        yield from executor.map(point, values)
 
 
 def _figure(loop: BenchLoop, change: Change, column: str) -> float | None:

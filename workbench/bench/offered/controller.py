@@ -8,8 +8,9 @@ from controllers.open_loop import OPEN_LOOP
 from controllers.registry import CONTROLLERS
 from controllers.settings import Setting, idle, settings_of
 from plants.interface import Plant
-from workbench.bench.knobs import Choice, Control, Knob, ranged, words_of
+from workbench.bench.knobs import Choice, Control, Knob, ranged
 from workbench.bench.loop import BenchLoop
+from workbench.publish.words import plain_name as words_of
 from workbench.toml.units import COMMAND
 
 

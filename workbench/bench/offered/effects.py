@@ -7,10 +7,11 @@ from plants.effects.interface import FREE, Effect, Number
 from plants.effects.scales import Scales
 from plants.equation import fields
 from plants.interface import Plant
-from workbench.bench.knobs import DECADE, Control, Knob, Switch, words_of
+from workbench.bench.knobs import DECADE, Control, Knob, Switch
 from workbench.bench.outcome import Outcome
 from workbench.diagnose.residuals.scales import Moved, scales_from
 from workbench.parameters.sets import NEUTRAL
+from workbench.publish.words import plain_name as words_of
 from workbench.toml.units import si
 
 

@@ -8,7 +8,7 @@ from typing import Any, get_args
 from plants.equation import NEGATIVE, fields, to_array
 from plants.laws.registry import LAWS
 from plants.registry import PLANTS
-from workbench.bench.knobs import Choice, Control, Knob, ranged, words_of
+from workbench.bench.knobs import Choice, Control, Knob, ranged
 from workbench.bench.loop import BenchLoop
 from workbench.errors import UserError
 from workbench.parameters.sets import (
@@ -21,6 +21,7 @@ from workbench.parameters.sets import (
     plain_name,
     read_parameters,
 )
+from workbench.publish.words import plain_name as words_of
 from workbench.records.schema import FRICTION
 from workbench.study.layers import LAYERS
 from workbench.study.resolve import MODELS

@@ -8,9 +8,10 @@ import numpy as np
 
 from plants.axis import unit_along
 from plants.equation import fields
-from workbench.bench.knobs import Choice, Control, Knob, ranged, words_of
+from workbench.bench.knobs import Choice, Control, Knob, ranged
 from workbench.bench.loop import BenchLoop
 from workbench.bench.measured import RECORD, MeasuredLoop
+from workbench.publish.words import plain_name as words_of
 from workbench.study.reference_tables import REFERENCES
 from workbench.study.sensor_tables import CHANNEL_UNITS
 from workbench.toml.units import si, unit_written
@@ -45,9 +46,7 @@ def reference_controls(loop: BenchLoop) -> list[Control]:
 
 
 def _unit_of(item: str) -> str:
-    return {"phase": "rad", "dwell": "s", "sweep": "s", "start": "s", "stop": "s"}.get(
-        item, "Hz" if "frequency" in item else ""
-    )
+    return UNITS.get(item, "Hz" if "frequency" in item else "")
 
 
 STARTING: Mapping[str, Mapping[str, object]] = {
