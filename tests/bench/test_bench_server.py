@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from benches import short
-from command import workbench
+from command import STUDY, changed, workbench
 
 import workbench as wb
 from workbench.bench.server import BenchServer
@@ -109,6 +109,15 @@ def test_a_notebook_shows_the_page_in_a_frame() -> None:
         bench.close()
     with pytest.raises(UserError, match=r"bench: got .*expected a loop"):
         wb.bench(3)  # type: ignore[arg-type]
+
+
+def test_a_mistake_in_a_study_is_told_by_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(changed('kp = "500 V/m"', 'kpp = "500 V/m"', STUDY), encoding="utf-8")
+    answer = workbench("bench", path, "--no-browser")
+    line = next(i for i, row in enumerate(path.read_text(encoding="utf-8").splitlines(), 1) if row.startswith("kpp"))
+    assert answer.code == 2
+    assert f"{path}:{line}: controllers.p.kpp: unknown key" in answer.err
 
 
 @pytest.mark.parametrize(

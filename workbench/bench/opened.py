@@ -17,6 +17,7 @@ from workbench.records.experiment import is_experiment
 from workbench.study.layers import layer_of
 from workbench.study.names import in_words, matches
 from workbench.study.reading import layer_trial, read_study, study_of
+from workbench.study.resolve import resolve
 from workbench.study.store import STUDY_COPY
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
@@ -83,6 +84,7 @@ def _case(study: Study, where: Mapping[str, object]) -> BenchLoop:
     if found is None:
         axes = ", ".join(dict.fromkeys(name for case in cases for name in case.columns))
         raise UserError(f"{study.path}: no case with {in_words(where)}; the axes are {axes or 'none'}")
+    resolve(study, found)  # a mistake is told by its line in the file
     return loop_of(study, found)
 
 
