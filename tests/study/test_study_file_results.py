@@ -52,6 +52,21 @@ MISTAKES = {
         STUDY + TABLE + '[[tables.rows]]\nresult = "phase_lag_deg"\nlabel = "lag"\n',
         "@:24: tables.0.rows.0.where: 2 cases to choose from, expected one",
     ),
+    "a reference that the table has not": (
+        STUDY + TABLE + 'index = "rpm"\nreferences = { thesis = "Owen" }\n'
+        'columns = [{ result = "gain_ratio", label = "a", against = { thsis = { 0 = 1.0 } } }]\n',
+        '@:26: tables.0.columns.0.against: unknown reference of the table "thsis"; did you mean "thesis"?',
+    ),
+    "a reference's value where no number is": (
+        STUDY + TABLE + 'index = "rpm"\nreferences = { thesis = "Owen" }\n'
+        'columns = [{ result = "gain_ratio", label = "a", against = { thesis = { x = 1.0 } } }]\n',
+        '@:26: tables.0.columns.0.against.thesis: got "x", expected a number as rpm has them',
+    ),
+    "a reference of the name of published": (
+        STUDY + TABLE + 'index = "rpm"\nreferences = { published = "Owen" }\n'
+        'columns = [{ result = "gain_ratio", label = "a" }]\n',
+        '@:21: tables.0: references: "published" is that of `published`, with its source in `source`',
+    ),
     "published where no number is": (
         STUDY + TABLE + 'index = "rpm"\ncolumns = [{ result = "gain_ratio", label = "a", published = { x = 1.0 } }]\n',
         '@:25: tables.0.columns.0.published: got "x", expected a number as rpm has them',

@@ -262,15 +262,62 @@ def test_markdown(tmp_path: Path) -> None:
 def test_latex(tmp_path: Path) -> None:
     text = write_table(SPEC, FRAME, tmp_path)[2].read_text(encoding="utf-8")
     assert [text.count(rule) for rule in (r"\toprule", r"\midrule", r"\bottomrule")] == [1, 1, 1]
-    assert r"\begin{tabular}{llrrrrp{45mm}}" in text
+    aligned = "".join(f"S[table-format={form}]" for form in ("1.3", "1.2", "1.0", "1.2"))
+    assert rf"\begin{{tabular}}{{ll{aligned}l}}" in text
     assert r"\label{tab:table_1}" in text
-    assert r"lag | 0\_rpm & deg & 8.610 & 8.61 & 0 & 0.00 &  \\" in text
-    assert r"verdict &  & none &  &  &  & 100 \% \\" in text
-    caption = (
-        r"\caption{Gain of 50 \% \& more. Published: Owen 2001, table\_3.1. "
-        r"K\_p \textasciicircum{} \textasciitilde{} \# \$ \{x\} \textbackslash{} y}"
-    )
-    assert caption in text
+    assert r"{published\tnote{a}} & {difference} & {(\unit{\percent})} & {remark} \\" in text
+    assert r"lag \textbar{} 0 rpm & \unit{\degree} & 8.610 & 8.61 & 0 & 0.00 &  \\" in text
+    assert r"verdict &  & {none} &  &  &  & 100 \% \\" in text
+    assert r"\caption{Gain of 50 \% \& more}" in text
+    assert r"\item[a] Owen 2001, table\_3.1." in text
+    note = r"K\textsubscript{p} \textasciicircum{} \textasciitilde{} \# \$ \{x\} \textbackslash{} y"
+    assert rf"\item[] {note}" in text
+
+
+def test_a_column_for_each_reference_with_its_difference_and_its_source(tmp_path: Path) -> None:
+    against = {"thesis, measured": {"0": 9.1}, "another paper": {"120": 8.0, "0": 8.2}}
+    column = {"result": "phase_lag_deg", "label": "lag", "unit": "deg", "published": {"0": 8.55}, "against": against}
+    sources = {"thesis, measured": "Owen 2001, table 5.3", "another paper": "Somebody 2010"}
+    content = {"name": "t", "title": "a title", "index": "rpm", "source": "Owen 2001, table 3.1", "references": sources}
+    spec = TableSpec(**content, columns=[column])
+    found = make_table(spec, FRAME).to_dict("list")
+    assert found == {
+        "rpm": ["0", "120", "460"],
+        "lag (deg), this program": ["8.610", "7.985", ""],
+        "published": ["8.55", "", ""],
+        "published, difference": ["+0.0600", "", ""],
+        "published, difference (%)": ["+0.70", "", ""],
+        "thesis, measured": ["9.1", "", ""],
+        "thesis, measured, difference": ["-0.490", "", ""],
+        "thesis, measured, difference (%)": ["-5.38", "", ""],
+        "another paper": ["8.2", "8", ""],
+        "another paper, difference": ["+0.410", "-0.0150", ""],
+        "another paper, difference (%)": ["+5.00", "-0.19", ""],
+    }
+    _, markdown, latex = (path.read_text(encoding="utf-8") for path in write_table(spec, FRAME, tmp_path))
+    told = [
+        "Published: Owen 2001, table 3.1.",
+        "Thesis, measured: Owen 2001, table 5.3.",
+        "Another paper: Somebody 2010.",
+    ]
+    assert markdown.split("\n\n")[2:5] == told
+    assert [latex.count(rf"\tnote{{{mark}}}") for mark in "abc"] == [1, 1, 1]
+    assert r"\item[b] Owen 2001, table 5.3." in latex
+
+
+def test_rows_against_several_references() -> None:
+    where = {"where": {"rpm": 0}, "result": "phase_lag_deg", "unit": "deg"}
+    rows = [
+        {**where, "label": "lag", "against": {"a": 8.0, "b": 9.0}},
+        {**where, "label": "again", "against": {"b": 8.61}},
+    ]
+    found = table(references={"a": "A", "b": "B"}, rows=rows)
+    assert found.columns.tolist() == [
+        *("quantity", "unit", "this program", "a", "a, difference", "a, difference (%)"),
+        *("b", "b, difference", "b, difference (%)"),
+    ]
+    assert found["b, difference"].tolist() == ["-0.390", "0"]
+    assert found["a"].tolist() == ["8", ""]
 
 
 def test_the_command_writes_what_the_study_asks_for(tmp_path: Path) -> None:

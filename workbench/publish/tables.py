@@ -1,10 +1,12 @@
-"""Tables of text, as CSV, Markdown and LaTeX (booktabs), and numbers as a reader sees them."""
+"""Tables of text, as CSV, Markdown and LaTeX (siunitx, booktabs), and numbers as a reader sees them."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from workbench.publish.latex.table import latex_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,11 +31,15 @@ WORDS = (
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A table of text with its title, and what a reader must know of it."""
+    """A table of text with its title, and what a reader must know of it.
+
+    `sources` say of headings, or of what they end in behind a comma, where the values come from.
+    """
 
     title: str
     cells: "pd.DataFrame"
     notes: Sequence[str] = ()
+    sources: Mapping[str, str] = field(default_factory=dict)
 
 
 def shown_number(number: float, digits: int) -> str:
@@ -73,7 +79,8 @@ def _markdown(table: Table) -> str:
     align = ["right" if right else "left" for right in numeric]
     shown = table.cells.rename(columns=_piped).map(_piped)
     body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
-    return "\n\n".join([f"**{table.title}**", body, *table.notes]) + "\n"
+    sources = [f"{name[:1].upper()}{name[1:]}: {source}." for name, source in table.sources.items()]
+    return "\n\n".join([f"**{table.title}**", body, *sources, *table.notes]) + "\n"
 
 
 def _piped(text: str) -> str:
@@ -81,32 +88,5 @@ def _piped(text: str) -> str:
 
 
 def _latex(name: str, table: Table) -> str:
-    columns = "".join(
-        {REMARK: "p{45mm}"}.get(column, "l" if column in WORDS else "r") for column in table.cells.columns
-    )
-    caption = " ".join([f"{table.title}.", *table.notes])
-    headed = table.cells.rename(columns=_escaped).map(_escaped)
-    return str(
-        headed.style.hide(axis="index").to_latex(
-            hrules=True,
-            caption=_escaped(caption),
-            label=f"tab:{name}",
-            column_format=columns,
-            position_float="centering",
-        )
-    )
-
-
-_SPECIAL = str.maketrans(
-    {
-        **{character: f"\\{character}" for character in "%&_#${}"},
-        "^": r"\textasciicircum{}",
-        "~": r"\textasciitilde{}",
-        "\\": r"\textbackslash{}",
-    }
-)
-
-
-def _escaped(text: str) -> str:
-    """Text as LaTeX shows it. pandas escapes cells alone, not captions, and writes a space behind ^ and ~."""
-    return str(text).translate(_SPECIAL)
+    cells = {str(heading): column.astype(str).tolist() for heading, column in table.cells.items()}
+    return latex_table(name, table.title, cells, table.notes, table.sources, WORDS)

@@ -14,6 +14,7 @@ from workbench.compare.report.words import lying
 from workbench.compare.result import Comparison, Verdict
 from workbench.compare.schema import ComparisonTable
 from workbench.metrics.limit_cycle import HUNTING
+from workbench.publish.tables import Table, write_frame
 from workbench.publish.words import plain_name
 
 
@@ -36,6 +37,9 @@ class Metric:
     label: str
     scale: float = 1.0
 
+
+FINALISTS = "finalists"
+"""The name of the table of those who were measured again."""
 
 HUNTING_METRICS = (
     Metric("hunts", "share of draws that hunt"),
@@ -138,19 +142,8 @@ def _number(value: float, scale: float = 1.0, least: float = 0.0) -> str:
 
 def write_tables(comparison: Comparison, folder: Path) -> list[Pivot]:
     """Write every table as CSV, Markdown and LaTeX; returns the pivots."""
-    folder.mkdir(parents=True, exist_ok=True)
     made = list(pivots(comparison))
     for pivot in made:
-        _write(pivot.name, pivot.title, pivot.cells, folder)
-    _write("finalists", "Who stood for each class", finalist_table(comparison), folder)
+        write_frame(pivot.name, Table(pivot.title, pivot.cells), folder)
+    write_frame(FINALISTS, Table("Who stood for each class", finalist_table(comparison)), folder)
     return made
-
-
-def _write(name: str, title: str, cells: pd.DataFrame, folder: Path) -> None:
-    cells.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
-    body = cells.to_markdown(index=False, disable_numparse=True)
-    (folder / f"{name}.md").write_text(f"**{title}**\n\n{body}\n", encoding="utf-8")
-    latex = cells.map(lambda text: str(text).replace("_", r"\_").replace("<", "$<$"))
-    latex.columns = [str(column).replace("_", r"\_") for column in latex.columns]
-    text = latex.style.hide(axis="index").to_latex(hrules=True, caption=title, label=f"tab:{name}")
-    (folder / f"{name}.tex").write_text(text, encoding="utf-8")

@@ -156,7 +156,7 @@ class Checks:
         numeric = not are_names(self._values(axis))
         for value in values:
             if numeric and are_names([value]):
-                raise self.study.error((*key, "published"), f'got "{value}", expected a number as {axis} has them')
+                raise self.study.error(key, f'got "{value}", expected a number as {axis} has them')
 
     def _values(self, axis: str) -> list[object]:
         """What the cases have on an axis."""
@@ -174,11 +174,16 @@ class Checks:
                 place = (*key, form, i)
                 check_name(self.study, (*place, "result"), "figure", item.result, self.columns)
                 self._unit((*place, "unit"), unit_of_column(item.result), item.unit)
+                for name in item.against:
+                    check_name(self.study, (*place, "against"), "reference of the table", name, table.references)
         for i, row in enumerate(table.rows):
             self._chosen((*key, "rows", i), {**table.where, **row.where}, one=True)
         for i, column in enumerate(table.columns):
             self._chosen((*key, "columns", i), {**table.where, **column.where}, one=False)
-            self._published((*key, "columns", i), column.published, str(table.index))
+            place = (*key, "columns", i)
+            self._published((*place, "published"), column.published, str(table.index))
+            for name, values in column.against.items():
+                self._published((*place, "against", name), values, str(table.index))
         if table.index in self.axes and {*table.where, *(k for c in table.columns for k in c.where)} <= {*self.axes}:
             try:
                 lay_out(table, [case.columns for case in self.cases], self.axes)

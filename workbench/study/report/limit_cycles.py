@@ -11,7 +11,7 @@ from plants.friction import friction_in
 from workbench.linear.describing_function import Prediction, predict
 from workbench.metrics.registry import names_along
 from workbench.publish.along import SHOWN
-from workbench.publish.tables import shown_number
+from workbench.publish.tables import Table, shown_number, write_frame
 from workbench.simulation.setup import Setup
 from workbench.study.plan import Plan
 
@@ -88,11 +88,5 @@ def _beside(
 
 
 def write_limit_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> Path:
-    """Write tables/limit_cycles.csv and .md of results that hold limit cycles; returns the .md."""
-    table = limit_cycle_table(planned, frame)
-    csv, markdown = (folder / "tables" / f"{NAME}.{ending}" for ending in ("csv", "md"))
-    csv.parent.mkdir(parents=True, exist_ok=True)
-    table.to_csv(csv, index=False, lineterminator="\n")
-    body = table.to_markdown(index=False, disable_numparse=True)
-    markdown.write_text("\n\n".join([f"**{TITLE}**", body, NOTE]) + "\n", encoding="utf-8")
-    return markdown
+    """Write the table of results that hold limit cycles to the folder `tables`; returns its Markdown."""
+    return write_frame(NAME, Table(TITLE, limit_cycle_table(planned, frame), [NOTE]), folder / "tables")[1]

@@ -38,8 +38,9 @@ class Probe(Strict):
 class Column(Strict):
     """One column of a table over an axis: a figure of the results, beside its published values by axis value.
 
-    `where` picks its cases among those of the table, as where columns come from different references. What is smaller
-    than `least`, a number in the unit shown, or an error than its solver error, is shown as "< least".
+    `against` holds values by axis value for each of the table's `references`. `where` picks its cases among those of
+    the table, as where columns come from different references. What is smaller than `least`, a number in the unit
+    shown, or an error than its solver error, is shown as "< least".
     """
 
     result: str
@@ -47,12 +48,13 @@ class Column(Strict):
     unit: str = "1"
     digits: int = 4
     published: dict[str, float] = {}
+    against: dict[str, dict[str, float]] = {}
     where: dict[str, Any] = {}
     least: float = Field(0.0, ge=0.0)
 
 
 class Row(Strict):
-    """One row of a table of single figures."""
+    """One row of a table of single figures; `against` holds a value for each of the table's `references`."""
 
     where: dict[str, Any] = {}
     result: str
@@ -60,6 +62,7 @@ class Row(Strict):
     unit: str = "1"
     digits: int = 4
     published: float | None = None
+    against: dict[str, float] = {}
     remark: str = ""
     least: float = Field(0.0, ge=0.0)
 
@@ -68,9 +71,11 @@ class TableSpec(Strict):
     """[[tables]]: `columns` over the values of the axis `index`, or `rows` of single figures; never both.
 
     `compared_with` heads the values under `published`: "reference" where they come from a formula or from another
-    computation and are printed nowhere. With `across`, another axis, the values of one column stand side by side, each
-    with its place among its neighbours above and below (none with `places` = false): the smallest in magnitude first, a
-    power by its value; those below what is told apart share a place.
+    computation and are printed nowhere; `source` says where. Further ones, by name, have their source in `references`
+    and their values under `against`: a column each, with the difference from it. With `across`, another axis, the
+    values of one column stand side by side, each with its place among its neighbours above and below (none with
+    `places` = false): the smallest in magnitude first, a power by its value; those below what is told apart share a
+    place.
     """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
@@ -78,6 +83,7 @@ class TableSpec(Strict):
     source: str = ""
     note: str = ""
     compared_with: Literal["published", "reference"] = "published"
+    references: dict[str, str] = {}
     index: str | None = None
     index_label: str = ""
     across: str | None = None
@@ -90,8 +96,10 @@ class TableSpec(Strict):
     def _one_form(self) -> "TableSpec":
         if bool(self.rows) == bool(self.columns) or bool(self.columns) != (self.index is not None):
             raise ValueError("expected index with columns, or rows")
-        if self.across is not None and (len(self.columns) != 1 or self.columns[0].published):
+        if self.across is not None and (len(self.columns) != 1 or self.columns[0].published or self.columns[0].against):
             raise ValueError("across: expected index with one column, without published values")
+        if self.compared_with in self.references:
+            raise ValueError(f'references: "{self.compared_with}" is that of `published`, with its source in `source`')
         if self.places is not None and self.across is None:
             raise ValueError("places: belongs to a table with across")
         headings = [(column.label, column.unit) for column in self.columns]

@@ -1,4 +1,4 @@
-"""Thesis-style tables: ours beside the published value and the difference, as CSV, Markdown and LaTeX (booktabs)."""
+"""Thesis-style tables: ours beside each published value and the difference, as CSV, Markdown and LaTeX."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -59,18 +59,27 @@ def _floor(row: ResultRow, figure: Column | Row) -> float:
     return max(figure.least, float(solver_error) * shown_factor(unit_of_column(figure.result), figure.unit))
 
 
-def _compared(number: float | None, published: float | None, digits: int, heading: str) -> dict[str, str]:
-    """The published (or reference) value under its heading, and how far ours is from it."""
-    if number is None or published is None:
-        return {heading: "" if published is None else f"{published:g}", DIFFERENCE: "", PERCENT: ""}
-    difference = number - published
-    percent = f"{100.0 * difference / published:+.2f}" if published else ""
+def _compared(number: float | None, reference: float | None, digits: int) -> tuple[str, str, str]:
+    """A reference's value, how far ours is from it, and by how many percent."""
+    if number is None or reference is None:
+        return "" if reference is None else f"{reference:g}", "", ""
+    difference = number - reference
+    percent = f"{100.0 * difference / reference:+.2f}" if reference else ""
     sign = "+" if difference > 0.0 else ""
-    return {
-        heading: f"{published:g}",
-        DIFFERENCE: sign + shown_number(difference, min(digits, 3)),
-        PERCENT: "0.00" if percent in ("+0.00", "-0.00") else percent,
-    }
+    shown = sign + shown_number(difference, min(digits, 3))
+    return f"{reference:g}", shown, "0.00" if percent in ("+0.00", "-0.00") else percent
+
+
+def _beside(
+    number: float | None, references: Mapping[str, float | None], digits: int, label: str = ""
+) -> dict[str, str]:
+    """Each reference's value under its name, and the difference from it, which is named where there are several."""
+    cells: dict[str, str] = {}
+    for name, value in references.items():
+        of = f"{name}, " if len(references) > 1 else ""
+        headings = (name, f"{of}{DIFFERENCE}", f"{of}{PERCENT}")
+        cells |= dict(zip(headings, _compared(number, value, digits), strict=True))
+    return {f"{label}, {heading}" if label else heading: cell for heading, cell in cells.items()}
 
 
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
@@ -82,7 +91,7 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
         layout = lay_out(spec, records, axes)
     except LayoutError as error:
         raise UserError(f"table {spec.name}: {error}") from None
-    several = sum(bool(column.published) for column in spec.columns) > 1
+    several = sum(bool(column.published or column.against) for column in spec.columns) > 1
     headed = {spec.index: spec.index_label or str(spec.index)}
     table = pd.DataFrame(
         [{headed.get(name, name): _label(value) for name, value in line.values.items()} for line in layout.lines]
@@ -114,13 +123,15 @@ def _cells(
     title = with_unit(label, _unit(column))
     if heading.across is not None and spec.places is not False:
         return [{title: text} for text in _placed(column, shown, cases)]
-    if not column.published:
+    by_reference: dict[str, dict[str, float]] = {spec.compared_with: column.published} if column.published else {}
+    by_reference |= {name: column.against[name] for name in spec.references if name in column.against}
+    if not by_reference:
         return [{title: text} for text, _ in shown]
     found = []
     for (text, number), value in zip(shown, values, strict=True):
-        beside = _compared(number, _published(column, value), column.digits, spec.compared_with)
-        cells = {f"{column.label}, {name}" if several else name: cell for name, cell in beside.items()}
-        found.append({f"{title}, {OURS}": text} | cells)
+        references = {name: _at(known, value) for name, known in by_reference.items()}
+        beside = _beside(number, references, column.digits, column.label if several else "")
+        found.append({f"{title}, {OURS}": text} | beside)
     return found
 
 
@@ -142,9 +153,9 @@ def _size(column: Column, number: float, floor: float) -> float:
     return number if unit_of_column(column.result) == "W" else abs(number)
 
 
-def _published(column: Column, value: object) -> float | None:
-    """The published figure at this value of the axis."""
-    return next((number for key, number in column.published.items() if matches({"": value}, {"": key})), None)
+def _at(known: Mapping[str, float], value: object) -> float | None:
+    """A reference's figure at this value of the axis."""
+    return next((number for key, number in known.items() if matches({"": value}, {"": key})), None)
 
 
 def _label(value: object) -> str:
@@ -160,24 +171,30 @@ def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
 def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
     found = one_row(frame, {**spec.where, **row.where}, f'table {spec.name}, row "{row.label}"')
     text, number = _shown({str(name): value for name, value in found.items()}, row)
+    published: dict[str, float | None] = (
+        {spec.compared_with: row.published} if any(each.published is not None for each in spec.rows) else {}
+    )
+    references = published | {name: row.against.get(name) for name in spec.references}
     return {
         "quantity": row.label,
         "unit": "" if (unit := _unit(row)) == "1" else unit,
         OURS: text,
-        **_compared(number, row.published, row.digits, spec.compared_with),
+        **_beside(number, references, row.digits),
         REMARK: row.remark,
     }
 
 
 def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
-    return write_frame(spec.name, Table(spec.title, make_table(spec, frame), _notes(spec, frame)), folder)
+    own: dict[str, str] = {spec.compared_with: spec.source} if spec.source else {}
+    return write_frame(
+        spec.name, Table(spec.title, make_table(spec, frame), _notes(spec, frame), {**own, **spec.references}), folder
+    )
 
 
 def _notes(spec: TableSpec, frame: pd.DataFrame) -> list[str]:
-    source = f"{spec.compared_with.capitalize()}: {spec.source}." if spec.source else ""
     has_places = spec.across is not None and spec.places is not False
     conditions = [*(column.where for column in spec.columns), *(row.where for row in spec.rows)]
     shown = pd.concat([rows(frame, {**spec.where, **where}) for where in conditions])
     lines = [f"{line}." for line in unusual(shown[~shown.index.duplicated()], frame)]
-    return [text for text in (source, PLACES if has_places else "", spec.note, *lines) if text]
+    return [text for text in (PLACES if has_places else "", spec.note, *lines) if text]

@@ -1,0 +1,1 @@
+"""Text, units and tables as LaTeX shows them, in pdfLaTeX and LuaLaTeX alike."""
