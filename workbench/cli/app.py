@@ -17,6 +17,7 @@ COMMANDS = (
     "list",
     "table",
     "plot",
+    "report",
     "agree",
     "decide",
     "import",

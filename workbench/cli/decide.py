@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, StudyFile, print_contents
+from workbench.cli.options import Out, Overwrite, PageFormat, StudyFile, print_contents
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -16,12 +16,14 @@ def command(
     overwrite: Overwrite = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
     machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
+    page: PageFormat = None,
 ) -> None:
     """Say which controllers meet an accuracy, and how probably."""
     from workbench.decide.plan import plan_decision
     from workbench.decide.report.folder import check_folder, summary, write_decision
     from workbench.decide.run import decide
     from workbench.decide.section import description
+    from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
 
     began, planned = time.time(), plan_decision(read_study(study), machine)
@@ -29,7 +31,7 @@ def command(
         print("\n".join(description(planned)))
         return
     check_folder(out, overwrite)
-    with stoppable(), ProgressLine() as progress:
+    with figures_at(page), stoppable(), ProgressLine() as progress:
         decision = decide(planned, jobs, progress)
         progress("tables, figures, page", 1.0)
         write_decision(decision, out, began, jobs)

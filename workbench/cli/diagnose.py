@@ -1,16 +1,17 @@
 """workbench diagnose: what a plant lacks, by its records."""
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
+from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents
 from workbench.cli.progress import ProgressLine, stoppable
 
 
-def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False) -> None:
+def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False, page: PageFormat = None) -> None:
     """Say what the plant of an experiment lacks, and how sure that is."""
     from workbench.diagnose.diagnose import diagnose
     from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
+    from workbench.publish.page_format import figures_at
 
     check_folder(out, overwrite)
-    with stoppable(), ProgressLine() as progress:
+    with figures_at(page), stoppable(), ProgressLine() as progress:
         diagnosis = diagnose(experiment, progress)
         progress("tables, figures, page", 0.93)
         write_diagnosis(diagnosis, out)

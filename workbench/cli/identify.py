@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, print_contents
+from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents
 from workbench.cli.progress import ProgressLine, stoppable
 from workbench.errors import UserError, nearest
 
@@ -14,10 +14,12 @@ def command(
     out: Out,
     method: Annotated[str | None, typer.Option(help="thesis, simulation or both.")] = None,
     overwrite: Overwrite = False,
+    page: PageFormat = None,
 ) -> None:
     """Find friction and other parameters of a plant in records."""
     from workbench.identify.identification import identify
     from workbench.identify.report.folder import check_folder, write_identification
+    from workbench.publish.page_format import figures_at
     from workbench.records.experiment import read_experiment
     from workbench.records.schema import METHODS
 
@@ -25,7 +27,7 @@ def command(
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(experiment)
     check_folder(out, overwrite)
-    with stoppable(), ProgressLine() as progress:
+    with figures_at(page), stoppable(), ProgressLine() as progress:
         paths = write_identification(identify(content, method, progress), out)
     for path in paths:
         print(path.read_text(encoding="utf-8"))

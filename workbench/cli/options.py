@@ -17,6 +17,12 @@ ExperimentFile = Annotated[Path, typer.Argument(help="An experiment: a TOML file
 Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DIR")]
 Out = Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")]
+PageFormat = Annotated[
+    str | None,
+    typer.Option(
+        "--format", help='Figures for a page: ieee, elsevier, ..., "84 mm" or "84 mm, 9 pt".', metavar="FORMAT"
+    ),
+]
 Where = Annotated[
     list[str] | None, typer.Option(help="Only cases with this value of an axis: rpm=460. May be repeated.")
 ]

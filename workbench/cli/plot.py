@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Folder, Where, conditions
+from workbench.cli.options import Folder, PageFormat, Where, conditions
 from workbench.errors import UserError
 
 
@@ -15,8 +15,10 @@ def command(
     x: Annotated[str, typer.Option(help="What it is drawn against: time, a signal, or an axis of the study.")] = "time",
     where: Where = None,
     out: Annotated[Path | None, typer.Option(help="The picture: a .pdf, .svg or .png file.")] = None,
+    page: PageFormat = None,
 ) -> None:
     """Draw a study's figures again, or any stored signal or column."""
+    from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
     from workbench.study.report.folder import write_figures, write_pages
     from workbench.study.report.quick_plot import quick_plot
@@ -24,13 +26,15 @@ def command(
 
     frame = read_results(folder)
     if y:
-        path, left_out = quick_plot(folder, frame, x, y, conditions(where), out)
+        with figures_at(page):
+            path, left_out = quick_plot(folder, frame, x, y, conditions(where), out)
         if left_out:
             print(f"left out: {'; '.join(left_out)}")
         print(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
-    figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
+    with figures_at(page):
+        figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
     if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for paths in [*figures, *([page] for page in pages)]:

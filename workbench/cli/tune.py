@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, StudyFile
+from workbench.cli.options import Out, PageFormat, StudyFile
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -20,16 +20,19 @@ def command(
     jobs: Annotated[int | None, typer.Option(min=1, help="Searches at a time; default: one a core.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
+    page: PageFormat = None,
 ) -> None:
     """Find gains, with the same budget and objective for all."""
+    from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
     from workbench.tune.prepare import prepared
     from workbench.tune.report.folder import open_folder, say_tuning, write_tuning
     from workbench.tune.run import tune_all
 
     ready, names = prepared(read_study(study), controller or ["all"], trials)
-    database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
-    with stoppable(f"finished trials are kept in {out}: go on with --resume"), ProgressLine() as progress:
+    kept = f"finished trials are kept in {out}: go on with --resume"
+    with figures_at(page), stoppable(kept), ProgressLine() as progress:
+        database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
         tuning = tune_all(ready, names, database, jobs, progress)
         written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
     say_tuning(written)

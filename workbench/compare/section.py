@@ -8,7 +8,7 @@ from workbench.compare.candidates import Cell
 from workbench.compare.checks import check_comparison, misplaced, one_sided
 from workbench.compare.finalists import finalists
 from workbench.compare.schema import ComparisonTable
-from workbench.study.sections import Again, Checked, Section
+from workbench.study.sections import Again, Checked, Said, Section
 from workbench.study.study import Study
 
 
@@ -37,6 +37,17 @@ def _pages(table: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Pa
     return write_comparison(compare(study, table, frame, fresh_results(folder)), folder)
 
 
+def _said(table: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Path) -> Said:
+    from workbench.compare.comparison import compare, fresh_results
+    from workbench.compare.report.overview import answer
+    from workbench.compare.report.page import motors, rules, scope
+    from workbench.compare.report.tables import FINALISTS
+
+    comparison = compare(study, table, frame, fresh_results(folder))
+    notes = [scope(comparison), *rules(comparison), *table.left_out, *motors(study), *table.assumptions]
+    return Said(answer(comparison), notes, [FINALISTS])
+
+
 COMPARISON = Section(
     name="comparison",
     table=ComparisonTable,
@@ -44,4 +55,5 @@ COMPARISON = Section(
     warnings=_warnings,
     again=_again,
     pages=_pages,
+    said=_said,
 )

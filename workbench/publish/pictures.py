@@ -1,4 +1,4 @@
-"""Figures as files: each as PDF (for a thesis), SVG (for a page) and PNG, and with its caption on a page."""
+"""Figures as files: each as PDF (for a thesis), SVG (for a page) and PNG, with its caption in it."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +7,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from workbench.publish.page_format import asked_format
+from workbench.publish.refit import refit
 from workbench.publish.style import figure_style
 
 
@@ -25,23 +27,47 @@ NOT_ANEW: Any = {"figure.constrained_layout.use": False}
 """A figure that is saved has the layout engine that it had, or none."""
 
 
-def lay_out(figure: Figure) -> None:
-    """Put the parts of a figure in their places, once for all formats: the same in each."""
+def _lay_out(figure: Figure) -> None:
+    """Put the parts of a figure in their places, once for all formats of files: the same in each.
+
+    Where a page format is asked for (`figures_at`), the figure is drawn for that.
+    """
     engine = figure.get_layout_engine()
     if engine is None:
         return
     with figure_style():
+        if (page := asked_format()) is not None:
+            refit(figure, page)
         engine.execute(figure)
     with mpl.rc_context(NOT_ANEW):
         figure.set_layout_engine(None)  # with any, "none" included, each format is drawn once more for its sake
 
 
-def save(figure: Figure, name: str, folder: Path, formats: tuple[str, ...] = FORMATS) -> list[Path]:
-    """Write a figure in each format, the same bytes for the same content; returns the paths."""
+def save(
+    figure: Figure, name: str, folder: Path, formats: tuple[str, ...] = FORMATS, *, caption: str = ""
+) -> list[Path]:
+    """Write a figure in each format, the same bytes for the same content; returns the paths.
+
+    Its caption goes into the files: without one its title.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    undated: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+    caption = caption or figure.get_suptitle()
+    _lay_out(figure)
+    said: dict[str, dict[str, Any]] = {
+        "pdf": {"CreationDate": None, "Subject": caption},
+        "svg": {"Date": None, "Description": caption},
+        "png": {"Description": caption},
+    }
     paths = [folder / f"{name}.{ending}" for ending in formats]
     with figure_style(), mpl.rc_context(NOT_ANEW):
         for path, ending in zip(paths, formats, strict=True):
-            figure.savefig(path, metadata=undated.get(ending))
+            figure.savefig(path, metadata=said[ending])
     return paths
+
+
+def caption_of(path: Path) -> str:
+    """The caption in a picture that `save` wrote as PNG; "" where there is none."""
+    from PIL import Image
+
+    with Image.open(path) as image:
+        return str(image.info.get("Description", ""))

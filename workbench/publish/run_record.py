@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from importlib.metadata import version
 
+from plants.equation import EQUATION_FOLDERS, source_hash
 from workbench.parallel import job_count
 
 PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
@@ -20,6 +21,16 @@ def ran_on(began: float, jobs: int | str | None, packages: Sequence[str] = PACKA
         "wall_seconds": round(time.time() - began, 3),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
         "jobs": jobs if isinstance(jobs, str) else job_count(jobs),
-        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
+        "versions": versions(packages),
         "machine": {"system": platform.system(), "machine": platform.machine(), "cores": job_count(None)},
     }
+
+
+def versions(packages: Sequence[str] = PACKAGES) -> dict[str, str]:
+    """Of Python and of `packages`."""
+    return {"python": platform.python_version(), **{name: version(name) for name in packages}}
+
+
+def made_by(*folders: str) -> dict[str, object]:
+    """The versions of the program, by its equations and the source files in `folders`, and of packages."""
+    return {"version of the program": source_hash((*EQUATION_FOLDERS, *folders)), "versions": versions()}

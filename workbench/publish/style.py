@@ -46,6 +46,9 @@ WIDTH = 6.4
 PANEL_HEIGHT = 3.2
 """Inches."""
 
+BASE_POINTS = 9.0
+"""Size of text."""
+
 _SETTINGS: Any = {
     "axes.grid": True,
     "axes.spines.right": False,
@@ -53,7 +56,7 @@ _SETTINGS: Any = {
     "axes.titlesize": "medium",
     "figure.constrained_layout.use": True,
     "figure.titlesize": "large",
-    "font.size": 9.0,
+    "font.size": BASE_POINTS,
     "grid.alpha": 0.3,
     "legend.fontsize": "small",
     "legend.framealpha": 0.9,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import create_model
@@ -71,6 +71,16 @@ class Again:
     said: str
 
 
+class Said(NamedTuple):
+    """What results say in sentences: the answer, the most wanted first, and what a reader must know of it; `tables`
+    are those that belong to it, by name, where there are others that hold details.
+    """
+
+    answer: Sequence[str]
+    notes: Sequence[str]
+    tables: Sequence[str] = ()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Section(Generic[T]):
     """A table of a study file, and what the study has to do with it; each function is handed the table first.
@@ -87,6 +97,7 @@ class Section(Generic[T]):
         again: which cases are run once more, from the results and from those of earlier rounds; None: no more.
         tables: writes what is asked for of the results in a folder; returns the paths of Markdown tables.
         pages: the same, for pages with all that is on them; returns the pages.
+        said: what the results in a folder say, in sentences.
     """
 
     name: str
@@ -100,6 +111,7 @@ class Section(Generic[T]):
     again: Callable[[T, "pd.DataFrame", "pd.DataFrame | None"], Again | None] = lambda table, searched, fresh: None
     tables: Callable[[T, Study, "pd.DataFrame", Path], list[Path]] = lambda table, study, frame, folder: []
     pages: Callable[[T, Study, "pd.DataFrame", Path], list[Path]] = lambda table, study, frame, folder: []
+    said: Callable[[T, Study, "pd.DataFrame", Path], Said] = lambda table, study, frame, folder: Said((), ())
 
 
 def places() -> dict[str, str]:

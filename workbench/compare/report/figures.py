@@ -10,7 +10,7 @@ from workbench.compare.report.panels import HIGHEST, candidates_of
 from workbench.compare.report.power_figure import power_figure
 from workbench.compare.report.speed_figure import speed_figure
 from workbench.compare.result import Comparison
-from workbench.publish.pictures import Picture, lay_out, save
+from workbench.publish.pictures import Picture, save
 from workbench.publish.style import figure_style
 from workbench.publish.words import plain_name
 
@@ -25,8 +25,7 @@ def write_figures(comparison: Comparison, folder: Path) -> dict[str, Picture]:
         for picture in drawn.values():
             picture.figure.set_dpi(mpl.rcParams["savefig.dpi"])
     for name, picture in drawn.items():
-        lay_out(picture.figure)
-        save(picture.figure, name, folder, FORMATS)
+        save(picture.figure, name, folder, FORMATS, caption=picture.caption)
     return drawn
 
 

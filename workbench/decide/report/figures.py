@@ -23,5 +23,5 @@ def write_figures(decision: Decision, folder: Path) -> dict[str, Picture]:
         if known and len(plan.speeds) > 1:
             drawn["error_against_speed"] = Picture(*speed_figure(decision))
     for name, picture in drawn.items():
-        save(picture.figure, name, folder)
+        save(picture.figure, name, folder, caption=picture.caption)
     return drawn

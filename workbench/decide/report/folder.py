@@ -10,8 +10,9 @@ from workbench.decide.report.names import MM, confidence, percent, where
 from workbench.decide.report.page import page
 from workbench.decide.report.rows import results
 from workbench.decide.report.tables import candidate_table, short_table
-from workbench.decide.report.words import price, question
+from workbench.decide.report.words import assumptions, price, question
 from workbench.decide.result import Decision
+from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import ResultFolder
 from workbench.publish.run_record import ran_on
 from workbench.publish.tables import Table, write_frame
@@ -25,7 +26,7 @@ DRAWS = "draws.parquet"
 FOLDER = ResultFolder(
     "decision",
     (
-        *(PAGE, "results.csv", "results.parquet", DRAWS, "run.json", "tables", "figures", STUDY_COPY),
+        *(PAGE, "results.csv", "results.parquet", DRAWS, "run.json", "tables", "figures", CONTENTS, STUDY_COPY),
         *(layer.section for layer in LAYERS.values()),
     ),
 )
@@ -57,7 +58,22 @@ def _write(decision: Decision, folder: Path, began: float, jobs: int | None) -> 
         write_frame(name, Table(title, cells, notes), folder / "tables")
     pictures = write_figures(decision, folder / "figures")
     (folder / PAGE).write_text(page(decision, pictures, [candidates[1:]]), encoding="utf-8")
-    write_json(folder / "run.json", _record(decision, began, jobs))
+    record = _record(decision, began, jobs)
+    contents = Contents(
+        title=decision.plan.study.file.title,
+        question=question(decision),
+        answer=[line for line in (paragraph(decision), price(decision)) if line],
+        notes=assumptions(decision),
+        command=f"workbench decide {decision.plan.study.path.name}",
+        tables=[name for name, _, _ in (candidates, matrix)],
+        figures=list(pictures),
+        details=[],
+        provenance=record,
+        file=decision.plan.study.path.name,
+        text=decision.plan.study.text,
+    )
+    write_contents(contents, folder)
+    write_json(folder / "run.json", record)
 
 
 def summary(decision: Decision) -> str:

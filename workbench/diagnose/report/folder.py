@@ -20,8 +20,10 @@ from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.parameters.sets import NEUTRAL
+from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import ResultFolder
-from workbench.publish.pictures import lay_out, save
+from workbench.publish.pictures import save
+from workbench.publish.run_record import made_by
 from workbench.publish.tables import Table, write_frame
 
 RESULT = "report.json"
@@ -36,7 +38,7 @@ def _is_diagnosis(path: Path) -> bool:
         return False
 
 
-FOLDER = ResultFolder("diagnosis", (RESULT, PAGE, PLANT, "tables", "figures"), _is_diagnosis)
+FOLDER = ResultFolder("diagnosis", (RESULT, PAGE, PLANT, "tables", "figures", CONTENTS), _is_diagnosis)
 check_folder = FOLDER.check
 
 
@@ -51,8 +53,22 @@ def _write(diagnosis: Diagnosis, folder: Path) -> None:
     for name, table in tables.items():
         write_frame(name, Table(table.title, table.cells, notes), folder / "tables")
     for name, picture in pictures.items():
-        lay_out(picture.figure)
-        save(picture.figure, name, folder / "figures")
+        save(picture.figure, name, folder / "figures", caption=picture.caption)
+    experiment = diagnosis.experiment
+    contents = Contents(
+        title=experiment.title,
+        question=f"What does the plant {experiment.plant.name} lack, by its records?",
+        answer=[*notes, f"{PLANT} is {plant_words(diagnosis)}."],
+        notes=[f"Declared: {experiment.declared}.", *sureness(diagnosis)],
+        command=f"workbench diagnose {experiment.path.name}",
+        tables=list(tables),
+        figures=list(pictures),
+        details=[],
+        provenance=made_by("workbench/diagnose"),
+        file=experiment.path.name,
+        text=experiment.path.read_text(encoding="utf-8"),
+    )
+    write_contents(contents, folder)
     (folder / PLANT).write_text(plant_file(diagnosis), encoding="utf-8")
     (folder / PAGE).write_text(page(diagnosis, pictures, tables, plant_words(diagnosis)), encoding="utf-8")
     (folder / RESULT).write_text(json.dumps(diagnosis.to_json(), indent=2, allow_nan=False) + "\n", encoding="utf-8")

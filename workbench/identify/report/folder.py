@@ -18,15 +18,17 @@ from workbench.identify.report.published import (
 from workbench.identify.result import Corrected, Identification, IdentifiedParameter
 from workbench.identify.thesis.records import ThesisFit
 from workbench.parameters.corrected import Entry, parameter_file
+from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
+from workbench.publish.run_record import made_by
 from workbench.publish.tables import Table, shown_interval, shown_number, write_frame
 from workbench.records.schema import CHANNELS, NUISANCES
 from workbench.toml.units import factor
 
 RESULT = "identified.json"
 PLANT = "plant.toml"
-FOLDER = ResultFolder("identification", (RESULT, PLANT, "tables", "figures"))
+FOLDER = ResultFolder("identification", (RESULT, PLANT, "tables", "figures", CONTENTS))
 check_folder = FOLDER.check
 DIGITS = 4
 
@@ -72,10 +74,30 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
         paths.append(write_frame(spec.table, Table(spec.title, beside, notes), folder / "tables")[1])
     for name, figure in figures.items():
         save(figure, name, folder / "figures")
+    write_contents(_contents(identification, [path.stem for path in paths], list(figures)), folder)
     if identification.corrected:
         (folder / PLANT).write_text(plant_file(identification), encoding="utf-8")
     (folder / RESULT).write_text(json.dumps(identification.to_json(), indent=2) + "\n", encoding="utf-8")
     return paths
+
+
+def _contents(identification: Identification, tables: list[str], figures: list[str]) -> Contents:
+    experiment, refuted = identification.experiment, identification.refuted
+    found = f"Not identified: {refuted}. {LACKING}." if refuted else ""
+    given = f"{PLANT} holds what was identified, with its standard deviations." if identification.corrected else ""
+    return Contents(
+        title=experiment.title,
+        question=f"Which parameters of the plant {experiment.plant.name} do the records show?",
+        answer=[line for line in (found, given) if line],
+        notes=[f"Declared: {experiment.declared}.", *([f"Source: {experiment.source}."] * bool(experiment.source))],
+        command=f"workbench identify {experiment.path.name}",
+        tables=tables,
+        figures=figures,
+        details=[],
+        provenance=made_by("workbench/identify"),
+        file=experiment.path.name,
+        text=experiment.path.read_text(encoding="utf-8"),
+    )
 
 
 def table_of(identification: Identification) -> pd.DataFrame:

@@ -24,6 +24,9 @@ TEXT_WIDTH, TEXT_HEIGHT = 160.0 * MM, 235.0 * MM
 BETWEEN = 4.0
 """\\tabcolsep, in points."""
 
+LEAST_WIDTH = 0.6
+"""Share of the text's width that a table takes at least, so that its notes have room: columns stand apart for it."""
+
 FULL = 0.85
 """Share of a page that a table fills at most without breaking."""
 
@@ -46,6 +49,12 @@ class Form:
         heads = [_broken(column.heading, self.widths.get(i, column.width)) for i, column in enumerate(self.columns)]
         most = max(map(len, heads))
         return [[""] * (most - len(head)) + head for head in heads]
+
+    @property
+    def width(self) -> float:
+        """How wide the body is, about, in points."""
+        widths = (self.widths.get(i, _whole(column, column.width)) for i, column in enumerate(self.columns))
+        return self.size[1] * sum(widths) + 2.0 * BETWEEN * len(self.columns)
 
     @property
     def height(self) -> float:
@@ -244,20 +253,22 @@ def _set(form: Form, caption: str, below: Sequence[str], characters: int) -> str
     if form.height + noted > FULL * page:
         return _long(form, caption, below)
     environment = "sidewaystable" if form.turned else "table"
+    wide = form.width > LEAST_WIDTH * width
+    tabular = "tabular" if wide else rf"tabular*}}{{{LEAST_WIDTH}\linewidth"
+    apart = "" if wide else r"@{\extracolsep{\fill}}"
     lines = [
         rf"\begin{{{environment}}}[{'p' if form.turned else 'htbp'}]",
         *_settings(form),
         r"\centering",
-        r"\renewcommand{\TPTminimum}{\linewidth}",
         r"\begin{threeparttable}",
         caption,
-        rf"\centering\begin{{tabular}}{{{_format(form)}}}",
+        rf"\begin{{{tabular}}}{{{apart}{_format(form)}}}",
         r"\toprule",
         *_head(form),
         r"\midrule",
         *_body(form),
         r"\bottomrule",
-        r"\end{tabular}",
+        rf"\end{{{tabular.partition('}')[0]}}}",
         *_notes("tablenotes", below),
         r"\end{threeparttable}",
         rf"\end{{{environment}}}",

@@ -46,7 +46,9 @@ def draw(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence
 
 def write_figure(spec: FigureSpec, frame: pd.DataFrame, folder: Path, measured: Sequence[Overlay] = ()) -> list[Path]:
     """Draw a figure of the results in `folder` and write it to its folder `figures`."""
-    return save(draw(spec, frame, folder, measured), spec.name, folder / "figures")
+    notes = [panel.note for panel in spec.panels if panel.note]
+    caption = " ".join(f"{text.removesuffix('.')}." for text in (spec.title, *notes, spec.source) if text)
+    return save(draw(spec, frame, folder, measured), spec.name, folder / "figures", caption=caption)
 
 
 def _draw_panel(

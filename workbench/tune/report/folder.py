@@ -4,10 +4,11 @@ tuned/NAME.toml            gains of each controller, as a study names them
 results.csv, trials.csv    a row a controller; a row a trial (SI)
 tuning.html, tables/, figures/
 results.sqlite             the trials, while they are found: a row a trial
+contents.json              what it says, for `workbench report`
 study.toml, run.json       the study, and what ran it; run.json is there only where all is
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,8 +18,9 @@ import pandas as pd
 from workbench.errors import UserError
 from workbench.parallel import workers
 from workbench.progress import Progress, silent
+from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import GrowingFolder, remove, write_whole
-from workbench.publish.pictures import lay_out, save
+from workbench.publish.pictures import save
 from workbench.publish.run_record import PACKAGES, ran_on
 from workbench.publish.tables import write_frame
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
@@ -34,7 +36,7 @@ from workbench.tune.report.rows import Row, result_row, trial_rows
 from workbench.tune.report.step import step_picture
 from workbench.tune.report.tables import Table, brief, tables_of
 from workbench.tune.report.traces import traces_of
-from workbench.tune.report.words import first_lines, infeasible_lines
+from workbench.tune.report.words import first_lines, held_equal, infeasible_lines, sentences
 from workbench.tune.result import Tuning
 from workbench.tune.schema import tune_table
 
@@ -46,7 +48,7 @@ LAST = (PAGE, RECORD)
 """What is there only where all is."""
 
 SHOWN = (GAINS, RESULTS, TRIALS, "tables", "figures")
-FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SHOWN, *LAST, DATABASE))
+FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SHOWN, CONTENTS, *LAST, DATABASE))
 """What a tuning may write, and replace; the database, which marks the folder as its own, last."""
 
 
@@ -97,11 +99,12 @@ def write_tuning(
     progress("figures", 0.95)
     pictures = _pictures(tuning, jobs)
     for name, picture in {**pictures.shared, **pictures.own}.items():
-        lay_out(picture.figure)
-        save(picture.figure, name, folder / "figures")
+        save(picture.figure, name, folder / "figures", caption=picture.caption)
     html = page(tuning, tables, pictures)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
-    write_json(folder / RECORD, _record(tuning, began, jobs))
+    record = _record(tuning, began, jobs)
+    write_contents(_contents(tuning, tables, pictures, record), folder)
+    write_json(folder / RECORD, record)
     lines = [*first_lines(tuning), *infeasible_lines(tuning)]
     return Written(folder, results, lines, tables["tuning"])
 
@@ -141,6 +144,25 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
         {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
         {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
         [drawn for drawn in (*shared.values(), *own.values()) if isinstance(drawn, str)],
+    )
+
+
+def _contents(
+    tuning: Tuning, tables: Mapping[str, Table], pictures: Pictures, record: Mapping[str, object]
+) -> Contents:
+    study = tuning.study
+    return Contents(
+        title=study.file.title,
+        question=study.file.question,
+        answer=sentences(tuning),
+        notes=[*held_equal(tuning), *pictures.missing],
+        command=f"workbench tune {study.path.name}",
+        tables=list(tables),
+        figures=[*pictures.shared, *pictures.own],
+        details=[],
+        provenance=record,
+        file=study.path.name,
+        text=study.text,
     )
 
 

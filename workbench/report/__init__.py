@@ -1,0 +1,1 @@
+"""A document for a paper or a thesis, of the tables, figures and words of results."""
