@@ -91,6 +91,7 @@ def test_every_unit_that_the_program_shows_is_one_for_siunitx() -> None:
         "valve_flow_gain of run_1.csv": r"valve flow gain of run\_1.csv",
         "0.3 ± 0.1 µm": r"0.3 \textpm{} 0.1 \textmu{}m",
         "Åström & Müller, 100 %": r"\r{A}str\"{o}m \& M\"{u}ller, 100 \%",
+        "+-30 mm": r"\textpm{}30 mm",
         "[a] * --resume": r"{[}a] {*} -{}-resume",
         "中": "{[}U+4E2D]",
     }.items(),

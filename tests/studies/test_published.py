@@ -2,13 +2,17 @@
 
 import fcntl
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from command import STUDIES, workbench
+from latex_reader import mistakes, whole
 from scipy.integrate import solve_ivp
+
+from workbench.report.folder import write_report
 
 NAMES = ("lugre_reference", "observers", "thesis_chapter3", "thesis_chapter3_steps")
 
@@ -52,6 +56,17 @@ def rounding(value: float, digit: float) -> float:
 def test_slopes_of_table_3_1(results: Path, rpm: int, slope: float) -> None:
     row = figures(results, "thesis_chapter3", ["rpm"]).loc[rpm]
     assert row["friction_slope_N_s_per_m"] == pytest.approx(slope, rel=0.015)
+
+
+def test_its_report_compiles_without_a_warning(results: Path, tmp_path: Path) -> None:
+    """Where a LaTeX is installed; elsewhere it is read by the tests' own reader, which it is here too."""
+    folder = outcome(results, "thesis_chapter3")
+    report = write_report([folder], tmp_path / "paper", pdf=shutil.which("pdflatex") is not None)
+    assert report.remarks == []
+    assert mistakes(report.tex) == []
+    text = whole(report.tex)
+    counts = {part: text.count(part) for part in (r"\includegraphics{parts", r"\begin{table}", "Seeds: 1.")}
+    assert counts == {r"\includegraphics{parts": 4, r"\begin{table}": 3, "Seeds: 1.": 1}
 
 
 @pytest.mark.parametrize(("rpm", "lag"), [(0, 8.55), (460, 7.65)])

@@ -265,7 +265,7 @@ def test_latex(tmp_path: Path) -> None:
     aligned = "".join(f"S[table-format={form}]" for form in ("1.3", "1.2", "1.0", "1.2"))
     assert rf"\begin{{tabular}}{{ll{aligned}l}}" in text
     assert r"\label{tab:table_1}" in text
-    assert r"{published\tnote{a}} & {difference} & {(\unit{\percent})} & {remark} \\" in text
+    assert r"{published\tnote{a}\,} & {difference} & {(\unit{\percent})} & {remark} \\" in text
     assert r"lag \textbar{} 0 rpm & \unit{\degree} & 8.610 & 8.61 & 0 & 0.00 &  \\" in text
     assert r"verdict &  & {none} &  &  &  & 100 \% \\" in text
     assert r"\caption{Gain of 50 \% \& more}" in text

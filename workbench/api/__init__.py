@@ -33,12 +33,13 @@ from workbench.api.analysis import linearise, loop_gain, margins
 from workbench.api.bench import Bench, bench
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
 from workbench.api.loops import LoopSetup, setup
-from workbench.api.questions import decide, diagnose, identify, tune
+from workbench.api.questions import decide, diagnose, identify, report, tune
 from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, reference, sine, steps, triangle
 from workbench.api.results import CaseResult, StudyResults
 from workbench.api.runs import LoopRun, evaluate, simulate
 from workbench.api.studies import Study
 from workbench.errors import UserError
+from workbench.publish.page_format import figures_at
 
 __all__ = [
     "Bench",
@@ -56,6 +57,7 @@ __all__ = [
     "decide",
     "diagnose",
     "evaluate",
+    "figures_at",
     "identify",
     "linearise",
     "loop_gain",
@@ -64,6 +66,7 @@ __all__ = [
     "ramp",
     "recorded",
     "reference",
+    "report",
     "setup",
     "simulate",
     "sine",

@@ -1,4 +1,4 @@
-"""The questions that have a command of their own: tune, decide, identify, diagnose."""
+"""The questions that have a command of their own: tune, decide, identify, diagnose; and a report of answers."""
 
 import time
 from collections.abc import Sequence
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from workbench.api.faces.diagnosis import ShownDiagnosis
     from workbench.api.faces.identification import ShownIdentification
     from workbench.api.faces.tuning import ShownTuning
+    from workbench.report.folder import Report
 
 
 def tune(
@@ -200,3 +201,37 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
     if out is not None:
         write_diagnosis(diagnosis, Path(out))
     return shown_as(ShownDiagnosis, diagnosis)
+
+
+def report(
+    folders: str | Path | Sequence[str | Path],
+    out: str | Path,
+    *,
+    page: str | None = None,
+    pdf: bool = False,
+    overwrite: bool = False,
+) -> "Report":
+    """Put the tables, figures and words of results into one LaTeX document (docs/papers.md).
+
+    Args:
+        folders: one or several that `Study.run`, `tune`, `decide`, `identify` or `diagnose` wrote.
+        out: folder for report.tex and what it needs.
+        page: for which a study's figures are drawn anew: "ieee", "elsevier", "84 mm" or "84 mm, 9 pt".
+        pdf: compile it too, with pdflatex.
+        overwrite: replace an earlier report in `out`.
+
+    Returns:
+        the paths of the files, and what is not as it was asked for.
+
+    Raises:
+        UserError: no folder of results, a missing file, no such format, no LaTeX, or an `out` that does not serve.
+
+    Example:
+        >>> results = wb.Study(small_study).run(folder / "results")
+        >>> wb.report(results.folder, folder / "paper").tex.name
+        'report.tex'
+    """
+    from workbench.report.folder import write_report
+
+    several = [folders] if isinstance(folders, str | Path) else list(folders)
+    return write_report([Path(each) for each in several], Path(out), page, pdf=pdf, overwrite=overwrite)

@@ -11,17 +11,21 @@ from workbench.errors import UserError, nearest
 
 @dataclass(frozen=True)
 class PageFormat:
-    """The width of a figure (mm) and the size of its text (pt), with who asks for them."""
+    """The width of a figure (mm) and the size of its text (pt), with who asks for them.
+
+    `double` is the width (mm) of one that would be higher than a page otherwise; 0 where there is none.
+    """
 
     width: float
     points: float
     source: str = ""
+    double: float = 0.0
 
 
 FORMATS: Mapping[str, PageFormat] = {
-    "ieee": PageFormat(88.9, 8.0, "IEEE Author Center: one column, 3.5 in; text of 8 to 10 pt"),
+    "ieee": PageFormat(88.9, 8.0, "IEEE Author Center: one column, 3.5 in; text of 8 to 10 pt", 181.9),
     "ieee-double": PageFormat(181.9, 8.0, "IEEE Author Center: two columns, 7.16 in"),
-    "elsevier": PageFormat(90.0, 7.0, "Elsevier, artwork sizing: single column; text of 7 pt"),
+    "elsevier": PageFormat(90.0, 7.0, "Elsevier, artwork sizing: single column; text of 7 pt", 190.0),
     "elsevier-middle": PageFormat(140.0, 7.0, "Elsevier, artwork sizing: 1.5 columns"),
     "elsevier-double": PageFormat(190.0, 7.0, "Elsevier, artwork sizing: double column"),
     "thesis": PageFormat(160.0, 11.0, "text block of an A4 page with margins of 25 mm, text of 11 pt"),
@@ -64,9 +68,12 @@ def asked_format() -> PageFormat | None:
 
 @contextmanager
 def figures_at(page: str | None) -> Iterator[None]:
-    """Within this context figures are saved as that format asks for: "ieee", "84 mm" or "84 mm, 9 pt"; None: as ever.
+    """Within this context figures are saved for a page: drawn anew at its width, with text of its size.
 
-    They are drawn anew at that width, with text of that size, and without their titles, which are a caption's there.
+    They are without their titles, which are a caption's there.
+
+    Args:
+        page: "ieee" or another journal's name (docs/papers.md), "84 mm" or "84 mm, 9 pt"; None: as ever.
 
     Raises:
         UserError: no such format.

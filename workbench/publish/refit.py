@@ -7,6 +7,7 @@ figure is left out, since on a page of that kind it is the caption's.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -35,8 +36,11 @@ NARROW = 2.3
 NARROWEST = 1.7
 """The same where the figure would not fit its page otherwise."""
 
-HIGHEST = 9.0
+HIGHEST = 7.6
 """Inches that a figure is high at most before its legends: what a page has beside the caption."""
+
+FLATTEST = 0.7
+"""Of its height a panel keeps at least so much where the figure would not fit its page otherwise."""
 
 ROOMY = (0.62, 0.42)
 """Shares of a panel's width and height that a legend inside it takes at most."""
@@ -49,48 +53,60 @@ def refit(figure: Figure, page: PageFormat) -> None:
         figure: drawn in the program's style at text of `BASE_POINTS`.
         page: width in mm, text in points.
     """
-    width, before = page.width / INCH, figure.get_size_inches().tolist()
+    plan = _planned(figure, page)
     if figure.get_suptitle():
         figure.suptitle("").set_in_layout(False)
-    columns, rows = _grid(figure)
-    visible = sum(axes.get_visible() for axes in _panels(figure))
-    beside = _beside(before, page, columns, rows, visible)
-    high = _height(before, page, columns, rows, beside)
     _size_text(figure, page)
-    _restack(figure, columns, beside)
-    rows = math.ceil(visible / beside) if beside < columns else rows
-    figure.set_size_inches(width, high * rows)
+    _restack(figure, plan.beside)
+    figure.set_size_inches(plan.width, plan.high * plan.rows)
     for legend in [*figure.legends, *(axes.get_legend() for axes in figure.axes)]:
         if legend is not None:
             legend.set_in_layout(False)  # panels get their room first
     headings = [(axes, text, text.get_text()) for axes in figure.axes for text in _headings(axes)]
     for axes, text, said in headings:
-        _break(text, said, 65.0 * (high if text is axes.yaxis.label else width / beside))
+        _break(text, said, 65.0 * (plan.high if text is axes.yaxis.label else plan.width / plan.beside))
     figure.draw_without_rendering()
     for axes, text, said in headings:
         panel = axes.get_window_extent()
         _break(text, said, 72.0 / figure.dpi * (panel.height if text is axes.yaxis.label else panel.width))
     _turn_labels(figure)
-    _place_legends(figure, width)
+    _place_legends(figure, plan.width)
 
 
-def _beside(before: Sequence[float], page: PageFormat, columns: int, rows: int, visible: int) -> int:
-    """How many panels stand side by side: as many as are not narrow, more where the figure fits its page only then.
+@dataclass(frozen=True)
+class _Plan:
+    """The width of a figure and the height of its panels (inches), and how many stand side by side in how many rows."""
 
-    Where it does not even then, the figure is higher than a page.
+    width: float
+    high: float
+    beside: int
+    rows: int
+
+    @property
+    def fits(self) -> bool:
+        """Whether the figure is no higher than a page."""
+        return self.high * self.rows <= HIGHEST
+
+
+def _planned(figure: Figure, page: PageFormat) -> _Plan:
+    """Panels side by side as many as are not narrow; where the figure is higher than its page then, the first that is
+    not: more of them side by side, flatter ones, the width of two columns. None may be.
     """
-    inches = page.width / INCH * 8.0 / page.points
-    easily = max(1, min(columns, int(inches / NARROW)))
-    for beside in range(easily, max(easily, min(columns, int(inches / NARROWEST))) + 1):
-        if _height(before, page, columns, rows, beside) * math.ceil(visible / beside) <= HIGHEST:
-            return beside
-    return easily
-
-
-def _height(before: Sequence[float], page: PageFormat, columns: int, rows: int, beside: int) -> float:
-    """The height of a panel in inches: less than before as its width is, but not less than its text needs."""
-    share = math.sqrt(page.width / INCH / beside / (before[0] / columns))
-    return before[1] / rows * min(1.0, max(share, page.points / BASE_POINTS if beside == columns else 0.0))
+    width, height = figure.get_size_inches().tolist()
+    columns, rows = _grid(figure)
+    visible = sum(axes.get_visible() for axes in _panels(figure))
+    plans: list[_Plan] = []
+    for inches in (page.width / INCH, *([page.double / INCH] if page.double else [])):
+        counted = inches * 8.0 / page.points
+        easily = max(1, min(columns, int(counted / NARROW)))
+        for beside in range(easily, max(easily, min(columns, int(counted / NARROWEST))) + 1):
+            share = math.sqrt(inches / beside / (width / columns))
+            text = page.points / BASE_POINTS if beside == columns else 0.0
+            high = height / rows * min(1.0, max(share, text))
+            places = rows if beside == columns else math.ceil(visible / beside)
+            flat = min(high, max(FLATTEST * high, HIGHEST / places))
+            plans += [_Plan(inches, each, beside, places) for each in (high, flat)]
+    return next((plan for plan in plans if plan.fits), plans[-1])
 
 
 def _panels(figure: Figure) -> list[Axes]:
@@ -104,10 +120,10 @@ def _grid(figure: Figure) -> tuple[int, int]:
     return (grids[0].ncols, grids[0].nrows) if grids else (1, 1)
 
 
-def _restack(figure: Figure, columns: int, beside: int) -> None:
+def _restack(figure: Figure, beside: int) -> None:
     """Put the visible panels into fewer columns."""
     panels = _panels(figure)
-    if beside == columns:
+    if beside == _grid(figure)[0]:
         return
     visible = [axes for axes in panels if axes.get_visible()]
     grid = GridSpec(math.ceil(len(visible) / beside), beside, figure=figure)
@@ -165,9 +181,8 @@ def _points(ticks: Sequence[Tick]) -> float:
 
 
 def _headings(axes: Axes) -> list[Text]:
-    """The titles of a panel and of its axes."""
-    titles = [text for text in axes.get_children() if isinstance(text, Text)][-3:]  # in the middle, left, right
-    return [*titles, axes.xaxis.label, axes.yaxis.label]
+    """The titles of a panel and of its axes, and what is written into it."""
+    return [*(text for text in axes.get_children() if isinstance(text, Text)), axes.xaxis.label, axes.yaxis.label]
 
 
 def _break(text: Text, said: str, room: float) -> None:
@@ -240,12 +255,12 @@ def _below_figure(figure: Figure, legend: Legend, room: float) -> None:
 
 
 def _below_panel(figure: Figure, axes: Axes, legend: Legend) -> None:
-    """Below the labels of its horizontal axis, the figure that much higher."""
+    """Below all else that belongs to the panel, the figure that much higher."""
     panel = axes.get_window_extent()
-    tight = axes.xaxis.get_tightbbox()
-    labels_height = panel.y0 - tight.y0 if tight is not None else 0.0
     handles, labels, settings, height = _anew(legend, panel.width * 72.0 / figure.dpi, figure.dpi)
     legend.remove()
+    tight = axes.get_tightbbox()
+    labels_height = panel.y0 - tight.y0 if tight is not None else 0.0
     down = ScaledTranslation(0.0, -(labels_height / figure.dpi + 4.0 / 72.0), figure.dpi_scale_trans)
     axes.legend(
         handles,

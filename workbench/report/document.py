@@ -40,6 +40,10 @@ _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \sisetup{per-mode=symbol}
 \raggedbottom
 \emergencystretch=4em
+\renewcommand{\topfraction}{0.9}
+\renewcommand{\bottomfraction}{0.8}
+\renewcommand{\textfraction}{0.05}
+\renewcommand{\floatpagefraction}{0.75}
 \title{%(title)s}
 \author{}
 \date{%(date)s}
@@ -56,7 +60,7 @@ def figure_scale(figure: FigureFile, width: float) -> float:
 
 def text_width(page: PageFormat | None) -> float:
     """The width of the text (mm) that has room for figures of a page format."""
-    return max(TEXT_WIDTH, page.width if page is not None else 0.0)
+    return max((TEXT_WIDTH, *((page.width, page.double) if page is not None else ())))
 
 
 def document(parts: Mapping[str, Part], files: Mapping[str, Mapping[str, str]], width: float) -> str:
@@ -188,9 +192,15 @@ _KEPT = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "'": r"\textquotesin
 
 def _listing(text: str) -> list[str]:
     """A file as it is, with its long lines broken; characters that no font has by their number."""
-    lines = [part for line in text.splitlines() for part in _cut(line.expandtabs(4))]
+    lines = [part for line in text.splitlines() for part in _cut("".join(map(_told, line.expandtabs(4))))]
     shown = ["".join(_KEPT.get(character) or _letter(character) for character in line) for line in lines]
     return [r"\begin{Verbatim}[commandchars=\\\{\},fontsize=\footnotesize]", *shown, r"\end{Verbatim}"]
+
+
+def _told(character: str) -> str:
+    """A character, or the number by which it is shown."""
+    shown = _letter(character)
+    return shown.removeprefix("{[}").join(("[", "")) if shown.startswith("{[}U+") else character
 
 
 def _letter(character: str) -> str:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from workbench.errors import UserError
 from workbench.publish.folders import ResultFolder
-from workbench.publish.page_format import page_format
+from workbench.publish.page_format import PageFormat, page_format
 from workbench.report.compiling import PDF, TEX, check_latex, compile_report
 from workbench.report.document import HEAD, document, figure_scale, label, text_width
-from workbench.report.part import Part, read_part
+from workbench.report.part import FigureFile, Part, read_part
 
 PARTS = "parts"
 
@@ -67,8 +67,7 @@ def write_report(
             return compile_report(beside) if pdf else []
 
         warnings = FOLDER.write(out, write)
-    wide = asked.width if asked is not None else None
-    remarks = [line for name, part in parts.items() for line in _remarks(name, part, width, wide)]
+    remarks = [line for name, part in parts.items() for line in _remarks(name, part, width, asked)]
     return Report(out / TEX, out / PDF if pdf else None, [*remarks, *warnings])
 
 
@@ -116,13 +115,12 @@ def _free(folder: Path, name: str, ending: str) -> Path:
     return path
 
 
-def _remarks(name: str, part: Part, width: float, asked: float | None) -> list[str]:
+def _remarks(name: str, part: Part, width: float, asked: PageFormat | None) -> list[str]:
     """What is not as it was asked for: figures of another width, and those that do not fit a page in their size."""
     lines = []
-    others = [each.name for each in part.figures if asked is not None and abs(each.width / 72.0 * 25.4 - asked) > 0.5]
-    if others:
+    if asked is not None and (others := [each.name for each in part.figures if not _is_as_asked(each, asked)]):
         again = f"{part.contents.command} --out DIR --overwrite --format ..."
-        lines.append(f"{name}: {len(others)} of its figures are not {asked:g} mm wide; {again} draws them so")
+        lines.append(f"{name}: {len(others)} of its figures are not {asked.width:g} mm wide; {again} draws them so")
     small = {each.name: figure_scale(each, width) for each in part.figures}
     for figure, scale in small.items():
         if scale < 0.9:
@@ -130,3 +128,8 @@ def _remarks(name: str, part: Part, width: float, asked: float | None) -> list[s
                 f"{name}: {figure} is shown at {100.0 * scale:.0f} % of its size, since it is larger than a page"
             )
     return lines
+
+
+def _is_as_asked(figure: FigureFile, asked: PageFormat) -> bool:
+    """Whether a figure has a width of the format, to half a millimetre."""
+    return any(abs(figure.width / 72.0 * 25.4 - width) < 0.5 for width in (asked.width, asked.double))

@@ -53,10 +53,10 @@ def read_part(folder: Path, page: str | None) -> Iterator[Part]:
         what = "is a file, expected a folder" if folder.exists() else "no such folder, expected one"
         raise UserError(f"{folder}: {what} of results of {KINDS}")
     if (folder / CONTENTS).exists():
-        yield _part(folder, read_contents(folder))
+        yield _part(folder, folder, read_contents(folder))
     elif is_study(folder):
         with study_drawn(folder, page) as drawn:
-            yield _part(drawn, study_contents(drawn))
+            yield _part(folder, drawn, study_contents(drawn))
     else:
         raise UserError(f"{folder}: {_unlike(folder)}")
 
@@ -70,20 +70,22 @@ def _unlike(folder: Path) -> str:
     return f"got {got}; expected the results of {KINDS}"
 
 
-def _part(folder: Path, contents: Contents) -> Part:
-    tables = {name: _table(folder / "tables" / f"{name}.tex") for name in (*contents.tables, *contents.details)}
-    return Part(contents, tables, [_figure(folder / "figures", name) for name in contents.figures])
+def _part(folder: Path, drawn: Path, contents: Contents) -> Part:
+    """What is `drawn` of a folder, which messages name."""
+    names = (*contents.tables, *contents.details)
+    tables = {name: _table(Path("tables", f"{name}.tex"), folder, drawn) for name in names}
+    return Part(contents, tables, [_figure(name, folder, drawn) for name in contents.figures])
 
 
-def _table(path: Path) -> str:
+def _table(path: Path, folder: Path, drawn: Path) -> str:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = (drawn / path).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        raise UserError(f"{path}: {_reason(error)}, expected a table; make the tables again") from None
+        raise UserError(f"{folder / path}: {_reason(error)}, expected a table; make the tables again") from None
     if not text.startswith(HEAD):
         raise UserError(
-            f"{path}: got a table of an earlier version, or of another program; make the tables again, of a study with "
-            f"workbench table {path.parent.parent}"
+            f"{folder / path}: got a table of an earlier version, or of another program; make the tables again, of a "
+            f"study with workbench run STUDY.toml --out {folder} --resume"
         )
     return text
 
@@ -92,22 +94,23 @@ def _reason(error: Exception) -> str:
     return "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read ({error})"
 
 
-def _figure(folder: Path, name: str) -> FigureFile:
-    pdf, png = (folder / f"{name}.{ending}" for ending in ("pdf", "png"))
-    path = pdf if pdf.exists() else png
-    if not path.exists():
-        raise UserError(f"{pdf}: no such file, expected a figure; make the figures again")
-    caption = caption_of(png) if png.exists() else ""
-    return FigureFile(name, path, caption or plain_name(name), *_size(path))
+def _figure(name: str, folder: Path, drawn: Path) -> FigureFile:
+    pdf, png = (Path("figures", f"{name}.{ending}") for ending in ("pdf", "png"))
+    path = pdf if (drawn / pdf).exists() else png
+    if not (drawn / path).exists():
+        raise UserError(f"{folder / pdf}: no such file, expected a figure; make the figures again")
+    size = _size(drawn / path)
+    if size is None:
+        raise UserError(f"{folder / path}: got no picture of ours, expected a PDF of a page; make the figures again")
+    caption = caption_of(drawn / png) if (drawn / png).exists() else ""
+    return FigureFile(name, drawn / path, caption or plain_name(name), *size)
 
 
-def _size(path: Path) -> tuple[float, float]:
+def _size(path: Path) -> tuple[float, float] | None:
     """Width and height in big points."""
     if path.suffix == ".pdf":
         box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", path.read_bytes())
-        if box is None:
-            raise UserError(f"{path}: got no picture of ours, expected a PDF of one page; make the figures again")
-        return float(box[1]), float(box[2])
+        return None if box is None else (float(box[1]), float(box[2]))
     from PIL import Image
 
     with Image.open(path) as image:

@@ -60,7 +60,7 @@ def column_of(heading: str, cells: Sequence[str], mark: str, words: bool) -> Col
 
     A column of numbers is one of siunitx's S columns: what is no number in it stands in braces, in the middle.
     """
-    head = [*_heading(heading), *([Word(rf"\tnote{{{mark}}}", "a")] if mark else [])]
+    head = [*_heading(heading), *([Word(rf"\tnote{{{mark}}}\,", "a")] if mark else [])]
     if heading == "unit":
         shown = [unit_text(cell) for cell in cells]
         return Column(head, shown, cells, max(map(text_width, cells), default=0.0), is_text=True)

@@ -78,6 +78,8 @@ _IDENTIFIER = re.compile(r"(?<![\w./\\])[^\W_]\w*_\w+(?![\w/]|\.\w)")
 _INDEX = re.compile(r"(?<!\w)([^\W\d_])_(\w{1,2})(?!\w)")
 """A symbol with an index, such as K_p."""
 
+_EITHER = re.compile(r"\+-(?=\d)")
+
 _RAISED = re.compile(r"(?<=[\w)])\^(-?\d+(?:\.\d+)?)")
 """A power, as in R^2."""
 
@@ -93,12 +95,12 @@ def escaped(text: str) -> str:
 
 
 def shown_text(text: str) -> str:
-    """Text for a reader: display names, K_p with an index, R^2 with a power, all else escaped.
+    """Text for a reader: display names, K_p with an index, R^2 with a power, +-3 with its sign, all else escaped.
 
     Returns:
         LaTeX for text mode that compiles whatever `text` is.
     """
-    shown, place, named = "", 0, display_name(text)
+    shown, place, named = "", 0, _EITHER.sub("±", display_name(text))
     for found in sorted([*_INDEX.finditer(named), *_RAISED.finditer(named)], key=re.Match.start):
         shown += escaped(named[place : found.start()])
         if found.re is _INDEX:
