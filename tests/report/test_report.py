@@ -81,7 +81,7 @@ def test_a_study_is_told_in_order_with_its_file_as_appendix(results: Path, tmp_p
         (r"\label{tab:", r"\label{tob:", "no label tab:results:lags"),
         (r"\end{threeparttable}", "", "table is ended that was not begun last"),
         (r"\toprule", r"\toprule}", "a brace is closed that was not opened"),
-        ("0 & ", "0 & & ", "5 cells in 4 columns"),
+        ("0 & ", "0 & & ", "7 cells in 6 columns"),
         (r"\caption{", r"\caption{a_b ", "bare '_'"),
         (r"\caption{", r"\caption{µ ", "character 'µ'"),
     ],

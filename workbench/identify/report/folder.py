@@ -23,6 +23,7 @@ from workbench.publish.folders import ResultFolder
 from workbench.publish.pictures import save
 from workbench.publish.run_record import made_by
 from workbench.publish.tables import Table, shown_interval, shown_number, write_frame
+from workbench.publish.words import listed
 from workbench.records.schema import CHANNELS, NUISANCES
 from workbench.toml.units import factor
 
@@ -83,8 +84,13 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
 
 def _contents(identification: Identification, tables: list[str], figures: list[str]) -> Contents:
     experiment, refuted = identification.experiment, identification.refuted
-    found = f"Not identified: {refuted}. {LACKING}." if refuted else ""
-    given = f"{PLANT} holds what was identified, with its standard deviations." if identification.corrected else ""
+    known = [name for name, entry in identification.corrected.items() if entry.std is not None]
+    found = f"Identified, with a standard deviation: {listed(known)}." if known else ""
+    if refuted:
+        found = f"Not identified: {refuted}. {LACKING}."
+    elif identification.thesis is not None and len(identification.thesis.groups) > 1:
+        found = f"Friction at {len(identification.thesis.groups)} speeds of rotation, by the thesis's method."
+    given = f"{PLANT} holds the plant with what was identified." if identification.corrected else ""
     return Contents(
         title=experiment.title,
         question=f"Which parameters of the plant {experiment.plant.name} do the records show?",

@@ -16,6 +16,7 @@ from workbench.diagnose.report.tables import INTERVAL
 from workbench.diagnose.result import Diagnosis, FittedParameter
 from workbench.publish.pictures import Picture
 from workbench.publish.style import figure_style
+from workbench.publish.words import plain_name
 
 WIDEST = 4.0
 """Ratio of the largest value to the smallest from which the axis is logarithmic."""
@@ -91,7 +92,7 @@ def draw_parameters(data: ParametersData) -> Picture:
                 _interval(axes, place + shift, fitted.ends, limits, side.colour)
         axes.plot([], [], "k>", linestyle="-", label="its interval goes on beyond the axis")
         axes.plot([], [], "ko", markerfacecolor="white", linestyle="", label="open: not identified")
-        axes.set_yticks(range(len(data.rows)), list(data.rows))
+        axes.set_yticks(range(len(data.rows)), [plain_name(label) for label in data.rows])
         axes.set_ylim(len(data.rows) - 0.5, -0.5)
         axes.set_xlabel("fitted value over declared value")
         legend(figure, axes)

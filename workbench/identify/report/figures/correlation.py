@@ -24,5 +24,5 @@ def draw_correlation(fit: SimulationFit) -> Figure:
                     j, i, f"{value:.2f}", ha="center", va="center", fontsize=6, color="w" if abs(value) > 0.6 else "k"
                 )
         figure.colorbar(image, shrink=0.7, label="correlation")
-        axes.set_title("Correlation of the estimates")
+        figure.suptitle("Correlation of the estimates")
     return figure
