@@ -41,11 +41,11 @@ def _said(table: ComparisonTable, study: Study, frame: pd.DataFrame, folder: Pat
     from workbench.compare.comparison import compare, fresh_results
     from workbench.compare.report.overview import answer
     from workbench.compare.report.page import motors, rules, scope
-    from workbench.compare.report.tables import FINALISTS
+    from workbench.compare.report.tables import VERDICTS
 
     comparison = compare(study, table, frame, fresh_results(folder))
     notes = [scope(comparison), *rules(comparison), *table.left_out, *motors(study), *table.assumptions]
-    return Said(answer(comparison), notes, [FINALISTS])
+    return Said(answer(comparison), notes, [VERDICTS])
 
 
 COMPARISON = Section(

@@ -39,6 +39,9 @@ NARROWEST = 1.7
 HIGHEST = 7.6
 """Inches that a figure is high at most before its legends: what a page has beside the caption."""
 
+LEAST_INSIDE = 0.9
+"""Inches that a panel has between its labels at least where another stands beside it."""
+
 FLATTEST = 0.7
 """Of its height a panel keeps at least so much where the figure would not fit its page otherwise."""
 
@@ -75,17 +78,20 @@ def refit(figure: Figure, page: PageFormat) -> None:
 
 @dataclass(frozen=True)
 class _Plan:
-    """The width of a figure and the height of its panels (inches), and how many stand side by side in how many rows."""
+    """The width of a figure, the height of its panels and of legends below each (inches), and how many stand side by
+    side in how many rows.
+    """
 
     width: float
     high: float
+    below: float
     beside: int
     rows: int
 
     @property
-    def fits(self) -> bool:
-        """Whether the figure is no higher than a page."""
-        return self.high * self.rows <= HIGHEST
+    def total(self) -> float:
+        """The height of the figure (inches), about."""
+        return (self.high + self.below) * self.rows
 
 
 def _planned(figure: Figure, page: PageFormat) -> _Plan:
@@ -94,19 +100,38 @@ def _planned(figure: Figure, page: PageFormat) -> _Plan:
     """
     width, height = figure.get_size_inches().tolist()
     columns, rows = _grid(figure)
-    visible = sum(axes.get_visible() for axes in _panels(figure))
+    panels = [axes for axes in _panels(figure) if axes.get_visible()]
+    figure.draw_without_rendering()
+    beside_it = max(map(_labels_width, panels), default=0.0) * page.points / BASE_POINTS
     plans: list[_Plan] = []
     for inches in (page.width / INCH, *([page.double / INCH] if page.double else [])):
-        counted = inches * 8.0 / page.points
-        easily = max(1, min(columns, int(counted / NARROW)))
-        for beside in range(easily, max(easily, min(columns, int(counted / NARROWEST))) + 1):
+        counted, most = inches * 8.0 / page.points, min(columns, int(inches / (LEAST_INSIDE + beside_it)))
+        easily = max(1, min(most, int(counted / NARROW)))
+        for beside in range(easily, max(easily, min(most, int(counted / NARROWEST))) + 1):
             share = math.sqrt(inches / beside / (width / columns))
             text = page.points / BASE_POINTS if beside == columns else 0.0
             high = height / rows * min(1.0, max(share, text))
-            places = rows if beside == columns else math.ceil(visible / beside)
-            flat = min(high, max(FLATTEST * high, HIGHEST / places))
-            plans += [_Plan(inches, each, beside, places) for each in (high, flat)]
-    return next((plan for plan in plans if plan.fits), plans[-1])
+            places = rows if beside == columns else math.ceil(len(panels) / beside)
+            below = max(_legend_height(axes, inches / beside - beside_it, page.points) for axes in panels)
+            flat = min(high, max(FLATTEST * high, HIGHEST / places - below))
+            plans += [_Plan(inches, each, below, beside, places) for each in (high, flat)]
+    return next((plan for plan in plans if plan.total <= HIGHEST), min(plans, key=lambda plan: plan.total))
+
+
+def _labels_width(axes: Axes) -> float:
+    """What labels take beside a panel, in inches."""
+    panel, labels = axes.get_window_extent(), axes.yaxis.get_tightbbox()
+    return (panel.x0 - labels.x0) / axes.figure.dpi if labels is not None else 0.0
+
+
+def _legend_height(axes: Axes, width: float, points: float) -> float:
+    """What a legend that is not in its panel takes below one of that width, about, in inches."""
+    legend = axes.get_legend()
+    if legend is None or _is_inside(legend.get_window_extent(), axes.get_window_extent()):
+        return 0.0
+    ratio, room = points / BASE_POINTS, max(72.0 * width - 4.0 * points, points)
+    lengths = [ratio * _length(text.get_text(), text.get_fontproperties()) for text in legend.get_texts()]
+    return (1.2 * sum(math.ceil(length / room) for length in lengths) + 1.0) * points / 72.0
 
 
 def _panels(figure: Figure) -> list[Axes]:
@@ -238,8 +263,11 @@ def _place_legends(figure: Figure, width: float) -> None:
             below.append((axes, own))
         else:
             own.set_in_layout(True)
+    heights: dict[int, float] = {}
     for axes, legend in below:
-        _below_panel(figure, axes, legend)
+        row = _place(axes)[0]
+        heights[row] = max(heights.get(row, 0.0), _below_panel(figure, axes, legend))
+    figure.set_size_inches(width, figure.get_size_inches()[1] + 0.8 * sum(heights.values()) / figure.dpi)
 
 
 def _is_inside(box: Bbox, panel: Bbox) -> bool:
@@ -254,8 +282,8 @@ def _below_figure(figure: Figure, legend: Legend, room: float) -> None:
     figure.set_size_inches(width, high + 0.6 * height / figure.dpi)
 
 
-def _below_panel(figure: Figure, axes: Axes, legend: Legend) -> None:
-    """Below all else that belongs to the panel, the figure that much higher."""
+def _below_panel(figure: Figure, axes: Axes, legend: Legend) -> float:
+    """Put a legend below all else that belongs to its panel; returns its height in pixels, about."""
     panel = axes.get_window_extent()
     handles, labels, settings, height = _anew(legend, panel.width * 72.0 / figure.dpi, figure.dpi)
     legend.remove()
@@ -271,8 +299,7 @@ def _below_panel(figure: Figure, axes: Axes, legend: Legend) -> None:
         borderaxespad=0.0,
         **settings,
     )
-    width, high = figure.get_size_inches()
-    figure.set_size_inches(width, high + 0.8 * height / figure.dpi)
+    return height
 
 
 def _anew(legend: Legend, room: float, dpi: float) -> tuple[list[Any], list[str], dict[str, Any], float]:

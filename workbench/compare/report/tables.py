@@ -10,6 +10,7 @@ import pandas as pd
 from workbench.compare.candidates import HUNTS, MM, Candidate, Cell, turning_words
 from workbench.compare.cells import error_column
 from workbench.compare.intervals import LEAST
+from workbench.compare.report.matrix import NOTATION, matrices
 from workbench.compare.report.words import lying
 from workbench.compare.result import Comparison, Verdict
 from workbench.compare.schema import ComparisonTable
@@ -38,8 +39,8 @@ class Metric:
     scale: float = 1.0
 
 
-FINALISTS = "finalists"
-"""The name of the table of those who were measured again."""
+VERDICTS, FINALISTS = "verdicts", "finalists"
+"""Names of the tables of all fields, and of those who were measured again."""
 
 HUNTING_METRICS = (
     Metric("hunts", "share of draws that hunt"),
@@ -65,6 +66,26 @@ def metrics_of(table: ComparisonTable, reference: str) -> list[Metric]:
         Metric("phase_lag_deg", "phase lag (deg)"),
     ]
     return [*motion, *HUNTING_METRICS, *POWER_METRICS]
+
+
+def verdict_table(comparison: Comparison) -> pd.DataFrame:
+    """The matrices as one table, as text: a row a field, with its verdict, margin and price."""
+    lines = [
+        {
+            "machine": plain_name(matrix.machine),
+            "scenario": plain_name(row.scenario),
+            "motion": plain_name(reference),
+            "verdict": field.word,
+            "margin": field.margin,
+            "price": field.price,
+        }
+        for matrix in matrices(comparison)
+        for row in matrix.rows
+        for reference, field in zip(matrix.references, row.fields, strict=True)
+        if field is not None
+    ]
+    cells = pd.DataFrame(lines)
+    return cells.drop(columns=[name for name in cells.columns if not cells[name].any()])
 
 
 def finalist_table(comparison: Comparison) -> pd.DataFrame:
@@ -145,5 +166,6 @@ def write_tables(comparison: Comparison, folder: Path) -> list[Pivot]:
     made = list(pivots(comparison))
     for pivot in made:
         write_frame(pivot.name, Table(pivot.title, pivot.cells), folder)
+    write_frame(VERDICTS, Table("Compensate or avoid", verdict_table(comparison), [NOTATION]), folder)
     write_frame(FINALISTS, Table("Who stood for each class", finalist_table(comparison)), folder)
     return made
