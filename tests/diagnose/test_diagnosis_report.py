@@ -51,7 +51,7 @@ def test_every_file_is_there(folder: Path, answer: Answer) -> None:
     ]
     figures = {f"figures/{name}.png" for name in names}
     tables = {f"tables/{name}.{e}" for name in ("effects", "error", "parameters", "evidence") for e in ENDINGS}
-    assert written == {"report.json", "report.html", "plant.toml"} | figures | tables
+    assert written == {"report.json", "report.html", "plant.toml", "contents.json"} | figures | tables
     assert not list(folder.glob(".out*"))
 
 
@@ -162,4 +162,5 @@ def test_a_kill_while_replacing_leaves_no_report_and_can_be_repeated(
     report_folder.check_folder(out, overwrite=False)
     report_folder.write_diagnosis(diagnosis, out)
     assert json.loads((out / "report.json").read_text())["verdict"] == "effect_found"
-    assert {item.name for item in out.iterdir()} == {"report.json", "report.html", "plant.toml", "tables", "notes.txt"}
+    ours = {"report.json", "report.html", "plant.toml", "contents.json", "tables"}
+    assert {item.name for item in out.iterdir()} == ours | {"notes.txt"}

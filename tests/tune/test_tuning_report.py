@@ -29,7 +29,7 @@ from workbench.tune.result import Tuning
 from workbench.tune.run import tune_all
 from workbench.tune.space import Dimension
 
-FILES = {"study.toml", "results.csv", "trials.csv", "results.sqlite", "tuning.html", "run.json"}
+FILES = {"contents.json", "study.toml", "results.csv", "trials.csv", "results.sqlite", "tuning.html", "run.json"}
 PICTURES = ("history", "importance", "step", "error", "bode_p", "bode_pd")
 
 
