@@ -17,6 +17,7 @@ COMMANDS = (
     "list",
     "table",
     "plot",
+    "index",
     "agree",
     "decide",
     "import",

@@ -18,7 +18,7 @@ def command(
 ) -> None:
     """Draw a study's figures again, or any stored signal or column."""
     from workbench.study.reading import read_study
-    from workbench.study.report.folder import write_figures, write_pages
+    from workbench.study.report.folder import write_answers, write_figures
     from workbench.study.report.quick_plot import quick_plot
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -30,7 +30,7 @@ def command(
         print(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
-    figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
+    figures, pages = write_figures(study, frame, folder), write_answers(study, frame, folder)
     if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for paths in [*figures, *([page] for page in pages)]:

@@ -99,7 +99,7 @@ def write_tuning(
     for name, picture in {**pictures.shared, **pictures.own}.items():
         lay_out(picture.figure)
         save(picture.figure, name, folder / "figures")
-    html = page(tuning, tables, pictures)
+    html = page(tuning, tables, pictures, folder)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
     write_json(folder / RECORD, _record(tuning, began, jobs))
     lines = [*first_lines(tuning), *infeasible_lines(tuning)]
