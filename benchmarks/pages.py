@@ -2,8 +2,8 @@
 
     .venv/bin/python benchmarks/pages.py [--cases 2000]
 
-A study of so many cases with all that a page has of each (a line of figures, a sketch of its motion) is run, and its page
-is opened in Chromium with the network off; beside it the same page without scripts and sketches: the text.
+A study of so many cases with all that a page has of each (a line of figures, a sketch of its motion) is run, and its
+page is opened in Chromium with the network off; beside it the same page without scripts and sketches: the text.
 """
 
 import argparse
@@ -107,11 +107,11 @@ def main() -> None:
         bare = [seconds_to_open(browser, text, "table") for _ in range(RUNS)]
         clicked = [seconds_to_click(browser, page) for _ in range(3)]
         browser.close()
-        print(f"{cases} cases: {page.stat().st_size / 1e6:.1f} MB (text alone {text.stat().st_size / 1e6:.1f} MB)")
-        ratio = statistics.median(opened) / statistics.median(bare)
-        print(
-            f"opened: median {statistics.median(opened):.2f} s, longest {max(opened):.2f} s; {ratio:.1f} times the text alone"
-        )
+        sizes = [path.stat().st_size / 1e6 for path in (page, text)]
+        print(f"{cases} cases: {sizes[0]:.1f} MB (text alone {sizes[1]:.1f} MB)")
+        middle = statistics.median(opened)
+        ratio = middle / statistics.median(bare)
+        print(f"opened: median {middle:.2f} s, longest {max(opened):.2f} s; {ratio:.1f} times the text alone")
         print(f"a line clicked to its motion drawn: median {statistics.median(clicked):.2f} s")
 
 

@@ -55,7 +55,7 @@ def pictures_as_png() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator["Browser"]:
     """A real browser; a machine without one loses its tests and nothing else."""
     if not CHROMIUM:

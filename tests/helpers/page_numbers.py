@@ -1,9 +1,20 @@
-"""Numbers on a page of results, read as its script reads them."""
+"""What is on a page of results: its text, its pictures, and its numbers as its script reads them."""
 
 import base64
 import json
+import re
 
 import numpy as np
+
+
+def text_of(page: str) -> str:
+    """A page without its scripts and what its pictures are made of."""
+    return re.sub('src="data:[^"]*"', 'src="picture"', re.sub("<script.*?</script>", "", page, flags=re.DOTALL))
+
+
+def pictures_of(page: str) -> list[bytes]:
+    """The pictures that a page holds."""
+    return [base64.b64decode(code) for code in re.findall('src="data:image/png;base64,([^"]*)"', page)]
 
 
 def read_floats(text: str) -> np.ndarray:

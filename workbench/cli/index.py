@@ -11,7 +11,7 @@ def command(
         "results"
     ),
 ) -> None:
-    """Write a page over all results in a folder: what each says, with a link."""
+    """Write a page over all results in a folder."""
     from workbench.publish.page.index import write_index
 
     path, count = write_index(folder)
