@@ -13,7 +13,7 @@ from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter, ScalarFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogFormatter, NullFormatter, ScalarFormatter
 
 from workbench.publish.page.marks import (
     SCALES,
@@ -92,9 +92,10 @@ def _axis(axis: Axis, scale: str, ends: tuple[float, float], panels: Sequence[Ax
 
 
 def _ticks(axis: Axis, ends: tuple[float, float]) -> list[tuple[float, str]]:
-    """Ticks with words instead of numbers; none of other axes."""
+    """Ticks that were chosen, or have words instead of numbers; none of other axes."""
     formatter = axis.get_major_formatter()
-    if isinstance(formatter, NUMBERED) and axis.get_scale() in SCALES:
+    chosen = isinstance(axis.get_major_locator(), FixedLocator)
+    if isinstance(formatter, NUMBERED) and axis.get_scale() in SCALES and not chosen:
         return []
     values = [float(value) for value in axis.get_majorticklocs() if min(ends) <= value <= max(ends)]
     return list(zip(placed(values, axis).tolist(), map(plain_text, formatter.format_ticks(values)), strict=True))

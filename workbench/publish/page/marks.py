@@ -108,7 +108,8 @@ def looks_of(handle: Any) -> Mark:
     if isinstance(handle, Line2D):
         return {"line": _stroke(handle), "marker": _marker(handle)}
     if isinstance(handle, Patch):
-        return {"fill": _colour(handle.get_facecolor()), "alpha": _alpha(handle.get_facecolor())}
+        fill = handle.get_facecolor() if handle.get_fill() else handle.get_edgecolor()
+        return {"fill": _colour(fill), "alpha": _alpha(fill), "hollow": not handle.get_fill()}
     if isinstance(handle, PolyCollection | PathCollection):
         return {"fill": _colour(handle.get_facecolor()[0]), "alpha": _alpha(handle.get_facecolor()[0])}
     if isinstance(handle, LineCollection):

@@ -72,7 +72,11 @@
       picture.append(part);
     };
     const colour = (value) => (isBlack(value) ? "currentColor" : value);
-    if (entry.fill) add("rect", {x: 1, y: 1, width: 24, height: 10, fill: colour(entry.fill), "fill-opacity": entry.alpha});
+    if (entry.fill) {
+      const filled = {fill: colour(entry.fill), "fill-opacity": entry.alpha, stroke: "#888888", "stroke-width": 0.5};
+      const framed = {fill: "none", stroke: colour(entry.fill), "stroke-width": 2};
+      add("rect", {x: 1, y: 1, width: 24, height: 10, ...(entry.hollow ? framed : filled)});
+    }
     if (entry.line) {
       add("line", {
         x1: 0, y1: 6, x2: 26, y2: 6, stroke: colour(entry.line.color), "stroke-opacity": entry.line.alpha,
@@ -121,14 +125,12 @@
 
   const SPACE = 7;  // of a label from its tick, in pixels
 
-  function plain(axis, spec) {
+  function plain(figure, axis, spec) {
     const log = spec.scale === "log";
     if (spec.ticks.length) {
       axis.ticker = new Bokeh.FixedTicker({ticks: spec.ticks.map(([place]) => place), minor_ticks: []});
       axis.major_label_overrides = new Map(spec.ticks);
-      if (spec.ticks.some(([, label]) => label.length > SPACE) && axis.axis_label !== undefined && axis.dimension !== 1) {
-        axis.major_label_orientation = 0.6;
-      }
+      if (axis === figure.below[0] && spec.ticks.some(([, label]) => label.length > SPACE)) axis.major_label_orientation = 0.6;
     } else if (log) {
       const [low, high] = [...spec.range].sort((a, b) => a - b);
       const decades = Math.log10(high / low);
@@ -136,6 +138,7 @@
       axis.ticker = decades < 0.9 ? new Bokeh.BasicTicker() : new Bokeh.LogTicker({mantissas, num_minor_ticks: 0});
       axis.formatter = new Bokeh.BasicTickFormatter({power_limit_high: 6, power_limit_low: -5});
     }
+    for (const grid of figure.center) if (grid.dimension === Number(axis === figure.left[0])) grid.ticker = axis.ticker;
     axis.axis_label = spec.label;
     axis.axis_label_text_font_style = "normal";
     axis.axis_label_text_font_size = "12px";
@@ -226,8 +229,8 @@
     });
     figure.toolbar.logo = null;
     figure.toolbar.autohide = true;
-    plain(figure.below[0], spec.x);
-    plain(figure.left[0], spec.y);
+    plain(figure, figure.below[0], spec.x);
+    plain(figure, figure.left[0], spec.y);
     const curves = [];
     for (const mark of spec.marks) {
       const made = draw(figure, mark, named);

@@ -24,7 +24,10 @@ td { white-space: nowrap; }
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>{% endif %}
 <ul class="answer">
-{% for line in words %}<li>{{ line }}</li>
+{% for line in words[:2] %}<li>{{ line }}</li>
+{% endfor %}</ul>
+<ul>
+{% for line in words[2:] %}<li>{{ line }}</li>
 {% endfor %}</ul>
 <h2>What was held equal</h2>
 <ul>
