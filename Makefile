@@ -88,7 +88,7 @@ clean:
 
 $(ENVIRONMENT)/ready: pyproject.toml
 	$(PYTHON) -m venv $(ENVIRONMENT)
-	$(INSTALL) --editable ".[bench]"
+	$(INSTALL) --editable .
 	@touch $@
 
 $(ENVIRONMENT)/ready-for-tests: $(ENVIRONMENT)/ready

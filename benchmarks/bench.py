@@ -5,7 +5,7 @@
 The loop: 5 s of the thesis's actuator at 120 rpm, sampled at 1 kHz, four scopes and the figures of the run. A move is a
 key pressed on the slider of K_p; it has been drawn when the browser has presented the frame after the new curves have
 come. With --minutes, the slider is dragged to and fro that long, and the memory of both sides is told at the beginning
-and the end. Needs Chromium, and the extra `test`.
+and after each sixth of it. Needs Chromium, and the extra `bench`.
 """
 
 import argparse
@@ -88,6 +88,10 @@ def moved(page: "Page", moves: int) -> list[float]:
     return times
 
 
+SPANS = 6
+"""Of the dragging, after each of which memory is read."""
+
+
 def dragged(page: "Page", minutes: float) -> None:
     """Drag the slider to and fro."""
     box = page.locator(SLIDER).first.bounding_box()
@@ -152,14 +156,13 @@ def main() -> None:
             if options.picture is not None:
                 picture(page, options.picture)
             if options.minutes:
-                before = megabytes(server.pid), heap(page)
-                dragged(page, options.minutes)
-                page.wait_for_timeout(2000)
-                after = megabytes(server.pid), heap(page)
-                print(
-                    f"{options.minutes:g} min of dragging: program {before[0]:.0f} -> {after[0]:.0f} MB, "
-                    f"page {before[1]:.1f} -> {after[1]:.1f} MB"
-                )
+                levels = [(megabytes(server.pid), heap(page))]
+                for _ in range(SPANS):
+                    dragged(page, options.minutes / SPANS)
+                    page.wait_for_timeout(2000)
+                    levels.append((megabytes(server.pid), heap(page)))
+                program, browser_side = (" -> ".join(f"{level[i]:.0f}" for level in levels) for i in (0, 1))
+                print(f"{options.minutes:g} min of dragging: program {program} MB, page {browser_side} MB", flush=True)
             print(f"errors in the console: {len(troubles)}")
             server.terminate()
     print(f"memory of this process at most {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")

@@ -5,10 +5,11 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import pytest
+from browsing import CHROMIUM, FLAGS
 from thesis_actuator import OF_OTHERS, along
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; threads make small matrices slower
@@ -16,6 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy comes in; 
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 pytest.register_assert_rewrite("command", "mistakes")
 
@@ -49,6 +53,19 @@ def pictures_as_png() -> Iterator[None]:
 
     with mock.patch.object(save, "__defaults__", (("png",),)), mock.patch.object(figures, "FORMATS", ("png",)):
         yield
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    """A real browser; a machine without one loses its tests and nothing else."""
+    if not CHROMIUM:
+        pytest.skip("no browser: skipped")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield running
+        running.close()
 
 
 @pytest.fixture(params=plants().values(), ids=lambda plant: plant.name)

@@ -2,13 +2,13 @@
 
 import contextlib
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from benches import short
+from browsing import opened_page
 
 import workbench as wb
 from workbench.bench.opened import opened
@@ -17,32 +17,6 @@ from workbench.bench.serving import bench_server
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
-
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), ""
-)
-
-pytestmark = pytest.mark.skipif(not CHROMIUM, reason="no browser: skipped")
-
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield running
-        running.close()
 
 
 @pytest.fixture(scope="module")
@@ -59,20 +33,11 @@ def address(folder: Path) -> Iterator[str]:
 
 
 @contextlib.contextmanager
-def opened_page(browser: "Browser", address: str, width: int = 1300) -> Iterator["Page"]:
-    """A page of the bench, without a word of trouble in its console until the end."""
-    page = browser.new_page(viewport={"width": width, "height": 1000})
-    troubles: list[str] = []
-    page.on("console", lambda line: troubles.append(line.text) if line.type == "error" else None)
-    page.on("pageerror", lambda error: troubles.append(str(error)))
-    page.on("requestfailed", lambda request: troubles.append(request.url))
-    page.goto(address)
-    page.wait_for_selector("canvas")
-    try:
+def opened_bench(browser: "Browser", address: str, width: int = 1300) -> Iterator["Page"]:
+    """The bench, once it shows its scopes."""
+    with opened_page(browser, address, width) as page:
+        page.wait_for_selector("canvas")
         yield page
-        assert not troubles
-    finally:
-        page.close()
 
 
 def handle(page: "Page", label: str) -> None:
@@ -96,7 +61,7 @@ def shown(page: "Page", row: str, figure: str) -> str:
 
 
 def test_a_slider_moves_numbers_and_curves(browser: "Browser", address: str) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         before = shown(page, "here", "rms error")
         page.get_by_role("button", name="Pin", exact=True).click()
         page.wait_for_selector("th:text-is('pinned')")
@@ -113,12 +78,12 @@ def test_a_slider_moves_numbers_and_curves(browser: "Browser", address: str) -> 
         assert float(shown(page, "here", "rms error").removesuffix(" mm")) == pytest.approx(1e3 * expected, rel=1e-3)
         assert shown(page, "pinned", "rms error") == before
         assert re.search(r"[?]state=", page.url)
-        with opened_page(browser, page.url) as again:
+        with opened_bench(browser, page.url) as again:
             assert again.get_by_label("kp", exact=True).input_value() == text
 
 
 def test_what_is_typed_wrongly_is_told(browser: "Browser", address: str) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         field = page.get_by_label("kp", exact=True)
         field.fill("3 apples")
         field.press("Enter")
@@ -135,7 +100,7 @@ def test_what_is_typed_wrongly_is_told(browser: "Browser", address: str) -> None
 
 
 def test_a_saved_study_is_run_to_the_same_figures(browser: "Browser", address: str, folder: Path) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         field = page.get_by_label("kp", exact=True)
         field.fill("640")
         field.press("Enter")
@@ -154,7 +119,7 @@ def test_a_saved_study_is_run_to_the_same_figures(browser: "Browser", address: s
 
 
 def test_a_click_in_a_sweep_takes_the_bench_there(browser: "Browser", address: str) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         page.get_by_label("points", exact=True).fill("12")
         page.get_by_label("points", exact=True).press("Enter")
         page.get_by_role("button", name="Sweep", exact=True).click()
@@ -187,12 +152,12 @@ VALUE = f"() => {{ {_SWEEP} return x[8] }}"
 
 @pytest.mark.parametrize("width", [1300, 390])
 def test_nothing_is_wider_than_the_screen(browser: "Browser", address: str, width: int) -> None:
-    with opened_page(browser, address, width) as page:
+    with opened_bench(browser, address, width) as page:
         assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_curves_can_be_taken_along(browser: "Browser", address: str, tmp_path: Path) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         page.locator(".bk-Figure").first.hover(force=True)
         for title, ending in (("Save the curves as CSV", "csv"), ("Save as SVG", "svg")):
             with page.expect_download() as download:
@@ -207,7 +172,7 @@ def test_curves_can_be_taken_along(browser: "Browser", address: str, tmp_path: P
 
 
 def test_the_page_says_how_soon_it_follows(browser: "Browser", address: str) -> None:
-    with opened_page(browser, address) as page:
+    with opened_bench(browser, address) as page:
         handle(page, "kp")
         page.keyboard.press("ArrowRight")
         page.wait_for_selector("text=/drawn [0-9]+ ms after the hand moved/")

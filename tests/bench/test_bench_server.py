@@ -1,5 +1,6 @@
 """The server answers whoever has the token, from this machine and this page alone."""
 
+import asyncio
 import contextlib
 import http.client
 from collections.abc import Iterator
@@ -8,7 +9,9 @@ from urllib.parse import urlsplit
 
 import pytest
 from benches import short
+from bokeh.util.token import generate_jwt_token, generate_session_id
 from command import STUDY, changed, workbench
+from tornado.websocket import websocket_connect
 
 import workbench as wb
 from workbench.bench.server import BenchServer
@@ -97,6 +100,27 @@ def test_two_benches_have_tokens_and_ports_of_their_own(server: BenchServer, tmp
         bench_server(short(), tmp_path, server.port)
     other.start_beside()
     other.stop()
+
+
+def test_when_it_has_stopped_nothing_is_open(tmp_path: Path) -> None:
+    server = bench_server(short(), tmp_path)
+    server.start_beside()
+    kept = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+    kept.request("GET", urlsplit(server.url).path)
+    kept.getresponse().read()
+
+    async def greeted() -> None:
+        ticket = generate_jwt_token(generate_session_id())
+        opened = await websocket_connect(f"{server.url.replace('http', 'ws', 1)}ws", subprotocols=["bokeh", ticket])
+        assert await opened.read_message()  # the server's greeting
+        await asyncio.to_thread(server.stop)
+        while await opened.read_message() is not None:
+            pass  # it ends
+        opened.close()
+
+    asyncio.run(asyncio.wait_for(greeted(), timeout=20))
+    assert kept.sock.recv(1) == b""
+    kept.close()
 
 
 def test_a_notebook_shows_the_page_in_a_frame() -> None:

@@ -23,6 +23,7 @@ SLOW = (
     "filterpy",
     "jinja2",
     "distributed",
+    "bokeh",
 )
 """Each takes a tenth of a second at least, numba half a second, scipy's statistics one."""
 

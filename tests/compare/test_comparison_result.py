@@ -2,8 +2,10 @@
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+from browsing import from_disk
 from made_up_comparison import SPEC, STEPS, cell, compared, made_up_study, whole
 
 from workbench.api import StudyResults
@@ -15,6 +17,9 @@ from workbench.compare.report.power_figure import power_panel
 from workbench.compare.report.speed_figure import speed_panel
 from workbench.compare.report.tables import pivots
 from workbench.errors import UserError
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 
 def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path: Path) -> None:
@@ -37,6 +42,23 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
     assert "A &lt; B" in html
     assert html.index("matrices") < html.index("In words") < html.index("Left out") < html.index("<h2>Nominal")
     assert "360 cases: 2 machines, 5 controllers" in html
+
+
+def test_a_click_on_a_field_of_the_matrix_shows_its_cases(browser: "Browser", tmp_path: Path) -> None:
+    _, html = write_comparison(compare(made_up_study("one", "which?"), SPEC, whole(draws=range(1, 4))), tmp_path)
+    with from_disk(browser, html) as page:
+        rows = page.locator(".cases tbody tr:not([hidden])")
+        assert rows.count() == 120  # three draws in a line
+        table = page.locator(".matrices table").nth(1)
+        place = {"machine": table.locator("caption").inner_text(), "scenario": "soft", "reference": "steps"}
+        heads = table.locator("tr").first.locator("th").all_inner_texts()
+        row = next(row for row in table.locator("tr").all() if row.locator("th").first.inner_text() == "soft")
+        row.locator("td").nth(heads.index("steps") - 1).click()
+        shown = [text.split("\t") for text in rows.all_inner_texts()]
+        assert 0 < len(shown) < 120
+        for name, value in place.items():
+            column = page.locator(".cases thead th").all_inner_texts().index(name)
+            assert {cells[column].strip() for cells in shown} == {value}
 
 
 def test_a_comparison_of_steps_alone_makes_its_page(tmp_path: Path) -> None:

@@ -3,16 +3,22 @@
 import json
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 import pytest
+from browsing import from_disk
 from command import Answer, changed, workbench, write
 from deadband import OVERLAP
 from experiments import TRUTH
+from page_numbers import pictures_of, text_of
 
 from workbench.diagnose.report import folder as report_folder
 from workbench.diagnose.result import Diagnosis
 from workbench.parameters.sets import read_deviations, read_parameters
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 STUDY = changed(
     'model = "by_rpm"\nparameters = "owen2001_simulation"\n\n[axes]\nrpm = [0, 460]\n',
@@ -83,11 +89,20 @@ def test_the_report_has_the_keys_of_the_contract(folder: Path, answer: Answer) -
 def test_the_page_shows_every_figure_that_there_is(folder: Path, answer: Answer) -> None:
     page = (folder / "out" / "report.html").read_text()
     assert "Found: valve deadband (valve_overlap = " in page
-    pictures = list((folder / "out" / "figures").glob("*.png"))
-    for picture in pictures:
-        assert f'src="figures/{picture.name}"' in page
-    assert page.count("<img") == len(pictures) >= 10
-    assert " nan" not in page
+    pictures = [path.read_bytes() for path in (folder / "out" / "figures").glob("*.png")]
+    assert sorted(pictures_of(page)) == sorted(pictures)
+    assert text_of(page).count("<img") == len(pictures) >= 10
+    assert " nan" not in text_of(page)
+
+
+def test_the_page_opens_from_disk_without_a_network(browser: "Browser", folder: Path, answer: Answer) -> None:
+    with from_disk(browser, folder / "out" / "report.html") as page:
+        assert page.locator(".answer").inner_text().startswith("Found: valve deadband (valve_overlap = ")
+        alive = page.locator("figure.picture:has(script)")
+        assert alive.count() >= 10
+        alive.first.scroll_into_view_if_needed()
+        page.wait_for_selector(".live-shown canvas", state="attached")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 1300
 
 
 def test_a_study_can_name_the_corrected_plant(folder: Path, answer: Answer) -> None:

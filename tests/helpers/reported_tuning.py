@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 from command import Answer, workbench, write
+from page_numbers import text_of
 
 STUDY = """\
 title = "two controllers, tuned"
@@ -73,4 +74,4 @@ def table(out: Path, name: str) -> pd.DataFrame:
 
 def page(out: Path) -> str:
     """The text of the page."""
-    return html.unescape((out / "tuning.html").read_text(encoding="utf-8"))
+    return html.unescape(text_of((out / "tuning.html").read_text(encoding="utf-8")))

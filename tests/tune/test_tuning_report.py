@@ -10,6 +10,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from command import Answer, write
+from page_numbers import pictures_of
 from reported_tuning import STUDY, page, reported, results, table
 
 from workbench.linear.margins import Margins
@@ -64,8 +65,8 @@ def test_every_file_is_there(folder: Path, answer: Answer) -> None:
 
 def test_the_page_shows_every_figure_that_there_is(folder: Path, answer: Answer) -> None:
     text = page(folder / "out")
-    for name in PICTURES:
-        assert f'src="figures/{name}.png"' in text
+    drawn = [(folder / "out" / "figures" / f"{name}.png").read_bytes() for name in PICTURES]
+    assert sorted(pictures_of((folder / "out" / "tuning.html").read_text(encoding="utf-8"))) == sorted(drawn)
     assert text.count("<img") == len(PICTURES)
     assert "nan" not in text.replace("dominant", "")
 

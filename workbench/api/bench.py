@@ -53,7 +53,7 @@ def bench(setup: LoopSetup, *, folder: str | Path = ".", port: int = 0, height: 
         height: of the frame in a notebook, in pixels.
 
     Raises:
-        UserError: it is something else, Bokeh is not installed (extra `bench`), or the port is taken.
+        UserError: it is something else, or the port is taken.
 
     Example:
         >>> loop = wb.setup("rotating", "owen2001_simulation", rpm=120, controller=wb.pid(kp=500),

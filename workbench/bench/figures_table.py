@@ -4,23 +4,10 @@ import math
 from html import escape
 
 from workbench.bench.outcome import Outcome
-from workbench.metrics.registry import names_along
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
-
-COLUMNS = (
-    ("phase_lag_deg", "phase lag"),
-    ("rms_error_m", "rms error"),
-    ("max_error_m", "largest error"),
-    ("steady_state_error_m", "steady-state error"),
-    ("limit_cycle", "limit cycle"),
-    ("limit_cycle_amplitude_m", "limit-cycle amplitude"),
-    ("control_effort_V", "command, rms"),
-    ("total_power_W", "power"),
-    ("paid_power_W", "power paid"),
-)
-"""Columns of results.csv, and what they are called here."""
+from workbench.study.report.shown_figures import FIGURES, column_along, shown_unit
 
 DIGITS = 4
 
@@ -49,14 +36,13 @@ th { font-weight: 600; color: var(--faint); }
 def _cells(outcome: Outcome) -> dict[str, str]:
     figures = outcome.figures
     axis = outcome.run.plant.axis
-    called = names_along(axis)
     cells = {"outcome": outcome.run.outcome}
     for channel, rms in outcome.misfits.items():
         unit = outcome.units[channel]
         words = f"{plain_name(channel)} off, rms"
         cells[words] = SHOWN[axis].length(rms, DIGITS) if unit == axis else f"{shown_number(rms, DIGITS)} {unit}"
-    for name, words in COLUMNS:
-        value = figures.get(called[name])
+    for name, words in FIGURES:
+        value = figures.get(column_along(name, axis))
         cells[words] = plain_name(value) if isinstance(value, str) else _number(name, value, axis)
     gain = outcome.loop_gain
     if isinstance(gain, str):
@@ -70,10 +56,8 @@ def _cells(outcome: Outcome) -> dict[str, str]:
 def _number(name: str, value: float | None, axis: str) -> str:
     if value is None:
         return ""
-    if name.endswith("_m"):
-        return SHOWN[axis].length(value, DIGITS)
-    unit = {"W": "W", "V": "V", "deg": "deg"}[name.rpartition("_")[2]]
-    return f"{shown_number(value, DIGITS)} {unit}"
+    unit, factor = shown_unit(name, axis)
+    return f"{shown_number(factor * value, DIGITS)} {unit}"
 
 
 def _margin(value: float, unit: str) -> str:

@@ -56,6 +56,7 @@ class BenchPage:
         self._change: dict[str, object] = {}
         self._workers = ThreadPoolExecutor(1)
         self._moves = 0
+        self._offered: list[str] = []
         self._scopes = {name: ScopeFigure(name) for name in FIRST}
         self._pace = Pace(document, self._run_change, self._take_time)
         self._panel = ControlPanel(
@@ -92,16 +93,11 @@ class BenchPage:
         document.add_root(self._panel.layout)
         words = row(self._pace.words, self._address)
         document.add_root(column(self._message, self._table, words, sizing_mode="stretch_width", name="results"))
-        names = list(SCOPES)
-        choose = CheckboxButtonGroup(
-            labels=[SCOPES[name].title for name in names],
-            active=[names.index(name) for name in self._scopes],
-            stylesheets=[WIDGETS, WRAPPED],
-            name="choose_scopes",
-            sizing_mode="stretch_width",
+        self._choose = CheckboxButtonGroup(
+            stylesheets=[WIDGETS, WRAPPED], name="choose_scopes", sizing_mode="stretch_width"
         )
-        choose.on_change("active", lambda _attr, _old, new: self._open([names[i] for i in new]))
-        document.add_root(column(choose, self._grid, sizing_mode="stretch_width", name="scopes"))
+        self._choose.on_change("active", lambda _attr, _old, new: self._open([self._offered[i] for i in new]))
+        document.add_root(column(self._choose, self._grid, sizing_mode="stretch_width", name="scopes"))
         document.add_root(self._sweep.layout)
         document.template = Template(TEMPLATE.read_text(encoding="utf-8"))
         document.template_variables["bench_title"] = str(self._first.content.get("title", "bench"))
@@ -134,7 +130,16 @@ class BenchPage:
     def _lay_out(self) -> None:
         self._grid.children = [scope.figure for scope in self._scopes.values()] or [Div()]
 
+    def _offer_scopes(self) -> None:
+        """Those that show something of this plant, and those that are open."""
+        self._offered = [name for name in SCOPES if name in self._scopes or SCOPES[name].view(self._here).curves]
+        labels, active = [SCOPES[name].title for name in self._offered], list(map(self._offered.index, self._scopes))
+        if self._choose.labels != labels:
+            self._choose.update(labels=labels, active=active)
+
     def _open(self, names: Sequence[str]) -> None:
+        if list(names) == list(self._scopes):
+            return
         self._scopes = {name: self._scopes.get(name) or ScopeFigure(name) for name in SCOPES if name in names}
         self._show_run()
         self._lay_out()
@@ -212,6 +217,7 @@ class BenchPage:
         self._document.unhold()
 
     def _show_controls(self) -> None:
+        self._offer_scopes()
         self._panel.show(self._here)
         self._sweep.offer(self._here)
         self._pace.rest()

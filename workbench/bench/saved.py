@@ -7,7 +7,6 @@ from typing import Any
 
 import tomli_w
 
-from workbench.bench.figures_table import COLUMNS
 from workbench.bench.loop import BenchLoop
 from workbench.bench.measured import MeasuredLoop
 from workbench.bench.outcome import Outcome
@@ -17,6 +16,7 @@ from workbench.parameters.sets import named_sets
 from workbench.publish.folders import write_whole
 from workbench.study.layers import LAYERS
 from workbench.study.names import unit_of_column
+from workbench.study.report.shown_figures import FIGURES
 
 PARAMETERS = (("plant", "parameters"), ("belief", "parameters"))
 """Tables with a key that names a parameter set or a file."""
@@ -29,7 +29,7 @@ def study_text(outcome: Outcome, folder: Path) -> str:
     """The study file of a loop, for a place in `folder`: the loop as it stands, and a table of its figures."""
     content = _moved(outcome.loop, folder)
     called = names_along(outcome.run.plant.axis)
-    figures = [(called[name], words) for name, words in COLUMNS if outcome.figures.get(called[name]) is not None]
+    figures = [(called[name], words) for name, words in FIGURES if outcome.figures.get(called[name]) is not None]
     rows = [
         {"result": name, "label": words, "unit": unit_of_column(name), "digits": 17}
         for name, words in figures

@@ -10,6 +10,7 @@ from workbench.bench.outcome import Outcome
 from workbench.linear.margins import grid_about
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import with_unit
+from workbench.publish.thinning import thinned
 from workbench.publish.words import plain_name
 from workbench.simulation.run import TRUE
 
@@ -63,23 +64,6 @@ class Scope:
     log_y: bool = False
 
 
-def thinned(*signals: np.ndarray, buckets: int = BUCKETS) -> np.ndarray:
-    """Indices of samples in whose polygon no extreme of any of the signals is lost: of each bucket of samples those
-    where one is least or largest, and the first and last of all.
-    """
-    size = signals[0].size
-    if size <= 2 * buckets:
-        return np.arange(size)
-    width = -(-size // buckets)
-    kept = [np.array([0, size - 1])]
-    for signal in signals:
-        padded = np.concatenate([signal, np.full(-size % width, signal[-1])]).reshape(-1, width)
-        first = np.arange(len(padded)) * width
-        kept += [first + np.where(np.isnan(padded), np.inf, padded).argmin(axis=1)]
-        kept += [first + np.where(np.isnan(padded), -np.inf, padded).argmax(axis=1)]
-    return np.unique(np.minimum(np.concatenate(kept), size - 1))
-
-
 def _reader(unit: str, axis: str) -> tuple[str, float]:
     """The unit in which an SI one is shown, and the factor."""
     along = SHOWN[axis]
@@ -112,7 +96,7 @@ def _drawn(x: str, names: Sequence[str], outcome: Outcome, label: str, start: in
     curves = []
     for name in found:
         values = signals[name][start:]
-        kept = thinned(values) if x == "time" else thinned(across, values)
+        kept = thinned(*([values] if x == "time" else [across, values]), buckets=BUCKETS)
         curves.append(Curve(plain_name(name), x_factor * across[kept], factor * values[kept]))
     return View(curves, below, with_unit(label or plain_name(found[-1]), unit))
 

@@ -4,6 +4,7 @@ import asyncio
 import secrets
 import socket
 import threading
+import weakref
 import webbrowser
 from collections.abc import Callable
 from http import HTTPStatus
@@ -18,6 +19,7 @@ from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler
+from tornado.websocket import WebSocketHandler
 
 from workbench.errors import UserError
 
@@ -41,6 +43,7 @@ class _Guarded(BokehTornado):
 
     def __init__(self, *args: Any, token: str, hosts: frozenset[str], **kwargs: Any) -> None:
         self._token, self._hosts = token, hosts
+        self._opened: weakref.WeakSet[WebSocketHandler] = weakref.WeakSet()
         super().__init__(*args, prefix=f"/{token}", extra_websocket_origins=sorted(hosts), **kwargs)
 
     def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
@@ -48,6 +51,18 @@ class _Guarded(BokehTornado):
         if not self._admits(request):
             return self.get_handler_delegate(request, _Refused)
         return super().find_handler(request, **kwargs)
+
+    def new_connection(self, protocol: Any, socket: Any, *args: Any) -> Any:
+        """Bokeh asks here for each socket that was opened."""
+        self._opened.add(socket)
+        return super().new_connection(protocol, socket, *args)
+
+    def close_sockets(self) -> None:
+        """Cut off whoever is still there."""
+        for handler in list(self._opened):
+            stream = None if handler.ws_connection is None else handler.ws_connection.stream
+            if stream is not None:
+                stream.close()
 
     def _admits(self, request: HTTPServerRequest) -> bool:
         first = request.path.lstrip("/").split("/")[0]
@@ -98,14 +113,17 @@ class BenchServer:
         try:
             await self._ended.wait()
         finally:
-            http.stop()
             server.stop()
+            self._tornado.close_sockets()
+            await http.close_all_connections()
 
     def start_beside(self) -> None:
         """Serve in a thread of its own, as long as the program runs or until `stop`."""
-        threading.Thread(target=self.run, kwargs={"browser": False}, name="bench", daemon=True).start()
+        self._thread = threading.Thread(target=self.run, kwargs={"browser": False}, name="bench", daemon=True)
+        self._thread.start()
         self._ready.wait()
 
     def stop(self) -> None:
-        """End what `start_beside` began."""
+        """End what `start_beside` began; when this returns, nothing of it is open."""
         self._loop.add_callback(self._ended.set)
+        self._thread.join()

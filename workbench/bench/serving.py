@@ -1,31 +1,23 @@
-"""Serving a loop as a bench, where Bokeh is installed."""
+"""Serving a loop as a bench."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.bench.loop import BenchLoop
 from workbench.bench.outcome import outcome_of
-from workbench.errors import UserError
+from workbench.bench.page import STATE, BenchPage
+from workbench.bench.server import BenchServer
 
 if TYPE_CHECKING:
     from bokeh.document import Document
 
-    from workbench.bench.server import BenchServer
 
-
-def bench_server(loop: BenchLoop, folder: Path, port: int = 0, beside: BenchLoop | None = None) -> "BenchServer":
+def bench_server(loop: BenchLoop, folder: Path, port: int = 0, beside: BenchLoop | None = None) -> BenchServer:
     """A server whose pages begin with this loop, and one pinned `beside` it; studies are saved in `folder`.
 
     Raises:
-        UserError: the loop cannot be run, Bokeh is not installed, or the port is taken.
+        UserError: the loop cannot be run, or the port is taken.
     """
-    try:
-        from workbench.bench.page import STATE, BenchPage
-        from workbench.bench.server import BenchServer
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "bokeh":
-            raise
-        raise UserError('the bench needs Bokeh; install it with pip install -e ".[bench]"') from None
     outcome_of(loop)  # what is wrong with it is told here; and it is compiled before somebody waits for a page
 
     def build(document: "Document") -> None:

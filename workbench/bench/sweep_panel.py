@@ -15,7 +15,6 @@ from bokeh.models.widgets.inputs import Select, Spinner
 from bokeh.models.widgets.markups import Div
 from bokeh.plotting import figure
 
-from workbench.bench.figures_table import COLUMNS
 from workbench.bench.knobs import Knob
 from workbench.bench.looks import WIDGETS, Options
 from workbench.bench.loop import BenchLoop
@@ -25,11 +24,12 @@ from workbench.metrics.registry import columns, names_along
 from workbench.publish.along import SHOWN
 from workbench.publish.style import COLOURS
 from workbench.publish.tables import with_unit
+from workbench.study.report.shown_figures import FIGURES
 
 BATCH = 10
 """Points that are drawn at a time."""
 
-NUMBERS: list[tuple[str, str]] = [(name, words) for name, words in COLUMNS if name != "limit_cycle"]
+NUMBERS: list[tuple[str, str]] = [(name, words) for name, words in FIGURES if name != "limit_cycle"]
 
 
 class SweepPanel:
@@ -117,7 +117,7 @@ class SweepPanel:
         along = SHOWN[axis]
         unit, factor = (along.unit, along.factor) if described.unit == axis else (described.unit, 1.0)
         plot.xaxis[0].axis_label = with_unit(knob.label, knob.shown or knob.unit)
-        plot.yaxis[0].axis_label = with_unit(dict(COLUMNS)[name], unit)
+        plot.yaxis[0].axis_label = with_unit(dict(FIGURES)[name], unit)
         self._source.selected.indices = []
         self._source.data = {"x": [], "y": []}
         self._workers.submit(self._sweep, self._running, loop, knob, values, name, factor)

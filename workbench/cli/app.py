@@ -18,6 +18,7 @@ COMMANDS = (
     "table",
     "plot",
     "report",
+    "index",
     "agree",
     "decide",
     "import",

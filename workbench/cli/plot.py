@@ -20,7 +20,7 @@ def command(
     """Draw a study's figures again, or any stored signal or column."""
     from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
-    from workbench.study.report.folder import write_figures, write_pages
+    from workbench.study.report.folder import write_answers, write_figures
     from workbench.study.report.quick_plot import quick_plot
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -34,7 +34,7 @@ def command(
         return
     study = read_study(folder / STUDY_COPY)
     with figures_at(page):
-        figures, pages = write_figures(study, frame, folder), write_pages(study, frame, folder)
+        figures, pages = write_figures(study, frame, folder), write_answers(study, frame, folder)
     if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for paths in [*figures, *([page] for page in pages)]:

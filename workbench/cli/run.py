@@ -11,7 +11,7 @@ from workbench.errors import UserError
 if TYPE_CHECKING:
     from workbench.study.plan import Plan
 
-MADE = ("results.csv", "tables", "figures", "comparison.html")
+MADE = ("results.csv", "tables", "figures", "results.html", "comparison.html")
 """What a folder of results is told to hold, where it does."""
 
 

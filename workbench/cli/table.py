@@ -17,7 +17,7 @@ def command(
 ) -> None:
     """Write a study's tables again, or show columns of its results."""
     from workbench.study.reading import read_study
-    from workbench.study.report.folder import write_pages, write_tables
+    from workbench.study.report.folder import write_answers, write_tables
     from workbench.study.report.select import columns_of
     from workbench.study.store import STUDY_COPY, read_results
 
@@ -26,7 +26,7 @@ def command(
         print(columns_of(frame, column or [], conditions(where)).to_markdown(index=False, floatfmt=".6g"))
         return
     study = read_study(folder / STUDY_COPY)
-    tables, pages = write_tables(study, frame, folder), write_pages(study, frame, folder)
+    tables, pages = write_tables(study, frame, folder), write_answers(study, frame, folder)
     if not tables and not pages:
         raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
     print_tables(tables)

@@ -11,7 +11,7 @@ from workbench.errors import UserError
 from workbench.publish.contents import Contents
 from workbench.publish.page_format import figures_at
 from workbench.study.reading import read_study
-from workbench.study.report.folder import write_figures, write_pages, write_tables
+from workbench.study.report.folder import write_answers, write_figures, write_tables
 from workbench.study.report.unusual import unusual
 from workbench.study.sections import sections_of
 from workbench.study.store import DATABASE, STUDY_COPY, read_results
@@ -48,7 +48,7 @@ def study_drawn(folder: Path, page: str | None) -> Iterator[Path]:
         with figures_at(page):
             write_tables(study, frame, like)
             write_figures(study, frame, like)
-            write_pages(study, frame, like)
+            write_answers(study, frame, like)
         (like / "tables").mkdir(exist_ok=True)
         for name in _found(folder / "tables", "tex"):
             if not (like / "tables" / f"{name}.tex").exists():  # the run made it of what it had planned

@@ -17,6 +17,7 @@ from workbench.study.plan import Plan, needed_trajectories
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.run_on import evaluated
+from workbench.study.sketches import SKETCH, points_for, sketch_of, sketched
 from workbench.study.store import (
     Store,
     export,
@@ -34,9 +35,15 @@ Progress = Callable[[int, int, Case], None]
 
 
 def run_case(
-    study: Study, case: Case, keep: Path | None, record: Path | None = None, resolved: Resolved | None = None
+    study: Study,
+    case: Case,
+    keep: Path | None,
+    record: Path | None = None,
+    resolved: Resolved | None = None,
+    points: int = 0,
 ) -> dict[str, object]:
-    """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`.
+    """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`. With
+    `points` the row has a sketch of the trajectory too, of so many.
 
     `resolved` is what the case runs, where that need not travel to another process. A mistake in the file has been
     found before, by `plan`.
@@ -52,6 +59,8 @@ def run_case(
         raise MetricError(f"{case.label}: {error}") from error.__cause__
     values: dict[str, object] = {**case.columns, **figures}
     values |= probe_values(run, study.file.probes, resolved.transient, case.name)
+    if points:
+        values[SKETCH] = sketch_of(run, points)
     if keep is not None:
         write_trajectory(run, keep)
     if record is not None:
@@ -117,6 +126,8 @@ def run_study(
         kept = {case.index for case in planned.cases} if keep_all else needed_trajectories(planned)
         paths = {index: trajectory_path(folder.resolve(), index) for index in kept}
         records = {case.index: record_path(folder.resolve(), case) for case in planned.cases if study.file.records}
+        sketches = {case.index for case in sketched(planned.cases)}
+        points = points_for(len(sketches))
         missing = {index for files in (paths, records) for index, path in files.items() if not path.exists()}
         done = store.done() - missing
         waiting = [case for case in planned.cases if case.index not in done]
@@ -129,6 +140,7 @@ def run_study(
                     paths.get(case.index),
                     records.get(case.index),
                     planned.resolved[case.index] if cluster is None else None,
+                    points if case.index in sketches else 0,
                 ): case
                 for case in waiting
             }

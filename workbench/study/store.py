@@ -2,8 +2,9 @@
 
 study.toml        the study as it was run
 machines/, scenarios/     the files of machines and scenarios that it names
-results.sqlite    one row a finished case, committed as it ends
+results.sqlite    one row a finished case, committed as it ends, and sketches of trajectories for the page
 results.csv, results.parquet, run.json        written when all cases are done
+results.html      tables, figures and every case, of a study that has no page of its own
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
 records/          one Parquet file a case with the signals that the study names under `records`
 fresh/            the finalists of a comparison on machines not drawn before: results.csv and results.parquet of all
@@ -13,6 +14,7 @@ fresh/            the finalists of a comparison on machines not drawn before: re
 import json
 import sqlite3
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,7 @@ from workbench.errors import UserError
 from workbench.publish.folders import GrowingFolder, unwritable, write_whole
 from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
+from workbench.study.sketches import SKETCH
 from workbench.study.study import INDEX, Case, Study
 
 DATABASE = "results.sqlite"
@@ -32,6 +35,7 @@ REPLACED = (
     STUDY_COPY,
     "results.csv",
     "results.parquet",
+    "results.html",
     "run.json",
     "trajectories",
     "records",
@@ -71,6 +75,7 @@ class Store:
                 connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
                 names = ", ".join(_quoted(column) for column in columns)
                 connection.execute(f"CREATE TABLE results ({INDEX} INTEGER PRIMARY KEY, {names})")
+                connection.execute(f"CREATE TABLE sketches ({INDEX} INTEGER PRIMARY KEY, content TEXT)")
         except sqlite3.Error as error:
             raise unwritable(folder, error) from None
         return cls(connection, folder, columns)
@@ -101,9 +106,11 @@ class Store:
         return {index for (index,) in self._connection.execute(f"SELECT {INDEX} FROM results")}
 
     def add(self, index: int, values: Mapping[str, object]) -> None:
-        """Commit one finished case."""
+        """Commit one finished case, with the sketch of its trajectory if it has one."""
         row = [index, *(values.get(column) for column in self.columns)]
         with self._connection:
+            if SKETCH in values:
+                self._connection.execute("INSERT OR REPLACE INTO sketches VALUES (?, ?)", (index, values[SKETCH]))
             marks = ", ".join("?" * len(row))
             self._connection.execute(f"INSERT OR REPLACE INTO results VALUES ({marks})", row)
 
@@ -174,6 +181,15 @@ def write_record(run: Run, names: Sequence[str], rpm: float, path: Path) -> None
     """Time and those of the named signals that the run has (SI), and the rpm that was set, as Parquet."""
     signals = {name: run.signals[name] for name in names if name in run.signals}
     _write_signals({"time": run.time, **signals, "rpm": np.full(run.time.size, rpm)}, path)
+
+
+def read_sketches(folder: Path) -> dict[int, str]:
+    """The sketches of trajectories that a study has kept, by case; none where there is no database any more."""
+    database = folder / DATABASE
+    if not database.exists():
+        return {}
+    with closing(sqlite3.connect(f"{database.resolve().as_uri()}?mode=ro", uri=True)) as connection:
+        return dict(connection.execute(f"SELECT {INDEX}, content FROM sketches ORDER BY {INDEX}"))
 
 
 def read_results(folder: Path) -> pd.DataFrame:

@@ -72,6 +72,11 @@ class Matrix:
         """What stands over it."""
         return title_of(self.machine)
 
+    def narrowed(self, row: Row, column: int) -> dict[str, str]:
+        """What the cases of a field share, as the table of all cases says it."""
+        shared = {"machine": self.machine, "scenario": row.scenario, "reference": self.references[column]}
+        return {name: plain_name(value) for name, value in shared.items() if value}
+
 
 def matrices(comparison: Comparison) -> list[Matrix]:
     """One matrix for each machine, in the order of the results."""

@@ -26,11 +26,12 @@ from workbench.compare.report.templates import HTML, MARKDOWN
 from workbench.compare.report.words import sentences
 from workbench.compare.result import Comparison
 from workbench.compare.verdicts import COMPARISONS
-from workbench.publish.html import html_environment
+from workbench.publish.page.environment import page_environment
 from workbench.publish.pictures import Picture
 from workbench.publish.words import plain_name
 from workbench.simulation.run import COMPLETED
 from workbench.study.layers import MACHINE, SCENARIO
+from workbench.study.report.cases import Cases, cases_of
 from workbench.study.resolve import resolve
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
@@ -65,15 +66,15 @@ class Page:
     assumptions: Sequence[str]
     scenarios: Sequence[Scenario]
     pictures: Mapping[str, Picture]
+    cases: Cases
 
 
 def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Write tables, figures, comparison.md and comparison.html; returns the pages."""
-    content = page_of(
-        comparison, write_figures(comparison, folder / "figures"), write_tables(comparison, folder / "tables")
-    )
+    pictures, pivots = write_figures(comparison, folder / "figures"), write_tables(comparison, folder / "tables")
+    content = page_of(comparison, pictures, pivots, cases_of(comparison.results, folder))
     pages = []
-    markdown, html = Environment(autoescape=False, keep_trailing_newline=True), html_environment()
+    markdown, html = Environment(autoescape=False, keep_trailing_newline=True), page_environment(folder)
     for name, template, environment in (("comparison.md", MARKDOWN, markdown), ("comparison.html", HTML, html)):
         environment.filters["plain"] = plain_name
         path = folder / name
@@ -82,7 +83,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     return pages
 
 
-def page_of(comparison: Comparison, pictures: Mapping[str, Picture], pivots: Sequence[Pivot]) -> Page:
+def page_of(comparison: Comparison, pictures: Mapping[str, Picture], pivots: Sequence[Pivot], cases: Cases) -> Page:
     """The content of the page, with these figures and tables on it."""
     file, table = comparison.study.file, comparison.table
     return Page(
@@ -101,6 +102,7 @@ def page_of(comparison: Comparison, pictures: Mapping[str, Picture], pivots: Seq
         assumptions=[*motors(comparison.study), *table.assumptions],
         scenarios=scenarios(comparison, pivots),
         pictures=pictures,
+        cases=cases,
     )
 
 

@@ -81,22 +81,24 @@ MARKDOWN = """\
 {%- endfor %}"""
 
 HTML = """\
-{% extends "frame" %}
+{% extends "frame.html" %}
+{% from "parts.html" import cells, draw, every_case with context %}
 {% block title %}{{ page.title }}{% endblock %}
+{% block kind %}comparison{% endblock %}
+{% block picture %}{{ page.pictures | first }}{% endblock %}
+{% block summary %}{{ page.answer | join(' ') }}{% endblock %}
 {% block style -%}
 body { max-width: 84em; }
-p, li { max-width: 60em; }
 .matrices { display: flex; flex-wrap: wrap; gap: 1.5em; align-items: flex-start; }
 .matrices table { flex: 1 1 36em; table-layout: fixed; }
+.matrices td { color: #1c2126; }
 .matrices td, .matrices th { text-align: left; vertical-align: top; border: 1px solid #666; padding: 0.4em;
   print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 .matrices th:first-child { width: 6em; }
-.matrices td small { display: block; line-height: 1.3; }
+.matrices td small { display: block; line-height: 1.3; color: inherit; }
 .key { list-style: none; padding: 0; }
-.key span { display: inline-block; border: 1px solid #666; padding: 0 0.4em; font-weight: bold;
+.key span { color: #1c2126; display: inline-block; border: 1px solid #666; padding: 0 0.4em; font-weight: bold;
   print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-.answer { font-weight: bold; }
-.wide { overflow-x: auto; }
 .finalists td, .finalists th { text-align: left; }
 {% endblock %}
 {% block body -%}
@@ -111,7 +113,8 @@ p, li { max-width: 60em; }
 <caption>{{ matrix.title }}</caption>
 <tr><th></th>{% for reference in matrix.references %}<th>{{ reference | plain }}</th>{% endfor %}</tr>
 {% for row in matrix.rows %}<tr><th>{{ row.scenario | plain }}</th>
-{% for field in row.fields %}{% if field %}<td style="background: {{ field.colour }}"><b>{{ field.word }}</b>
+{% for field in row.fields %}{% if field %}<td style="background: {{ field.colour }}"
+ data-narrow='{{ matrix.narrowed(row, loop.index0) | tojson }}'><b>{{ field.word }}</b>
 {% if field.margin %}<small>{{ field.margin }}</small>
 {% endif %}{% if field.price %}<small>{{ field.price }}</small>{% endif %}</td>{% else %}<td></td>{% endif %}
 {% endfor %}</tr>
@@ -122,14 +125,13 @@ p, li { max-width: 60em; }
 <li><span style="background: {{ entry.colour }}">{{ entry.word }}</span> {{ entry.meaning }}</li>
 {% endfor %}</ul>
 <p>{{ page.notation }}</p>
+<p class="note">A click on a field shows its cases below, with their motions.</p>
+{{ every_case(page.cases) }}
 <h2>In words</h2>
 <ul>{% for line in page.overview %}<li>{{ line }}</li>
 {% endfor %}</ul>
 <h2>Who was measured</h2>
-<div class="wide"><table class="finalists">
-<tr>{% for name in page.finalists.columns %}<th>{{ name }}</th>{% endfor %}</tr>
-{% for row in page.finalists.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
+<div class="finalists">{{ cells(page.finalists) }}</div>
 {% if page.changes %}
 <h2>What changes the verdicts</h2>
 <ul>{% for line in page.changes %}<li>{{ line }}</li>
@@ -154,19 +156,14 @@ p, li { max-width: 60em; }
 {% endfor %}</ul>
 {% endfor %}
 <h2>Figures</h2>
-{% for name, picture in page.pictures.items() %}
-<figure><img src="figures/{{ name }}.png" alt="{{ name | plain }}">
-<figcaption>{{ picture.caption }}</figcaption></figure>
+{% for name, picture in page.pictures.items() %}{{ draw(name, picture) }}
 {% endfor %}
 <h2 id="tables">Tables of the draws of the choice</h2>
 {% for scenario in page.scenarios %}
 <details><summary>{{ scenario.name | plain | capitalize }}</summary>
 {% for pivot in scenario.pivots %}
-<div class="wide"><table>
-<caption>{{ pivot.title }}</caption>
-<tr>{% for name in pivot.cells.columns %}<th>{{ name | plain }}</th>{% endfor %}</tr>
-{% for row in pivot.cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
+{% call cells(pivot.cells) %}<caption>{{ pivot.title }}</caption>
+{% endcall %}
 {% endfor %}
 </details>
 {% endfor %}

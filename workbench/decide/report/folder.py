@@ -57,7 +57,7 @@ def _write(decision: Decision, folder: Path, began: float, jobs: int | None) -> 
     for name, title, cells in (candidates, matrix):
         write_frame(name, Table(title, cells, notes), folder / "tables")
     pictures = write_figures(decision, folder / "figures")
-    (folder / PAGE).write_text(page(decision, pictures, [candidates[1:]]), encoding="utf-8")
+    (folder / PAGE).write_text(page(decision, pictures, [candidates[1:]], folder), encoding="utf-8")
     record = _record(decision, began, jobs)
     contents = Contents(
         title=decision.plan.study.file.title,

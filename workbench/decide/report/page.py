@@ -1,6 +1,7 @@
 """The page of a decision: what was asked, the answer, the matrix, what rotating costs, figures, tables, assumptions."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import pandas as pd
 
@@ -8,20 +9,22 @@ from workbench.decide.report.answer import paragraph
 from workbench.decide.report.map import fields, heads, key
 from workbench.decide.report.words import assumptions, price, question
 from workbench.decide.result import Decision
-from workbench.publish.html import html_environment
+from workbench.publish.page.environment import page_environment
 from workbench.publish.pictures import Picture
-from workbench.publish.words import plain_name
 
 _HTML = """\
-{% extends "frame" %}
+{% extends "frame.html" %}
+{% from "parts.html" import cells, draw with context %}
+{% block kind %}decision{% endblock %}
+{% block picture %}{{ pictures | first }}{% endblock %}
+{% block summary %}{{ answer }}{% endblock %}
 {% block style -%}
-th:first-child, td:first-child { text-align: left; }
-.answer { border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
-.wide { overflow-x: auto; }
-.matrix td { text-align: left; vertical-align: top; border: 1px solid #fff; padding: 0.4em 0.6em; min-width: 10em; }
+.matrix td { color: #1c2126; }
+.matrix td { text-align: left; vertical-align: top; }
+.matrix td { border: 1px solid var(--line); padding: 0.4em 0.6em; min-width: 10em; }
 .matrix td.asked { outline: 3px solid #000; outline-offset: -3px; }
 .matrix th { text-align: left; }
-.key span { padding: 0.1em 0.5em; border: 1px solid #ccc; }
+.key span { color: #1c2126; padding: 0.1em 0.5em; border: 1px solid #ccc; }
 {% endblock %}
 {% block body -%}
 <h1>{{ title }}</h1>
@@ -40,17 +43,11 @@ th:first-child, td:first-child { text-align: left; }
 {% if price %}<h2>What rotating costs</h2>
 <p>{{ price }}</p>
 {% endif %}<h2>Figures</h2>
-{% for name, picture in pictures.items() %}
-<figure><img src="figures/{{ name }}.png" alt="{{ name | plain }}">
-<figcaption>{{ picture.caption }} (<a href="figures/{{ name }}.pdf">PDF</a>)</figcaption></figure>
+{% for name, picture in pictures.items() %}{{ draw(name, picture) }}
 {% endfor %}
 <h2>Tables</h2>
-{% for title, cells in tables %}
-<div class="wide"><table>
-<caption>{{ title }}</caption>
-<tr>{% for name in cells.columns %}<th>{{ name }}</th>{% endfor %}</tr>
-{% for row in cells.itertuples(index=False) %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
+{% for title, frame in tables %}{% call cells(frame) %}<caption>{{ title }}</caption>
+{% endcall %}
 {% endfor %}
 <h2>Assumed</h2>
 <ul>{% for line in assumptions %}<li>{{ line }}</li>
@@ -61,21 +58,25 @@ th:first-child, td:first-child { text-align: left; }
 """
 
 
-def page(decision: Decision, pictures: Mapping[str, Picture], tables: Sequence[tuple[str, pd.DataFrame]]) -> str:
-    """The page as HTML; it names the figures in `figures/` beside it."""
-    environment = html_environment()
-    environment.filters["plain"] = plain_name
-    return environment.from_string(_HTML).render(
-        title=decision.plan.study.file.title,
-        question=decision.plan.study.file.question,
-        asked=question(decision),
-        answer=paragraph(decision),
-        matrix=fields(decision),
-        heads=heads(decision),
-        boxed=len(decision.cells) > 1,
-        key=key(decision),
-        price=price(decision),
-        assumptions=assumptions(decision),
-        pictures=pictures,
-        tables=tables,
+def page(
+    decision: Decision, pictures: Mapping[str, Picture], tables: Sequence[tuple[str, pd.DataFrame]], folder: Path
+) -> str:
+    """The page as HTML, to lie in `folder`, whose figures are on it."""
+    return (
+        page_environment(folder)
+        .from_string(_HTML)
+        .render(
+            title=decision.plan.study.file.title,
+            question=decision.plan.study.file.question,
+            asked=question(decision),
+            answer=paragraph(decision),
+            matrix=fields(decision),
+            heads=heads(decision),
+            boxed=len(decision.cells) > 1,
+            key=key(decision),
+            price=price(decision),
+            assumptions=assumptions(decision),
+            pictures=pictures,
+            tables=tables,
+        )
     )

@@ -70,7 +70,8 @@ def _write(diagnosis: Diagnosis, folder: Path) -> None:
     )
     write_contents(contents, folder)
     (folder / PLANT).write_text(plant_file(diagnosis), encoding="utf-8")
-    (folder / PAGE).write_text(page(diagnosis, pictures, tables, plant_words(diagnosis)), encoding="utf-8")
+    html = page(diagnosis, pictures, tables, plant_words(diagnosis), folder)
+    (folder / PAGE).write_text(html, encoding="utf-8")
     (folder / RESULT).write_text(json.dumps(diagnosis.to_json(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 

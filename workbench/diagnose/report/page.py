@@ -1,6 +1,7 @@
 """The page of a diagnosis: what was found, how sure it is, and the figures and tables by which to check it."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from workbench.diagnose.report.series import title_of
 from workbench.diagnose.report.sureness import sureness
@@ -8,25 +9,24 @@ from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.result import Diagnosis
 from workbench.publish.along import SHOWN
-from workbench.publish.html import html_environment
+from workbench.publish.page.environment import page_environment
 from workbench.publish.pictures import Picture
 from workbench.publish.tables import Table
 from workbench.publish.words import plain_name
 
 _HTML = """\
-{% extends "frame" %}
-{% from "parts" import show, draw %}
+{% extends "frame.html" %}
+{% from "parts.html" import show, draw with context %}
 {% block title %}Diagnosis: {{ title }}{% endblock %}
-{% block gap %}0.6em{% endblock %}
+{% block kind %}diagnosis{% endblock %}
+{% block picture %}{{ pictures | first }}{% endblock %}
+{% block summary %}{{ verdict }}{% endblock %}
 {% block style -%}
 td { white-space: nowrap; }
-.wide { overflow-x: auto; }
-th:first-child, td:first-child { text-align: left; }
-.verdict { font-size: 1.2em; font-weight: bold; border-left: 0.3em solid #0072B2; padding-left: 0.7em; }
 {% endblock %}
 {% block body %}
 <h1>{{ title }}</h1>
-<p class="verdict">{{ verdict }}</p>
+<p class="answer">{{ verdict }}</p>
 <p>{{ scope }} <a href="plant.toml">plant.toml</a> is {{ plant }}.</p>
 <h2>How sure</h2>
 <ul>
@@ -65,8 +65,10 @@ BALANCES = {
 """Each balance for a reader who has not met it."""
 
 
-def page(diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str) -> str:
-    """The page as HTML; it names the figures in `figures/` beside it."""
+def page(
+    diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[str, Table], plant: str, folder: Path
+) -> str:
+    """The page as HTML, to lie in `folder`, whose figures are on it."""
     balances = [
         {
             "title": title_of(result.balance),
@@ -75,7 +77,7 @@ def page(diagnosis: Diagnosis, pictures: Mapping[str, Picture], tables: Mapping[
         }
         for result in diagnosis.rounds
     ]
-    template = html_environment().from_string(_HTML)
+    template = page_environment(folder).from_string(_HTML)
     return template.render(
         title=diagnosis.experiment.title,
         verdict=verdict_sentence(diagnosis),

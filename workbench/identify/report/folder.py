@@ -1,4 +1,4 @@
-"""A finished identification as files: identified.json, plant.toml, tables and figures."""
+"""A finished identification as files: identified.json, identified.html, plant.toml, tables and figures."""
 
 import json
 from pathlib import Path
@@ -7,6 +7,7 @@ import pandas as pd
 
 from plants.axis import unit_along
 from workbench.identify.report.figures.every import figures_of
+from workbench.identify.report.page import page
 from workbench.identify.report.published import (
     SHOWN,
     published_notes,
@@ -29,7 +30,8 @@ from workbench.toml.units import factor
 
 RESULT = "identified.json"
 PLANT = "plant.toml"
-FOLDER = ResultFolder("identification", (RESULT, PLANT, "tables", "figures", CONTENTS))
+PAGE = "identified.html"
+FOLDER = ResultFolder("identification", (RESULT, PAGE, PLANT, "tables", "figures", CONTENTS))
 check_folder = FOLDER.check
 DIGITS = 4
 
@@ -64,20 +66,20 @@ def _write(identification: Identification, folder: Path) -> list[Path]:
     title = experiment.title
     if identification.refuted:
         title = f"Not identified: {identification.refuted}. {title}"
-    paths = [write_frame("identified", Table(title, frame, notes), folder / "tables")[1]]
+    tables = {"identified": Table(title, frame, notes)}
     for spec in experiment.published:
         if thesis is None:
             break
-        beside, notes = (
-            published_table(spec, thesis, experiment.truth, experiment.plant.axis),
-            published_notes(spec, thesis),
-        )
-        paths.append(write_frame(spec.table, Table(spec.title, beside, notes), folder / "tables")[1])
+        beside = published_table(spec, thesis, experiment.truth, experiment.plant.axis)
+        tables[spec.table] = Table(spec.title, beside, published_notes(spec, thesis))
+    paths = [write_frame(name, table, folder / "tables")[1] for name, table in tables.items()]
     for name, figure in figures.items():
         save(figure, name, folder / "figures")
     write_contents(_contents(identification, [path.stem for path in paths], list(figures)), folder)
     if identification.corrected:
         (folder / PLANT).write_text(plant_file(identification), encoding="utf-8")
+    html = page(identification, list(tables.values()), figures, folder)
+    (folder / PAGE).write_text(html, encoding="utf-8")
     (folder / RESULT).write_text(json.dumps(identification.to_json(), indent=2) + "\n", encoding="utf-8")
     return paths
 

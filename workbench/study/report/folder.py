@@ -7,6 +7,7 @@ import pandas as pd
 from workbench.study.plan import Plan
 from workbench.study.report.figures import write_figure
 from workbench.study.report.limit_cycles import write_limit_cycles
+from workbench.study.report.page import write_results_page
 from workbench.study.report.tables import write_table
 from workbench.study.sections import overlays_of, sections_of
 from workbench.study.study import Study
@@ -26,9 +27,16 @@ def write_figures(study: Study, frame: pd.DataFrame, folder: Path) -> list[list[
     return [write_figure(spec, frame, folder, measured) for spec in study.file.figures]
 
 
-def write_pages(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+def write_answers(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write the pages of a study's other questions, with all that is on them; returns the pages."""
     return [page for section, table in sections_of(study) for page in section.pages(table, study, frame, folder)]
+
+
+def write_pages(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
+    """Write the pages of a study's other questions, or where it has none the page of its results, which shows what
+    tables and figures lie in `folder`; returns the pages.
+    """
+    return write_answers(study, frame, folder) or [write_results_page(study, frame, folder)]
 
 
 def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]:

@@ -100,7 +100,7 @@ def write_tuning(
     pictures = _pictures(tuning, jobs)
     for name, picture in {**pictures.shared, **pictures.own}.items():
         save(picture.figure, name, folder / "figures", caption=picture.caption)
-    html = page(tuning, tables, pictures)
+    html = page(tuning, tables, pictures, folder)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
     record = _record(tuning, began, jobs)
     write_contents(_contents(tuning, tables, pictures, record), folder)

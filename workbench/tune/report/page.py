@@ -1,29 +1,33 @@
 """The page of a tuning: what the numbers say, what was held equal, tables and figures."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
-from workbench.publish.html import html_environment
+from workbench.publish.page.environment import page_environment
 from workbench.tune.report.panels import Pictures
 from workbench.tune.report.tables import Table
 from workbench.tune.report.words import held_equal, sentences
 from workbench.tune.result import Tuning
 
 _HTML = """\
-{% extends "frame" %}
-{% from "parts" import show, draw %}
+{% extends "frame.html" %}
+{% from "parts.html" import show, draw with context %}
 {% block title %}Tuning: {{ title }}{% endblock %}
-{% block gap %}0.6em{% endblock %}
+{% block kind %}tuning{% endblock %}
+{% block picture %}{{ (shared + own) | first }}{% endblock %}
+{% block summary %}{{ words[:2] | join(' ') }}{% endblock %}
 {% block style -%}
-.wide { overflow-x: auto; }
-th:first-child, td:first-child { text-align: left; }
 td { white-space: nowrap; }
 .pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(26em, 1fr)); gap: 0 1em; }
 {% endblock %}
 {% block body %}
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>{% endif %}
+<ul class="answer">
+{% for line in words[:2] %}<li>{{ line }}</li>
+{% endfor %}</ul>
 <ul>
-{% for line in words %}<li>{{ line }}</li>
+{% for line in words[2:] %}<li>{{ line }}</li>
 {% endfor %}</ul>
 <h2>What was held equal</h2>
 <ul>
@@ -47,9 +51,9 @@ td { white-space: nowrap; }
 """
 
 
-def page(tuning: Tuning, tables: Mapping[str, Table], pictures: Pictures) -> str:
-    """The page as HTML; it names the figures in `figures/` beside it."""
-    template = html_environment().from_string(_HTML)
+def page(tuning: Tuning, tables: Mapping[str, Table], pictures: Pictures, folder: Path) -> str:
+    """The page as HTML, to lie in `folder`, whose figures are on it."""
+    template = page_environment(folder).from_string(_HTML)
     return template.render(
         title=tuning.study.file.title,
         question=tuning.study.file.question,

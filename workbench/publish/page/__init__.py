@@ -1,0 +1,1 @@
+"""Pages of results: one file of HTML each, which fetches nothing, with pictures to hover over and tables that sort."""

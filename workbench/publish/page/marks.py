@@ -1,0 +1,357 @@
+"""What is drawn in a panel of matplotlib, as data: marks of each artist."""
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.collections import LineCollection, PathCollection, PolyCollection, QuadMesh
+from matplotlib.colors import to_hex, to_rgba
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.path import Path
+from matplotlib.text import Annotation, Text
+
+from workbench.publish.page.packed import floats
+from workbench.publish.thinning import thinned
+
+PIXELS = 96.0 / 72.0
+"""Of a point."""
+
+ZOOM = 4.0
+"""How far a line may be zoomed into before it shows corners that its figure's own pixels hide."""
+
+BUCKETS = 2000
+"""Of a line that goes up and down without end, with two points each."""
+
+MARKERS = {
+    "o": "circle",
+    ".": "circle",
+    "s": "square",
+    "^": "triangle",
+    "v": "inverted_triangle",
+    "D": "diamond",
+    "P": "plus",
+    "+": "cross",
+    "x": "x",
+    "*": "star",
+    "_": "dash",
+}
+"""Bokeh's name for each of matplotlib's markers that are used here."""
+
+UNFILLED = ("x", "cross", "dash")
+
+RAISED = str.maketrans("0123456789+-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻")
+
+SCALES = ("linear", "log")
+"""Those that the page has too; along any other, places are told as they lie on paper, beside what they are."""
+
+Mark: TypeAlias = dict[str, Any]
+
+
+class NotLiveError(Exception):
+    """A figure has something that the page cannot draw."""
+
+
+def plain_text(text: str) -> str:
+    """Words without TeX: powers as raised digits."""
+    if "$" not in text:
+        return text
+    raised = re.sub(r"\^\{?([-+0-9]+)\}?", lambda found: found[1].translate(RAISED), text)
+    return re.sub(r"\$|\\mathdefault|[{}]", "", raised).replace(r"\times", "×")
+
+
+def placed(values: Any, axis: Axis) -> np.ndarray:
+    """Where values lie along an axis of the page."""
+    numbers = np.asarray(values, dtype=float)
+    return numbers if axis.get_scale() in SCALES else np.asarray(axis.get_transform().transform(numbers))
+
+
+def _points(x: np.ndarray, y: np.ndarray, axes: Axes) -> Mark:
+    """Coordinates of a mark; `said_x` is what x is, where its axis is of a scale that the page lacks."""
+    points = {"x": floats(placed(x, axes.xaxis)), "y": floats(placed(y, axes.yaxis))}
+    for name, axis, values in (("said_x", axes.xaxis, x), ("said_y", axes.yaxis, y)):
+        if axis.get_scale() not in SCALES:
+            points[name] = floats(values)
+    return points
+
+
+def content_of(axes: Axes) -> list[Artist]:
+    """What is drawn in a panel, from the lowest to what lies on top."""
+    artists = [*axes.images, *axes.patches, *axes.collections, *axes.lines, *axes.texts]
+    return sorted((artist for artist in artists if artist.get_visible()), key=lambda artist: artist.get_zorder())
+
+
+def marks_of(artist: Artist, axes: Axes) -> list[Mark]:
+    """The marks of an artist.
+
+    Raises:
+        NotLiveError: it is of an unknown kind, hatched, or stands where no data are.
+    """
+    make = next((make for kind, make in MAKERS.items() if isinstance(artist, kind)), None)
+    if make is None:
+        raise NotLiveError
+    return make(artist, axes)
+
+
+def notes_of(axes: Axes) -> list[str]:
+    """What is said of a panel as a whole."""
+    return [plain_text(text.get_text()) for text in axes.texts if text.get_visible() and _is_note(text, axes)]
+
+
+def looks_of(handle: Any) -> Mark:
+    """How an entry of a legend looks: a stroke, a marker, a field."""
+    if isinstance(handle, Line2D):
+        return {"line": _stroke(handle), "marker": _marker(handle)}
+    if isinstance(handle, Patch):
+        fill = handle.get_facecolor() if handle.get_fill() else handle.get_edgecolor()
+        return {"fill": _colour(fill), "alpha": _alpha(fill), "hollow": not handle.get_fill()}
+    if isinstance(handle, PolyCollection | PathCollection):
+        return {"fill": _colour(handle.get_facecolor()[0]), "alpha": _alpha(handle.get_facecolor()[0])}
+    if isinstance(handle, LineCollection):
+        return {"line": _strokes(handle), "marker": None}
+    raise NotLiveError
+
+
+def _colour(colour: Any) -> str:
+    return to_hex(colour, keep_alpha=False)
+
+
+def _alpha(colour: Any) -> float:
+    return round(float(to_rgba(colour)[3]), 3)
+
+
+def _dash(pattern: Any) -> list[int]:
+    """Lengths of dashes and gaps in pixels, from matplotlib's offset and lengths in points; none of a solid line."""
+    parts = pattern[1]
+    return [] if parts is None else [max(1, round(part * PIXELS)) for part in parts]
+
+
+def _stroke(line: Line2D) -> Mark | None:
+    """How the line itself is drawn; None where there are points alone."""
+    if line.get_linestyle() in ("None", "none", " ", ""):
+        return None
+    pattern: Any = line._dash_pattern if line.is_dashed() else (0.0, None)  # type: ignore[attr-defined]
+    return {
+        "color": _colour(line.get_color()),
+        "alpha": line.get_alpha() or 1.0,
+        "width": round(float(line.get_linewidth()) * PIXELS, 2),
+        "dash": _dash(pattern),
+    }
+
+
+def _marker(line: Line2D) -> Mark | None:
+    kind = line.get_marker()
+    if kind in ("None", "none", " ", "", None):
+        return None
+    if kind not in MARKERS:
+        raise NotLiveError
+    name = MARKERS[str(kind)]
+    edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
+    hollow = face in ("none", "None") or name in UNFILLED
+    return {
+        "kind": name,
+        "color": _colour(edge),
+        "fill": None if hollow else _colour(face),
+        "size": round(float(line.get_markersize()) * PIXELS * (0.5 if kind == "." else 1.0), 2),
+    }
+
+
+def _strokes(lines: LineCollection) -> Mark:
+    pattern: Any = lines.get_linestyle()[0]
+    return {
+        "color": _colour(lines.get_color()[0]),
+        "alpha": _alpha(lines.get_color()[0]),
+        "width": round(float(np.atleast_1d(lines.get_linewidth())[0]) * PIXELS, 2),
+        "dash": _dash(pattern),
+    }
+
+
+def _line(line: Line2D, axes: Axes) -> list[Mark]:
+    """A curve, its points, or a line from edge to edge."""
+    over_x, over_y = line.get_transform().contains_branch_seperately(axes.transData)
+    label = _label(line)
+    if over_x != over_y:
+        stroke = _stroke(line)
+        if stroke is None:
+            raise NotLiveError  # points along an edge
+        values, axis = (line.get_xdata(), axes.xaxis) if over_x else (line.get_ydata(), axes.yaxis)
+        return [
+            {"kind": "span", "along": "height" if over_x else "width", "at": float(placed(values, axis)[0]), **stroke}
+        ]
+    if not over_x:
+        raise NotLiveError
+    x, y = (np.asarray(values, dtype=float) for values in (line.get_xdata(orig=False), line.get_ydata(orig=False)))
+    if not x.size:
+        return []
+    stroke, marker = _stroke(line), _marker(line)
+    if line.get_drawstyle() == "steps-post":
+        x, y = np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]
+    elif line.get_drawstyle() != "default":
+        raise NotLiveError
+    marks: list[Mark] = []
+    if stroke is not None:
+        marks.append({"kind": "line", "label": label, **_points(*_simplified(x, y, axes), axes), **stroke})
+    if marker is not None:
+        marks.append({"kind": "points", "label": label, **_points(x, y, axes), "marker": marker})
+    return marks
+
+
+def _simplified(x: np.ndarray, y: np.ndarray, axes: Axes) -> tuple[np.ndarray, np.ndarray]:
+    """The same curve with fewer points: none of it moves by a ninth of a pixel, `ZOOM` times enlarged."""
+    pixels = ZOOM * axes.transData.transform(np.column_stack([x, y]))
+    path = Path(pixels).cleaned(simplify=True, remove_nans=True)
+    codes, corners = np.asarray(path.codes), np.asarray(path.vertices)
+    drawn = (codes != Path.STOP) & np.append(True, np.any(np.diff(corners, axis=0) != 0.0, axis=1))
+    corners, starts = corners[drawn], np.flatnonzero(codes[drawn] == Path.MOVETO)
+    if len(corners) > 2 * BUCKETS:
+        corners = corners[thinned(corners[:, 0], corners[:, 1], buckets=BUCKETS // 2)]
+        starts = starts[:1]
+    points = axes.transData.inverted().transform(corners / ZOOM)
+    apart = np.insert(points, starts[1:], np.nan, axis=0)
+    return apart[:, 0], apart[:, 1]
+
+
+def _label(artist: Artist) -> str:
+    label = str(artist.get_label())
+    return "" if label.startswith("_") else plain_text(label)
+
+
+def _segments(lines: LineCollection, axes: Axes) -> list[Mark]:
+    if not all(lines.get_transform().contains_branch_seperately(axes.transData)):
+        raise NotLiveError
+    x: list[float] = []
+    y: list[float] = []
+    for segment in lines.get_segments():
+        x += [*segment[:, 0].tolist(), float("nan")]
+        y += [*segment[:, 1].tolist(), float("nan")]
+    return [{"kind": "line", "label": "", **_points(np.array(x), np.array(y), axes), **_strokes(lines)}] if x else []
+
+
+def _area(polygons: PolyCollection, axes: Axes) -> list[Mark]:
+    if not all(polygons.get_transform().contains_branch_seperately(axes.transData)):
+        raise NotLiveError
+    marks = []
+    for path, colour in zip(polygons.get_paths(), _each(polygons.get_facecolor(), polygons), strict=True):
+        points = np.asarray(path.vertices)
+        marks.append({"kind": "area", **_points(points[:, 0], points[:, 1], axes), **_filled(colour)})
+    return marks
+
+
+def _each(colours: Any, collection: PolyCollection) -> list[Any]:
+    count = len(collection.get_paths())
+    return [colours[i % len(colours)] for i in range(count)]
+
+
+def _filled(colour: Any) -> Mark:
+    return {"color": _colour(colour), "alpha": _alpha(colour)}
+
+
+def _box(box: Rectangle, axes: Axes) -> list[Mark]:
+    """A rectangle, or a band from edge to edge."""
+    if box.get_hatch():
+        raise NotLiveError
+    over_x, over_y = box.get_data_transform().contains_branch_seperately(axes.transData)
+    (left, bottom), width, height = box.get_xy(), box.get_width(), box.get_height()
+    if not over_x and not over_y:
+        raise NotLiveError
+    fill = _filled(box.get_facecolor()) if box.get_fill() else {"color": None, "alpha": 1.0}
+    edged = box.get_linewidth() > 0.0 and _alpha(box.get_edgecolor()) > 0.0
+    return [
+        {
+            "kind": "box",
+            "left": float(placed(left, axes.xaxis)) if over_x else None,
+            "right": float(placed(left + width, axes.xaxis)) if over_x else None,
+            "bottom": float(placed(bottom, axes.yaxis)) if over_y else None,
+            "top": float(placed(bottom + height, axes.yaxis)) if over_y else None,
+            "edge": _colour(box.get_edgecolor()) if edged and over_x and over_y else None,
+            **fill,
+        }
+    ]
+
+
+def _shape(patch: Polygon, axes: Axes) -> list[Mark]:
+    if patch.get_hatch() or not all(patch.get_data_transform().contains_branch_seperately(axes.transData)):
+        raise NotLiveError
+    points = np.asarray(patch.get_xy())
+    return [{"kind": "area", **_points(points[:, 0], points[:, 1], axes), **_filled(patch.get_facecolor())}]
+
+
+def _mesh(mesh: QuadMesh, axes: Axes) -> list[Mark]:
+    corners, values = np.asarray(mesh.get_coordinates()), mesh.get_array()
+    if values is None:
+        raise NotLiveError
+    return _cells(corners[0, :, 0], corners[:, 0, 1], mesh.to_rgba(values))
+
+
+def _image(image: AxesImage, axes: Axes) -> list[Mark]:
+    values = image.get_array()
+    if values is None or values.ndim != 2:
+        raise NotLiveError
+    left, right, bottom, top = image.get_extent()
+    rows, columns = values.shape
+    ends = (top, bottom) if image.origin == "upper" else (bottom, top)
+    return _cells(np.linspace(left, right, columns + 1), np.linspace(*ends, rows + 1), image.to_rgba(values))
+
+
+def _cells(x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> list[Mark]:
+    """A field of coloured cells."""
+    left, bottom = np.meshgrid(x[:-1], y[:-1])
+    right, top = np.meshgrid(x[1:], y[1:])
+    sides = {"left": left, "right": right, "bottom": bottom, "top": top}
+    hues = [_colour(colour) for row in colours for colour in row]
+    return [{"kind": "cells", **{name: floats(side.ravel()) for name, side in sides.items()}, "colors": hues}]
+
+
+def _is_note(text: Text, axes: Axes) -> bool:
+    if isinstance(text, Annotation):
+        return text.xycoords == "axes fraction"
+    return text.get_transform() == axes.transAxes
+
+
+def _words(text: Text, axes: Axes) -> list[Mark]:
+    if _is_note(text, axes) or not text.get_text():
+        return []
+    offset: Any = (0.0, 0.0)
+    if isinstance(text, Annotation):
+        if text.xycoords != "data" or text.anncoords not in ("offset points", "data"):
+            raise NotLiveError
+        x, y = text.xy
+        if text.anncoords == "offset points":
+            offset = text.xyann
+    else:
+        if not all(text.get_transform().contains_branch_seperately(axes.transData)):
+            raise NotLiveError
+        x, y = text.get_position()
+    return [
+        {
+            "kind": "words",
+            "x": float(placed(x, axes.xaxis)),
+            "y": float(placed(y, axes.yaxis)),
+            "offset": [float(part) * PIXELS for part in offset],
+            "text": plain_text(text.get_text()),
+            "size": round(float(text.get_fontsize()) * PIXELS, 1),
+            "align": text.get_horizontalalignment(),
+            "baseline": {"center": "middle", "center_baseline": "middle", "baseline": "alphabetic"}.get(
+                text.get_verticalalignment(), text.get_verticalalignment()
+            ),
+            "color": _colour(text.get_color()),
+        }
+    ]
+
+
+MAKERS: Mapping[type[Artist], Callable[[Any, Axes], list[Mark]]] = {
+    Line2D: _line,
+    LineCollection: _segments,
+    QuadMesh: _mesh,
+    PolyCollection: _area,
+    Rectangle: _box,
+    Polygon: _shape,
+    AxesImage: _image,
+    Text: _words,
+}
+"""By the kind of artist; the first that fits."""

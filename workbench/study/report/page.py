@@ -1,0 +1,142 @@
+"""The page of a study's results: what the figures say first, then tables, figures, and every case with its motion."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from workbench.metrics.limit_cycle import HUNTING
+from workbench.metrics.registry import axis_of
+from workbench.publish.page.environment import page_environment
+from workbench.publish.page.stored import stored_table
+from workbench.publish.pictures import Picture
+from workbench.publish.tables import shown_number
+from workbench.publish.words import listed, plain_name
+from workbench.study.names import in_words
+from workbench.study.report.cases import cases_of
+from workbench.study.report.figures import draw
+from workbench.study.report.shown_figures import FIGURES, column_along, shown_unit
+from workbench.study.report.unusual import unusual
+from workbench.study.sections import overlays_of
+from workbench.study.study import Study
+
+PAGE = "results.html"
+
+NAMED = 4
+"""Cases that are named in a sentence, at most."""
+
+SPANNED = ("phase_lag_deg", "rms_error_m", "steady_state_error_m")
+"""Figures of which the page first says between what they lie."""
+
+DIGITS = 3
+
+_HTML = """\
+{% extends "frame.html" %}
+{% from "parts.html" import show, draw, drawn_elsewhere, every_case with context %}
+{% block title %}{{ title }}{% endblock %}
+{% block kind %}study{% endblock %}
+{% block picture %}{{ ((pictures | list) + others) | first }}{% endblock %}
+{% block summary %}{{ lines | join(" ") }}{% endblock %}
+{% block body %}
+<h1>{{ title }}</h1>
+{% if question %}<p>{{ question }}</p>
+{% endif %}<ul class="answer">
+{% for line in lines %}<li>{{ line }}</li>
+{% endfor %}</ul>
+{% if tables %}<h2>Tables</h2>
+{% for table in tables %}{{ show(table) }}
+{% endfor %}{% endif %}
+{% if pictures or others %}<h2>Figures</h2>
+{% for name, picture in pictures.items() %}{{ draw(name, picture) }}
+{% endfor %}{% for name in others %}{{ drawn_elsewhere(name) }}
+{% endfor %}{% endif %}
+{{ every_case(cases) }}
+<p>Files: <a href="results.csv">results.csv</a> and results.parquet (every case, SI),
+<a href="study.toml">study.toml</a> (the study; <code>workbench run study.toml</code> gives the same again), tables/
+(CSV, Markdown, LaTeX), figures/ (PDF, SVG, PNG), <a href="run.json">run.json</a> (versions, seeds, duration).</p>
+{% endblock %}
+"""
+
+
+def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
+    """Write the page of finished results, from the tables and figures that lie in `folder`; returns its path."""
+    own = {spec.name: spec for spec in study.file.figures}
+    drawn = sorted(path.stem for path in (folder / "figures").glob("*.png"))
+    measured = overlays_of(study)
+    html = (
+        page_environment(folder)
+        .from_string(_HTML)
+        .render(
+            title=study.file.title,
+            question=study.file.question,
+            lines=first_lines(frame),
+            tables=[
+                stored_table(path) for path in _ordered(folder / "tables", [spec.name for spec in study.file.tables])
+            ],
+            pictures={
+                name: Picture(draw(spec, frame, folder, measured), spec.title)
+                for name, spec in own.items()
+                if name in drawn
+            },
+            others=[name for name in drawn if name not in own],
+            cases=cases_of(frame, folder),
+        )
+    )
+    path = folder / PAGE
+    path.write_text(html, encoding="utf-8")
+    return path
+
+
+def _ordered(folder: Path, first: Sequence[str]) -> list[Path]:
+    """The tables of a folder: those of the study in its order, then the others."""
+    names = sorted(path.stem for path in folder.glob("*.md"))
+    chosen = [name for name in first if name in names]
+    return [folder / f"{name}.md" for name in [*chosen, *(name for name in names if name not in first)]]
+
+
+def first_lines(frame: pd.DataFrame) -> list[str]:
+    """What the figures of all cases say: what did not complete, who hunts, and between what errors lie."""
+    lines = unusual(frame, frame) or [f"{len(frame)} case{'s' * (len(frame) > 1)}, all completed."]
+    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    apart = [name for name in axes if frame[name].nunique(dropna=False) > 1]
+    lines += _hunting(frame, apart)
+    axis = axis_of([str(name) for name in frame.columns])
+    words = dict(FIGURES)
+    for name in SPANNED:
+        lines += _span(frame, column_along(name, axis), words[name], *shown_unit(name, axis), apart)
+    return [line if line.endswith(".") else f"{line}." for line in lines]
+
+
+def _hunting(frame: pd.DataFrame, apart: Sequence[str]) -> list[str]:
+    judged = frame[frame["limit_cycle"].notna()]
+    if judged.empty:
+        return []
+    hunts = judged[judged["limit_cycle"].isin(HUNTING)]
+    if hunts.empty:
+        return [f"No limit cycle in {len(judged)} case{'s' * (len(judged) > 1)} that held still"]
+    named = [_case(row, apart) for row in _rows(hunts.head(NAMED))]
+    more = [f"{len(hunts) - NAMED} more"] if len(hunts) > NAMED else []
+    return [f"{len(hunts)} of {len(judged)} cases that held still hunt: {listed([*named, *more])}"]
+
+
+def _span(frame: pd.DataFrame, column: str, words: str, unit: str, factor: float, apart: Sequence[str]) -> list[str]:
+    """From the least to the largest magnitude of a figure, with the cases that have them."""
+    sizes = pd.to_numeric(frame[column]).abs().dropna() if column in frame else pd.Series(dtype=float)
+    if len(sizes) < 2 or sizes.max() == 0.0:
+        return []
+    rows, order = _rows(frame.loc[sizes.index]), sizes.to_numpy().argsort(kind="stable")
+    ends = [
+        f"{shown_number(factor * float(sizes.iloc[place]), DIGITS)} {unit} ({_case(rows[place], apart)})"
+        for place in (order[0], order[-1])
+    ]
+    return [f"{words[:1].upper()}{words[1:]} from {' to '.join(ends)}"]
+
+
+def _rows(frame: pd.DataFrame) -> list[dict[str, object]]:
+    return [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+
+
+def _case(row: Mapping[str, object], apart: Sequence[str]) -> str:
+    """A case by what tells it apart."""
+    told = {name: row[name] for name in apart if row[name] is not None and row[name] == row[name]}
+    return in_words({name: plain_name(value) if isinstance(value, str) else value for name, value in told.items()})

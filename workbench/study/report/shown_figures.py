@@ -1,0 +1,29 @@
+"""The figures of a case that are shown first, in words and in a reader's units."""
+
+from workbench.metrics.registry import names_along
+from workbench.publish.along import SHOWN
+
+FIGURES = (
+    ("phase_lag_deg", "phase lag"),
+    ("rms_error_m", "rms error"),
+    ("max_error_m", "largest error"),
+    ("steady_state_error_m", "steady-state error"),
+    ("limit_cycle", "limit cycle"),
+    ("limit_cycle_amplitude_m", "limit-cycle amplitude"),
+    ("control_effort_V", "command, rms"),
+    ("total_power_W", "power"),
+    ("paid_power_W", "power paid"),
+)
+"""Columns of results.csv, as they are named along an axis that goes straight, and what they are called."""
+
+
+def column_along(name: str, axis: str) -> str:
+    """The column of one of `FIGURES` in the results of plants of that axis."""
+    return names_along(axis)[name]
+
+
+def shown_unit(name: str, axis: str) -> tuple[str, float]:
+    """The unit in which one of `FIGURES` is shown, and the factor from SI."""
+    if name.endswith("_m"):
+        return SHOWN[axis].unit, SHOWN[axis].factor
+    return {"W": "W", "V": "V", "deg": "deg"}[name.rpartition("_")[2]], 1.0

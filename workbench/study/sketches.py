@@ -1,0 +1,64 @@
+"""Sketches: trajectories with few points, of which a page of results can hold thousands."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.publish.page.packed import shorts
+from workbench.publish.thinning import thinned
+from workbench.simulation.run import TRUE, Run
+from workbench.study.study import Case
+
+SKETCH = "trajectory sketch"
+"""Where it stands beside the figures of a case; a blank keeps it apart from any column."""
+
+ERROR, REFERENCE, POSITION, COMMAND = "error", "reference_position", "position", "command"
+
+MOST_CASES = 2500
+"""On a page; of a larger study the first."""
+
+BYTES = 8_000_000
+"""Of all sketches of a study, about; a page holds the scripts and pictures beside."""
+
+BYTES_A_POINT = 16
+"""Six channels of 16 bits, in base 64."""
+
+LEAST, MOST = 80, 800
+"""Points of a sketch: from where a motion can be seen to where a screen shows no more."""
+
+
+def sketched(cases: Sequence[Case]) -> list[Case]:
+    """Those cases of a study of which sketches are kept: of drawn machines the first draw of each."""
+    return [case for case in cases if case.tells_solver_error][:MOST_CASES]
+
+
+def points_for(count: int) -> int:
+    """How many points each of so many sketches has, about."""
+    return min(max(BYTES // (max(count, 1) * BYTES_A_POINT), LEAST), MOST)
+
+
+def sketch_of(run: Run, points: int) -> str:
+    """A run in about so many points: time, reference and error (without a reference the position), command, velocity
+    and friction where there are any, in SI, as `workbench.publish.page.packed.shorts` writes them.
+
+    Half of the points are extremes of error and command, over time; the others lie where much happens: each as far from
+    the next, all signals in units of their range. The position is left out where the reference less the error gives it:
+    both of these keep more digits than it has.
+    """
+    signals = {"time": run.time, COMMAND: run.signals[run.plant.command], **run.signals}
+    motion = (REFERENCE, ERROR) if ERROR in signals else (POSITION,)
+    chosen = [name for name in ("time", *motion, COMMAND, "velocity", TRUE) if name in signals]
+    extremes = thinned(signals[motion[-1]], signals[COMMAND], buckets=max(points // 8, 1))
+    spaced = _evenly([signals[name] for name in chosen], points // 2)
+    kept = np.union1d(extremes, spaced)
+    return shorts({name: signals[name][kept] for name in chosen})
+
+
+def _evenly(signals: Sequence[np.ndarray], points: int) -> np.ndarray:
+    """Indices of samples that lie evenly along the path of the signals, each in units of its range."""
+    path = np.zeros(signals[0].size - 1)
+    for values in signals:
+        steps = np.diff(np.nan_to_num(values))
+        path += (steps / (np.ptp(np.nan_to_num(values)) or 1.0)) ** 2
+    along = np.concatenate([[0.0], np.cumsum(np.sqrt(path))])
+    return np.searchsorted(along, np.linspace(0.0, along[-1], points)).clip(0, along.size - 1)
