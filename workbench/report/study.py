@@ -12,6 +12,7 @@ from workbench.publish.contents import Contents
 from workbench.publish.page_format import figures_at
 from workbench.study.reading import read_study
 from workbench.study.report.folder import write_answers, write_figures, write_tables
+from workbench.study.report.page import first_lines
 from workbench.study.report.unusual import unusual
 from workbench.study.sections import sections_of
 from workbench.study.store import DATABASE, STUDY_COPY, read_results
@@ -65,16 +66,13 @@ def study_contents(folder: Path) -> Contents:
     study, frame = _results(folder)
     file = study.file
     said = [section.said(table, study, frame, folder) for section, table in sections_of(study)]
-    outcomes = frame["outcome"].value_counts(sort=False)
-    ended = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
     chosen = [name for each in said for name in each.tables]
     made = _found(folder / "tables", "tex")
     tables = [*(spec.name for spec in file.tables), *(chosen or made)]
-    cases = f"{len(frame)} case{'s' * (len(frame) > 1)}: {ended}."
     return Contents(
         title=file.title,
         question=file.question,
-        answer=[*(line for each in said for line in each.answer), cases],
+        answer=[line for each in said for line in each.answer] or first_lines(frame),
         notes=[*_remarks(study.text), *(line for each in said for line in each.notes), *unusual(frame, frame)],
         command=f"workbench run {STUDY_COPY}",
         tables=list(dict.fromkeys(tables)),
