@@ -8,9 +8,15 @@ import pytest
 from driven import TRUE, driven_experiment
 
 from workbench.diagnose.diagnose import diagnose
-from workbench.diagnose.residuals.motion import motion_of
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.fit import fit, weighing_at
+from workbench.diagnose.residuals.motion import THINNED, Motion, motion_of
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.likelihood import Left, gained
 from workbench.diagnose.simulation.beside import PASSING, Followed, held
-from workbench.records.reading import Record
+from workbench.diagnose.simulation.setup import as_simulated, shooting_of
+from workbench.records.experiment import Experiment, read_experiment
+from workbench.records.reading import Record, read_records
 
 STIFFNESS = 2e4
 """N/m: of a spring that nobody declared."""
@@ -42,6 +48,39 @@ def test_a_spring_that_nobody_declared_is_found(tmp_path: Path) -> None:
     assert stiffness.value == pytest.approx(STIFFNESS, rel=0.02)
     assert diagnosis.simulation is not None
     assert diagnosis.simulation.to_json()["beside_the_record"]
+
+
+def gain_of_a_compliance(experiment: Experiment, motions: list[Motion]) -> float:
+    """What a load behind a spring that is not there gains in the logarithm of the likelihood."""
+    how = shooting_of(experiment, motions, held=False)
+    assert how is not None
+    followed = how.setups[motions[0].record].reference
+    assert isinstance(followed, Followed)
+    values = {**declared_values(experiment), "coulomb": TRUE["coulomb"]}
+    balance = how.balance(motions, ())
+
+    def left(changed: Values) -> Left:
+        fitted = fit(balance, changed, ())
+        return weighing_at(fitted), fitted.residual
+
+    frequency = 1.5 * followed.crossover / (2.0 * np.pi)
+    return gained(balance, left({**values, "compliant_share": 0.3, "compliant_frequency": frequency}), left(values))
+
+
+def test_a_compliance_that_quickens_the_loop_gains_by_means_and_costs_by_every_sample(tmp_path: Path) -> None:
+    experiment = read_experiment(driven_experiment(tmp_path, 0.0, 2e-5, DURATION, 44.0, STROKE))
+    motions = motions_of(experiment, read_records(experiment))
+    whole = as_simulated(experiment, motions)
+    assert (motions[0].thinning, whole[0].thinning, whole[0].grain) == (10, 1, 10)
+    assert motions[0].thinning * motions[0].sample_time == pytest.approx(THINNED)
+    assert gain_of_a_compliance(experiment, motions) > 0.0  # the error of slow frequencies alone
+    assert gain_of_a_compliance(experiment, whole) < -5.0
+
+
+def test_a_plant_that_its_command_drives_is_looked_at_by_means(tmp_path: Path) -> None:
+    experiment = read_experiment(driven_experiment(tmp_path, 0.0, NOISE, 3.0))
+    (motion,) = as_simulated(experiment, motions_of(experiment, read_records(experiment)))
+    assert (motion.whole, motion.thinning) == (False, 10)
 
 
 def test_a_long_rest_tells_nothing_and_turning_back_does() -> None:

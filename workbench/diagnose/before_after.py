@@ -13,7 +13,7 @@ from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
-from workbench.diagnose.simulation.setup import behind_backlash, shooting_of
+from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.records.experiment import Experiment
@@ -93,6 +93,7 @@ def _drifts(fitted: Errors, tested: Errors) -> bool:
 
 def _own_fit(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> Errors:
     """Free-run errors of held-out records with the plant's parameters fitted to them: the least that it can leave."""
+    held_out = as_simulated(experiment, held_out)
     whole = shooting_of(experiment, held_out, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
     after = simulation.after
@@ -105,6 +106,7 @@ def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Seque
     """By how much the logarithm of the likelihood of held-out records rises with what was found, by the noise that it
     leaves of them: an error that goes up with slow noise alone says nothing.
     """
+    held_out = as_simulated(experiment, held_out)
     whole = shooting_of(experiment, held_out, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
     before, after = (

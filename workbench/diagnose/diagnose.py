@@ -19,6 +19,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
+from workbench.diagnose.simulation.setup import as_simulated
 from workbench.diagnose.simulation.stage import SimulationStage, simulated_baseline, simulation_stage
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, read_experiment
@@ -41,7 +42,8 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     offset = sensor_offset(motions, declared)
     stage = baselines(experiment, motions, declared, offset, progress)
     sensor = [offset] if offset is not None else []
-    base = simulated_baseline(experiment, motions, stage.simulation_start(sensor), progress)
+    simulated = as_simulated(experiment, motions)
+    base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
     if base is not None and base.is_near:
         stage = with_shapes(stage, experiment)
     else:
@@ -49,7 +51,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None
     if base is not None:
-        simulation = simulation_stage(experiment, motions, stage.simulation_start(effects), base, progress)
+        simulation = simulation_stage(experiment, simulated, stage.simulation_start(effects), base, progress)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
 

@@ -73,6 +73,8 @@ class Motion:
 
     `noise` has for each channel the standard deviation of its raw noise, that of twelve bits at least, `sensed` without
     that limit; `smooth` what the filter leaves of it, and of the position's derivatives: factors in 1, 1/s, 1/s^2.
+
+    `whole` is set where a fit looks at every sample, and not at one of a `grain`.
     """
 
     record: Record
@@ -90,6 +92,7 @@ class Motion:
     sensed: Mapping[str, float]
     smooth: tuple[float, float, float]
     slack: tuple[np.ndarray, np.ndarray, np.ndarray]
+    whole: bool = False
 
     @property
     def creep(self) -> float:
@@ -102,9 +105,14 @@ class Motion:
         return float(self.time[1] - self.time[0])
 
     @property
+    def grain(self) -> int:
+        """Samples in which smoothed channels hold no more than one of them does."""
+        return max(round(THINNED / self.sample_time), 1)
+
+    @property
     def thinning(self) -> int:
         """Every how many samples a fit looks at."""
-        return max(round(THINNED / self.sample_time), 1)
+        return 1 if self.whole else self.grain
 
     @property
     def stride(self) -> int:

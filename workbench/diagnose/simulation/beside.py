@@ -7,7 +7,8 @@ knows the noise of both sensors, of a mass alone:
 
     u = m (w^2 e + sqrt(2) w de/dt),  w^2 = s_F / (m s_x)
 
-The rate is filtered: what a loop makes of noise would shake the contact loose as a dither does.
+Every sample is foreseen (`as_simulated`). The rate is filtered: what a loop makes of noise would shake the contact
+loose as a dither does.
 How a contact is bent that rests is a matter of noise, which no position before it tells: a rest says nothing.
 """
 

@@ -48,7 +48,7 @@ TRUSTED = 3.0
 balances give: beyond it what the model lacks decides them, and what adds up over time most of all."""
 
 PIECES = (20, 80, 320)
-"""Instants of a fit in a piece, from the shortest."""
+"""Grains of a record in a piece, from the shortest."""
 
 ROUNDS = 20
 """Times that parameters, and then states at the starts, are found, at most."""
@@ -168,7 +168,7 @@ class Fitting:
 
     def _begun_soon(self, how: Shooting, values: Values) -> Shooting:
         """The same from starts that suit the first instants of each record."""
-        instant = self.motions[0].thinning * self.motions[0].record.sample_time
+        instant = self.motions[0].grain * self.motions[0].record.sample_time
         soon = replace(how, begins={}, most=1)
         for count in PIECES:
             soon = self.stepped(replace(soon, length=count * instant), values).how
@@ -325,8 +325,8 @@ def _without_astray(weighing: Weighing, of: Simulated) -> Weighing:
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
     """The plant in pieces, from the shortest, of which each record has two at least."""
-    instants = max(motion.thinned.time.size for motion in motions)
-    step = motions[0].thinning * motions[0].record.sample_time
+    instants = max(-(-motion.time.size // motion.grain) for motion in motions)
+    step = motions[0].grain * motions[0].record.sample_time
     return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
 
 

@@ -50,6 +50,19 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
     )
 
 
+def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Motion]:
+    """Motions as a simulation looks at them: a plant beside its record is to foresee every sample from those before.
+
+    What such a plant is off by is that of no loop behind a sensitivity S whose log|S| has the mean 0 over all
+    frequencies up to half the sampling rate (Bode 1945, section 13; Sung and Hara 1988 for samples): a quicker loop
+    makes the error of slow frequencies less and that of fast ones more. All samples together are as likely with the
+    one as with the other. Means over some of them see the slow ones alone, and whatever makes the loop quicker, such as
+    a load that hangs behind a spring, would gain by them.
+    """
+    along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
+    return [replace(motion, whole=is_sensed(along, motion)) for motion in motions]
+
+
 def follows(how: Shooting, motions: Sequence[Motion], values: Values) -> bool:
     """Whether the plant with `values` stays near what was measured on every record."""
     return all(_off(how, motion, values) < ASTRAY for motion in motions)

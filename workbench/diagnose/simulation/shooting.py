@@ -23,6 +23,7 @@ from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import Followed, held, led, quickest
+from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -120,8 +121,38 @@ class Shooting:
             parts=len(self.channels),
             simulated=True,
             axis=self.along.plant.axis,
-            beside=lambda values: self.starting(motions, values),
+            beside=lambda values: self.undecided(motions, values),
         )
+
+    def undecided(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
+        """What no parameter decides: where a simulation starts, and what a coarse converter leaves of what rests."""
+        starting, groups = self.starting(motions, values)
+        counted = [self._counted(motion, values) for motion in motions]
+        return np.column_stack([starting, np.concatenate(counted)]), groups
+
+    def _counted(self, motion: Motion, values: Values) -> np.ndarray:
+        """What a converter's steps change of a record's rows: of each channel in its own columns, 0 of a fine one, and
+        of pieces, which are too short to tell it.
+        """
+        coarse = [bool(np.isinf(self.length)) and is_coarse(motion, name) for name in self.channels]
+        seen = self.simulated(motion, values) if any(coarse) else {}
+        rows = motion.thinned.time.size
+        out = np.zeros((len(self.channels), rows, len(self.channels), 2 * HARMONICS))
+        for place, name in enumerate(self.channels):
+            if coarse[place]:
+                waves = np.nan_to_num(over_steps(motion, name, seen[name]))
+                out[place, :, place] = self._in_noise(motion, name, waves)
+        return out.reshape(len(self.channels) * rows, -1)
+
+    def _in_noise(self, motion: Motion, name: str, errors: np.ndarray) -> np.ndarray:
+        """Errors of a channel, shape (samples, ...), as rows of a stack: means over the times between a fit's instants,
+        in standard deviations of the noise of such a mean; 0 where nothing is told.
+        """
+        edges = np.arange(0, motion.record.time.size, motion.thinning)
+        sizes = np.diff(np.append(edges, motion.record.time.size))
+        noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
+        told = np.where(self.tells(motion).reshape(-1, *(1,) * (errors.ndim - 1)), errors, 0.0)
+        return np.add.reduceat(told, edges) / np.sqrt(sizes).reshape(-1, *(1,) * (errors.ndim - 1)) / noise
 
     def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
@@ -213,18 +244,8 @@ class Shooting:
 
     def errors_anew(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
         """The same, simulated whether it was before or not."""
-        record = motion.record
         seen = self.simulated(motion, values, moved)
-        covered = self.tells(motion)
-        edges = np.arange(0, record.time.size, motion.thinning)
-        sizes = np.diff(np.append(edges, record.time.size))
-        out = []
-        for name in self.channels:
-            error = motion.measured[name] - seen[name]
-            error[~covered] = 0.0
-            noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
-            out.append(np.add.reduceat(error, edges) / np.sqrt(sizes) / noise)
-        return out
+        return [self._in_noise(motion, name, motion.measured[name] - seen[name]) for name in self.channels]
 
     def with_tolerance(self, tolerance: float) -> "Shooting":
         """The same with another tolerance of the solver."""
