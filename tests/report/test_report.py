@@ -65,7 +65,7 @@ def test_a_study_is_told_in_order_with_its_file_as_appendix(results: Path, tmp_p
     assert mistakes(out / "report.tex") == []
     headings = ["Answer", "Assumptions and notes", "Tables", "Figures", "Provenance", "The file study.toml"]
     assert re.findall(r"\\section\{([^}]+)\}", text) == headings
-    assert "2 cases: 1 completed, 1 torque-limited." in text
+    assert "1 of 2 cases: torque-limited (rpm 460)." in text
     assert r"\item the first one, about 5 \textmu{}m;" in text
     assert r"Tables~" not in text
     assert r"Table~\ref{tab:results:lags}." in text
