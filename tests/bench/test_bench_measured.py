@@ -3,8 +3,9 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
-from benches import controls, knob_of
+from benches import controls, knob_of, short
 from command import STUDIES, changed, workbench
 
 from workbench.bench.groups import chosen, groups_of
@@ -95,3 +96,16 @@ def test_what_a_record_drives_is_no_study(loop: MeasuredLoop, tmp_path: Path) ->
     with pytest.raises(UserError, match=r"what a record drives is no study"):
         save(outcome_of(loop), "mine.toml", tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_balances_of_the_plant_that_wrote_a_record_leave_noise(loop: MeasuredLoop) -> None:
+    true = {"plant.model": "two_chamber", **TRUE}
+    leaves = {key: value for key, value in true.items() if key != "plant.set.valve_overlap"}
+
+    def rms(changes: dict[str, object], scope: str) -> float:
+        view = SCOPES[scope].view(outcome_of(loop.changed(changes)))
+        return float(np.sqrt(np.nanmean(np.concatenate([curve.y for curve in view.curves]) ** 2)))
+
+    assert rms(true, "flow_balance") < 0.1 * rms(leaves, "flow_balance")  # the overlap, turned off and on
+    assert rms(true, "force_balance") < 0.5 * rms({"plant.model": "two_chamber"}, "force_balance")
+    assert SCOPES["flow_balance"].view(outcome_of(short())).note == "no record that tells it"

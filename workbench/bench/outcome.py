@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from workbench.bench.balances import Left, balances_left
 from workbench.bench.loop import BenchLoop
 from workbench.bench.measured import RECORDED, MeasuredLoop
 from workbench.errors import UserError
@@ -61,6 +62,13 @@ class Outcome:
             for name, values in signals.items()
             if name.startswith(RECORDED) and name.removeprefix(RECORDED) in OUTPUTS
         }
+
+    @cached_property
+    def balances(self) -> Mapping[str, Left]:
+        """What the record at hand leaves of the plant's balances; nothing where nothing was measured."""
+        if not isinstance(self.loop, MeasuredLoop):
+            return {}
+        return balances_left(self.loop.record, self.loop.experiment.flow, self.loop.resolved.setup)
 
     @cached_property
     def speed(self) -> float:

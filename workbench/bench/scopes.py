@@ -101,6 +101,21 @@ def _drawn(x: str, names: Sequence[str], outcome: Outcome, label: str, start: in
     return View(curves, below, with_unit(label or plain_name(found[-1]), unit))
 
 
+def _balance(name: str, outcome: Outcome) -> View:
+    """What a record leaves of a balance of the plant, rate by rate."""
+    left = outcome.balances.get(name)
+    words = f"residual of the {name} balance"
+    if left is None:
+        return View((), "time (s)", words, "no record that tells it")
+    unit, factor = _reader(left.unit, outcome.run.plant.axis)
+    curves = []
+    for number, residual in enumerate(left.residuals, start=1):
+        called = f"chamber {number}" if len(left.residuals) > 1 else "residual"
+        kept = thinned(residual, buckets=BUCKETS)
+        curves.append(Curve(called, left.time[kept], factor * residual[kept]))
+    return View(curves, "time (s)", with_unit(words, unit))
+
+
 def _spectrum(outcome: Outcome) -> View:
     """Amplitude of the error over frequency, after the transient: of a sine of amplitude a a peak of height a where its
     periods are whole in there, and up to 15 % less between (the Hann window's). Of each bucket of frequencies the
@@ -180,6 +195,8 @@ SCOPES: dict[str, Scope] = {
     "rotation": Scope("Rod speed", partial(_over_time, ("rotation_speed",))),
     "torque": Scope("Motor current", partial(_over_time, ("motor_current",))),
     "power": Scope("Power", partial(_over_time, POWERS, label="power")),
+    "flow_balance": Scope("Residual of the flow balance", partial(_balance, "flow")),
+    "force_balance": Scope("Residual of the force balance", partial(_balance, "force")),
     "bode": Scope("Loop gain (Bode)", partial(_bode, _decibel, "gain (dB)"), log_x=True),
     "bode_phase": Scope("Loop phase (Bode)", partial(_bode, _degrees, "phase (deg)"), log_x=True),
     "nyquist": Scope("Nyquist plot", _nyquist),

@@ -159,7 +159,7 @@ def balances_of(
             Balance(
                 item.name,
                 motions,
-                partial(_residuals, item),
+                partial(residuals_of, item),
                 max(floor, 1e-30),
                 chosen.unit,
                 tuple(own[item.name]),
@@ -173,8 +173,8 @@ def balances_of(
     return made
 
 
-def _residuals(item: Diagnosed, motion: Motion, values: Values) -> list[np.ndarray]:
-    """See `Along.residuals`; a pump's flow is known on plateaus of its speed alone."""
+def residuals_of(item: Diagnosed, motion: Motion, values: Values) -> list[np.ndarray]:
+    """A balance's residuals of a motion (`Along.residuals`); a pump's flow is known on plateaus of its speed alone."""
     residuals = item.along.residuals(motion, values, item.name)
     if item.name != FLOW or item.along.plant.command != pump.SPEED:
         return residuals
