@@ -125,7 +125,7 @@ body { max-width: 84em; }
 <li><span style="background: {{ entry.colour }}">{{ entry.word }}</span> {{ entry.meaning }}</li>
 {% endfor %}</ul>
 <p>{{ page.notation }}</p>
-<p class="note">A click on a field shows its cases below, with their motions.</p>
+<p class="note screen">A click on a field shows its cases below, with their motions.</p>
 {{ every_case(page.cases) }}
 <h2>In words</h2>
 <ul>{% for line in page.overview %}<li>{{ line }}</li>
