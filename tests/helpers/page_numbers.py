@@ -18,7 +18,8 @@ def pictures_of(page: str) -> list[bytes]:
 
 
 def read_floats(text: str) -> np.ndarray:
-    return np.frombuffer(base64.b64decode(text), dtype="<f4").astype(float)
+    kind = "<f8" if text.startswith(":") else "<f4"
+    return np.frombuffer(base64.b64decode(text.removeprefix(":")), dtype=kind).astype(float)
 
 
 def read_shorts(text: str) -> dict[str, np.ndarray]:

@@ -1,6 +1,8 @@
 """The page over a folder of results says what is there, and touches nothing of others."""
 
+import os
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -70,3 +72,33 @@ def test_what_a_title_holds_is_text(tmp_path: Path) -> None:
     assert "<script>alert(1)" not in page
     assert "&lt;script&gt;alert(1)" in page
     assert "<script>alert(1)" not in write_index(tmp_path)[0].read_text(encoding="utf-8")
+
+
+def test_what_is_broken_or_leads_elsewhere_is_passed_over(results: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "all"
+    shutil.copytree(results / "one", folder / "one")
+    (folder / "loop").symlink_to(folder)
+    (folder / "linked").symlink_to(results / "one")
+    odd = folder / "odd"
+    odd.mkdir()
+    (odd / "binary.html").write_bytes(bytes(range(256)))
+    (odd / "folder.html").mkdir()
+    (odd / "dangling.html").symlink_to(odd / "nowhere")
+    (odd / "marked.html").write_text("<![foo[ x ]]>", encoding="utf-8")
+    os.mkfifo(odd / "pipe.html")
+    page = (results / "one" / "results.html").read_text(encoding="utf-8")
+    for name, picture in (("up", "../../secret"), ("far", "/etc/passwd")):
+        (folder / name).mkdir()
+        text = page.replace('<meta name="picture" content="', f'<meta name="picture" content="{picture}')
+        (folder / name / "results.html").write_text(text, encoding="utf-8")
+    for name, record in (("up", '{"wall_seconds": ' + "1" * 400 + "}"), ("far", "[" * 100_000)):
+        (folder / name / "run.json").write_text(record, encoding="utf-8")
+    found = entries_of(folder)
+    assert [entry.folder for entry in found] == ["far", "one", "up"]
+    assert not any(entry.picture for entry in found)
+    assert write_index(folder)[1] == 3
+
+
+def test_a_folder_of_results_is_not_one_of_folders(results: Path) -> None:
+    with pytest.raises(UserError, match=r"one: is a folder of results itself; name the one that holds it"):
+        write_index(results / "one")

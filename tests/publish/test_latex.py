@@ -29,6 +29,8 @@ from workbench.tune.report.tables import METRIC_WORDS
     ("unit", "shown"),
     {
         "N s/m": r"\unit{\newton\second\per\metre}",
+        "V/(rad/s)": r"\unit{\volt\per\radian\second}",
+        "V s/(m/s N)": r"\unit{\volt\second\per\metre\second\per\newton}",
         "V/(m s)": r"\unit{\volt\per\metre\per\second}",
         "1/s": r"\unit{\per\second}",
         "m^2/(s Pa^0.5)": r"\unit{\metre\squared\per\second\per\pascal\tothe{0.5}}",
@@ -177,3 +179,9 @@ def test_a_table_takes_the_form_that_fits_its_page() -> None:
     long = made(pd.DataFrame({"rpm": [str(i) for i in range(100)]}), "A note.")
     assert r"\begin{longtable}" in long
     assert r"\insertTableNotes" in long
+
+
+def test_a_long_word_may_be_broken() -> None:
+    assert escaped("x" * 40).count(r"\allowbreak{}") == 4
+    assert escaped("a plain sentence with valve_flow_gain in it").count("allowbreak") == 0
+    assert escaped(f"see {'/deadbeef' * 5} there").replace(r"\allowbreak{}", "") == f"see {'/deadbeef' * 5} there"

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
+from matplotlib.transforms import Affine2D
 from page_numbers import read_floats
 
 from workbench.publish.page.live import live
@@ -137,10 +138,67 @@ def test_panels_that_share_an_axis_say_so() -> None:
         lambda axes: axes.add_patch(Circle((0.0, 0.0), 1.0)),
         lambda axes: axes.plot([0.0], [0.0], marker="p"),
         lambda axes: axes.plot([0.2], [0.2], marker="o", transform=axes.transAxes),
+        lambda axes: axes.plot([0.0, 1.0], [0.0, 1.0], transform=Affine2D().rotate(0.1) + axes.transData),
+        lambda axes: axes.plot([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], marker="o", markevery=2),
+        lambda axes: axes.fill_between([0.0, 1.0], [0.0, 1.0], hatch="//"),
+        lambda axes: axes.fill_between([0.0, 1.0], [0.0, 1.0], facecolor="none"),
+        lambda axes: axes.add_patch(Rectangle((0.0, 0.0), 1.0, 1.0, angle=45.0)),
+        lambda axes: axes.axhline(0.5, xmin=0.2, xmax=0.4),
+        lambda axes: axes.axhspan(0.1, 0.2, xmax=0.4),
+        lambda axes: axes.axhline(np.nan),
+        lambda axes: axes.hist([1.0, 2.0, 2.0], histtype="step"),
+        lambda axes: axes.hexbin([0.0, 1.0], [0.0, 1.0]),
+        lambda axes: axes.vlines([0.0, 1.0], 0.0, 1.0, colors=["red", "blue"]),
+        lambda axes: axes.pcolormesh(np.array([[0.0, np.nan], [0.5, 0.25]])),
+        lambda axes: axes.text(0.5, 0.5, "turned", rotation=90),
+        lambda axes: axes.annotate("there", (0.5, 0.5), (0.2, 0.2), arrowprops={"arrowstyle": "->"}),
+        lambda axes: axes.twinx().plot([0.0], [1.0]),
+        lambda axes: axes.inset_axes((0.5, 0.5, 0.3, 0.3)),
+        lambda axes: axes.figure.text(0.5, 0.5, "beside"),
     ],
 )
 def test_what_the_page_cannot_draw_stays_a_picture(draw: Callable[[Axes], object]) -> None:
     assert is_refused(draw)
+
+
+def test_what_a_logarithmic_axis_does_not_reach() -> None:
+    def draw(axes: Axes) -> None:
+        axes.set_yscale("log")
+        axes.set_ylim(0.1, 100.0)
+        axes.plot([0.0, 1.0, 2.0, 3.0], [1.0, 0.0, 10.0, 20.0])
+        axes.bar([0.0], [5.0])
+
+    panel, _ = drawn(draw)
+    box, line = sorted(panel["marks"], key=lambda mark: mark["kind"])
+    assert (box["bottom"], box["top"]) == (0.1, 5.0)
+    y = read_floats(line["y"])
+    assert y[np.isfinite(y)].tolist() == pytest.approx([1.0, 10.0, 20.0])
+
+
+def test_a_gap_in_a_noisy_line_stays_one() -> None:
+    values = np.random.default_rng(1).normal(size=60_000)
+    values[20_000:40_000] = np.nan
+    panel, _ = drawn(lambda axes: axes.plot(np.arange(60_000.0), values))
+    x, y = (read_floats(panel["marks"][0][name]) for name in ("x", "y"))
+    (gap,) = np.flatnonzero(np.isnan(y))
+    assert (x[gap - 1], x[gap + 1]) == (19_999.0, 40_000.0)
+
+
+def test_numbers_far_from_zero_keep_their_digits() -> None:
+    x = 1e6 + np.linspace(0.0, 0.5, 50)
+    panel, _ = drawn(lambda axes: axes.plot(x, np.sin(20.0 * x), marker="o", linestyle="none"))
+    assert read_floats(panel["marks"][0]["x"]) == pytest.approx(x, abs=1e-6)
+
+
+def test_a_fit_goes_with_its_curve() -> None:
+    def draw(axes: Axes) -> None:
+        axes.plot([0.0, 1.0], [0.0, 1.0], color="#0072B2")
+        axes.plot([0.0, 1.0], [0.1, 0.9], color="#0072B2", label="measured")
+        axes.plot([0.0, 1.0], [0.3, 0.3], color="#D55E00", label="other")
+        axes.legend()
+
+    panel, _ = drawn(draw)
+    assert [len(entry["marks"]) for entry in panel["legend"]] == [2, 1]
 
 
 @settings(max_examples=30, deadline=None)

@@ -1,10 +1,12 @@
 """Pages of results in a real browser, from disk and without a network."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from browsing import from_disk
+from command import STUDIES
 
 import workbench as wb
 from workbench.publish.page.index import write_index
@@ -103,7 +105,15 @@ def test_words_bounds_and_choices_filter(page: "Page") -> None:
     assert "3 of 16 rows" in page.locator(".filter").inner_text()
     field.fill("rpm=120")
     assert column(page, "rpm") == ["120", "120"]
-    field.fill("")
+    field.fill("rms error (mm) > 1 controller != soft")
+    assert column(page, "controller") == ["stiff"] * 8
+    field.fill("rms_error < 1.2 rpm = 120")
+    assert column(page, "controller") == ["stiff"]
+    field.fill("bla < 3 rpm >= 80")
+    assert len(column(page, "rpm")) == 4
+    assert 'no column "bla"' in page.locator(".filter").inner_text()
+    page.get_by_role("button", name="all", exact=True).click()
+    assert len(column(page, "rpm")) == 16
     page.get_by_label("controller", exact=True).select_option("soft")
     assert column(page, "controller") == ["soft"] * 8
 
@@ -120,14 +130,14 @@ def test_a_click_draws_the_case_and_keeps_the_one_before(page: "Page", results: 
     page.locator(".cases tbody tr").nth(0).click()
     page.locator(".cases tbody tr").nth(9).click()
     title = page.locator(".trajectory-title").inner_text()
-    assert title == f"{label(page, 9)} (dashed: {label(page, 0)})"
+    assert title == f"{label(page, 9)} (in grey: {label(page, 0)})"
     controller, rpm = column(page, "controller")[9], float(column(page, "rpm")[9])
     case = results.frame[(results.frame["controller"] == controller) & (results.frame["rpm"] == rpm)].iloc[0]
     _, error = page.evaluate(_CURVE, "error")
     assert max(map(abs, error)) == pytest.approx(1e3 * case["max_error_m"], rel=1e-3)
     assert page.evaluate(_CURVE, "error, before")
     page.locator(".cases tbody tr").nth(9).press("ArrowDown")
-    assert page.locator(".trajectory-title").inner_text().startswith(f"{label(page, 10)} (dashed: {label(page, 9)}")
+    assert page.locator(".trajectory-title").inner_text().startswith(f"{label(page, 10)} (in grey: {label(page, 9)}")
 
 
 def label(page: "Page", row: int) -> str:
@@ -194,3 +204,24 @@ def test_the_index_leads_to_the_page(browser: "Browser", results: wb.StudyResult
         assert "Phase lag from" in page.locator("tbody").inner_text()
         page.get_by_role("link", name="Two gains").click()
         assert page.title() == "Two gains"
+
+
+def test_no_text_of_a_study_changes_its_page(browser: "Browser", tmp_path: Path) -> None:
+    text = STUDY.replace('y_label = "position"', "y_label = 'a <!-- <script b </script> {{ 7*7 }}'")
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    folder = wb.Study(tmp_path / "study.toml").run(tmp_path / "out").folder
+    with from_disk(browser, folder / "results.html") as page:
+        assert page.locator(".cases tbody tr").count() == 16
+        page.locator("#figure-motion").scroll_into_view_if_needed()
+        page.wait_for_selector("#figure-motion.live-shown canvas", state="attached")
+
+
+def test_a_force_is_no_voltage(browser: "Browser", tmp_path: Path) -> None:
+    study = (STUDIES / "lugre_reference.toml").read_text(encoding="utf-8")
+    (tmp_path / "study.toml").write_text(study, encoding="utf-8")
+    folder = wb.Study(tmp_path / "study.toml").run(tmp_path / "out").folder
+    with from_disk(browser, folder / "results.html") as page:
+        page.locator(".cases tbody tr").first.click()
+        page.wait_for_selector(".trajectory canvas", state="attached")
+        labels = page.evaluate("Bokeh.documents.map(each => each.roots()[0].left?.[0]?.axis_label)")
+        assert "command (N)" in labels

@@ -1,5 +1,8 @@
 """Sketches show a motion with few points: its extremes, and where much happens."""
 
+import sqlite3
+from pathlib import Path
+
 import numpy as np
 import pytest
 from benches import short
@@ -9,6 +12,8 @@ from workbench.publish.page.packed import LEVELS
 from workbench.simulation.run import TRUE, Run
 from workbench.simulation.simulate import simulate
 from workbench.study.sketches import BYTES, BYTES_A_POINT, COMMAND, ERROR, LEAST, MOST, REFERENCE, points_for, sketch_of
+from workbench.study.store import read_sketches
+from workbench.study.study import INDEX
 
 
 @pytest.fixture(scope="module")
@@ -56,3 +61,19 @@ def test_all_sketches_of_a_study_fit_on_a_page(run: Run) -> None:
     count = 2000
     assert count * len(sketch_of(run, points_for(count))) < 1.3 * BYTES
     assert points_for(count) == BYTES // (count * BYTES_A_POINT)
+
+
+def test_results_of_an_earlier_version_have_none(tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / "results.sqlite") as connection:
+        connection.execute("CREATE TABLE results (number INTEGER)")
+    connection.close()
+    assert read_sketches(tmp_path) == {}
+    assert read_sketches(tmp_path / "none") == {}
+
+
+def test_a_sketch_from_elsewhere_ends_no_script(tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / "results.sqlite") as connection:
+        connection.execute(f"CREATE TABLE sketches ({INDEX} INTEGER PRIMARY KEY, content TEXT)")
+        connection.execute("INSERT INTO sketches VALUES (0, '</script><script>alert(1)</script>')")
+    connection.close()
+    assert "<" not in read_sketches(tmp_path)[0]

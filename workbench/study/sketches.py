@@ -7,6 +7,7 @@ import numpy as np
 from workbench.publish.page.packed import shorts
 from workbench.publish.thinning import thinned
 from workbench.simulation.run import TRUE, Run
+from workbench.study.names import units_of
 from workbench.study.study import Case
 
 SKETCH = "trajectory sketch"
@@ -39,7 +40,8 @@ def points_for(count: int) -> int:
 
 def sketch_of(run: Run, points: int) -> str:
     """A run in about so many points: time, reference and error (without a reference the position), command, velocity
-    and friction where there are any, in SI, as `workbench.publish.page.packed.shorts` writes them.
+    and friction where there are any, in SI, as `workbench.publish.page.packed.shorts` writes them,
+    with the unit of the command.
 
     Half of the points are extremes of error and command, over time; the others lie where much happens: each as far from
     the next, all signals in units of their range. The position is left out where the reference less the error gives it:
@@ -51,7 +53,7 @@ def sketch_of(run: Run, points: int) -> str:
     extremes = thinned(signals[motion[-1]], signals[COMMAND], buckets=max(points // 8, 1))
     spaced = _evenly([signals[name] for name in chosen], points // 2)
     kept = np.union1d(extremes, spaced)
-    return shorts({name: signals[name][kept] for name in chosen})
+    return shorts({name: signals[name][kept] for name in chosen}, {COMMAND: units_of(run)[run.plant.command]})
 
 
 def _evenly(signals: Sequence[np.ndarray], points: int) -> np.ndarray:

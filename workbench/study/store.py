@@ -184,12 +184,17 @@ def write_record(run: Run, names: Sequence[str], rpm: float, path: Path) -> None
 
 
 def read_sketches(folder: Path) -> dict[int, str]:
-    """The sketches of trajectories that a study has kept, by case; none where there is no database any more."""
+    """The sketches of trajectories that a study has kept, by case, fit to stand in a script; none where there is no
+    database any more, or one of an earlier version.
+    """
     database = folder / DATABASE
     if not database.exists():
         return {}
     with closing(sqlite3.connect(f"{database.resolve().as_uri()}?mode=ro", uri=True)) as connection:
-        return dict(connection.execute(f"SELECT {INDEX}, content FROM sketches ORDER BY {INDEX}"))
+        if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'sketches'").fetchone():
+            return {}
+        rows = connection.execute(f"SELECT {INDEX}, content FROM sketches ORDER BY {INDEX}").fetchall()
+    return {int(index): str(content).replace("<", r"\u003c") for index, content in rows}
 
 
 def read_results(folder: Path) -> pd.DataFrame:

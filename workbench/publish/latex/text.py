@@ -78,6 +78,9 @@ _IDENTIFIER = re.compile(r"(?<![\w./\\])[^\W_]\w*_\w+(?![\w/]|\.\w)")
 _INDEX = re.compile(r"(?<!\w)([^\W\d_])_(\w{1,2})(?!\w)")
 """A symbol with an index, such as K_p."""
 
+LONG, PIECE = 32, 8
+"""Characters of a word from which on it may be broken, and of the pieces between."""
+
 _EITHER = re.compile(r"\+-(?=\d)")
 
 _RAISED = re.compile(r"(?<=[\w)])\^(-?\d+(?:\.\d+)?)")
@@ -91,6 +94,11 @@ def display_name(text: str) -> str:
 
 def escaped(text: str) -> str:
     """Text as LaTeX shows it, character by character. What its fonts lack is shown by its number: [U+4E2D]."""
+    words = re.split(rf"(\S{{{LONG},}})", text)
+    return "".join(r"\allowbreak{}".join(map(_piece, _breakable(word))) for word in words)
+
+
+def _piece(text: str) -> str:
     return "".join(map(_character, text)).replace("---", "-{}-{}-").replace("--", "-{}-")
 
 
@@ -109,6 +117,13 @@ def shown_text(text: str) -> str:
             shown += rf"\textsuperscript{{{found[1]}}}"
         place = found.end()
     return shown + escaped(named[place:])
+
+
+def _breakable(word: str) -> list[str]:
+    """The pieces of a word between which a line may break."""
+    if len(word) < LONG or re.search(r"\s", word):
+        return [word]
+    return [word[i : i + PIECE] for i in range(0, len(word), PIECE)]
 
 
 def _character(character: str) -> str:

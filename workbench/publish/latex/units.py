@@ -35,6 +35,7 @@ _SYMBOLS = {
 _PREFIXES = {
     "n": r"\nano",
     "µ": r"\micro",
+    "\u03bc": r"\micro",
     "u": r"\micro",
     "m": r"\milli",
     "c": r"\centi",
@@ -75,7 +76,7 @@ def unit_text(unit: str) -> str:
 def _factors(unit: str) -> list[tuple[str, str, bool]]:
     """Symbol, power and whether it divides, of each factor; none where it is no unit."""
     factors: list[tuple[str, str, bool]] = []
-    place, divides, inside = 0, False, False
+    place, divides, inside, outer = 0, False, False, False
     text = unit.strip()
     if text.count("(") != text.count(")"):
         return []
@@ -85,15 +86,15 @@ def _factors(unit: str) -> list[tuple[str, str, bool]]:
             return []
         place = token.end()
         if token["sign"] == "/":
-            divides = True
+            divides = not outer  # in brackets that divide, it multiplies
         elif token["sign"]:
             inside = token["sign"] == "("
-            divides &= inside
+            divides = outer = divides and inside
         elif token["symbol"]:
             if token["symbol"] not in _LITERAL and _named(token["symbol"]) is None:
                 return []
             factors.append((token["symbol"], token["power"] or "", divides))
-            divides &= inside
+            divides = outer
     return factors
 
 

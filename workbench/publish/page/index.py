@@ -1,9 +1,13 @@
 """The page over a folder of results: what each says first, with a picture, sorted and filtered, and a link."""
 
 import json
-from collections.abc import Sequence
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from html.parser import HTMLParser
+from html import unescape
 from pathlib import Path
 from urllib.parse import quote
 
@@ -72,37 +76,35 @@ class Entry:
     picture: str = ""
 
 
-class _Head(HTMLParser):
-    """Title and meta elements of a page."""
+@dataclass(frozen=True)
+class _Head:
+    """What a page of this program says in its head."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.title, self.meta, self._within = "", dict[str, str](), False
+    title: str
+    meta: Mapping[str, str]
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._within = tag == "title"
-        given = dict(attrs)
-        if tag == "meta" and given.get("name"):
-            self.meta[str(given["name"])] = given.get("content") or ""
+    @property
+    def is_ours(self) -> bool:
+        return self.meta.get("generator") == GENERATOR
 
-    def handle_endtag(self, tag: str) -> None:
-        self._within = False
 
-    def handle_data(self, data: str) -> None:
-        if self._within:
-            self.title += data
+_META = re.compile(r'<meta name="([a-z]+)" content="([^"]*)">')
+
+_TITLE = re.compile(r"<title>([^<]*)</title>")
 
 
 def write_index(folder: Path) -> tuple[Path, int]:
     """Write `folder`/index.html over all results in it; returns its path and how many there are.
 
     Raises:
-        UserError: it is no folder, or has an index.html that this program did not write.
+        UserError: it is no folder, or one of results, or has an index.html that this program did not write.
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that holds folders of results")
+    if any(_head(page).is_ours for page in folder.glob("*.html") if page.name != INDEX):
+        raise UserError(f"{folder}: is a folder of results itself; name the one that holds it, such as {folder.parent}")
     path = folder / INDEX
-    if path.exists() and _head(path).meta.get("generator") != GENERATOR:
+    if path.exists() and not _head(path).is_ours:
         raise UserError(f"{path}: is not of this program; move it away, or choose another folder")
     entries = entries_of(folder)
     html = (
@@ -115,26 +117,44 @@ def write_index(folder: Path) -> tuple[Path, int]:
 
 
 def entries_of(folder: Path) -> list[Entry]:
-    """All pages of results below a folder, by place."""
-    pages = sorted(page for depth in range(1, DEPTH + 1) for page in folder.glob(f"{'*/' * depth}*.html"))
+    """All pages of results below a folder, by place. Links lead nowhere: what lies elsewhere is not shown."""
     found = []
-    for page in pages:
-        head = _head(page)
-        if head.meta.get("generator") == GENERATOR and page.name != INDEX:
-            found.append(_entry(page, head, folder))
+    for place, names in _walked(folder):
+        for name in sorted(names):
+            page = place / name
+            if place != folder and page.suffix == ".html" and name != INDEX and (head := _head(page)).is_ours:
+                found.append(_entry(page, head, folder))
     return found
 
 
+def _walked(folder: Path) -> Iterator[tuple[Path, list[str]]]:
+    """The folder and those below it, with the names of their files; what cannot be read, or named, is passed over."""
+    for place, folders, names in os.walk(folder):
+        depth = len(Path(place).relative_to(folder).parts)
+        folders[:] = sorted(name for name in folders if depth < DEPTH and _can_be_said(name))
+        yield Path(place), [name for name in names if _can_be_said(name)]
+
+
+def _can_be_said(name: str) -> bool:
+    return name.isprintable() and not any("\ud800" <= letter <= "\udfff" for letter in name)
+
+
 def _head(page: Path) -> _Head:
-    head = _Head()
-    with page.open(encoding="utf-8", errors="replace") as text:
-        head.feed(text.read(HEAD_CHARACTERS))
-    return head
+    """The head of a page, empty of what is no file, or cannot be read."""
+    text = ""
+    if page.is_file() and not page.is_symlink():
+        with suppress(OSError), page.open(encoding="utf-8", errors="replace") as content:
+            text = content.read(HEAD_CHARACTERS)
+    head, title = text.partition("<style>")[0], _TITLE.search(text)
+    said = {name: unescape(content) for name, content in _META.findall(head)}
+    return _Head(unescape(title[1]) if title else "", said)
 
 
 def _entry(page: Path, head: _Head, folder: Path) -> Entry:
     record = _record(page.parent / RECORD)
-    picture = page.parent / "figures" / f"{head.meta.get('picture')}.png"
+    named = head.meta.get("picture", "")
+    picture = page.parent / "figures" / f"{named}.png"
+    shows = bool(re.fullmatch(r"[\w.-]+", named)) and _is_plain(picture)
     took = record.get("wall_seconds")
     return Entry(
         folder=page.parent.relative_to(folder).as_posix(),
@@ -142,11 +162,18 @@ def _entry(page: Path, head: _Head, folder: Path) -> Entry:
         title=head.title,
         kind=head.meta.get("kind", ""),
         says=head.meta.get("description", ""),
-        cases=str(record.get("cases", "")),
-        started=str(record.get("started", "")).replace("T", " ").rstrip("Z"),
-        took=f"{took:.1f}" if isinstance(took, int | float) else "",
-        picture=_link(picture, folder) if picture.exists() else "",
+        cases=str(cases) if isinstance(cases := record.get("cases"), int) else "",
+        started=str(record.get("started", ""))[:20].replace("T", " ").rstrip("Z"),
+        took=f"{took:.1f}" if isinstance(took, float) and math.isfinite(took) else "",
+        picture=_link(picture, folder) if shows else "",
     )
+
+
+def _is_plain(path: Path) -> bool:
+    try:
+        return path.is_file() and not path.is_symlink() and not path.parent.is_symlink()
+    except OSError:
+        return False
 
 
 def _link(path: Path, folder: Path) -> str:
@@ -157,12 +184,12 @@ def _record(path: Path) -> dict[str, object]:
     """What run.json says; nothing where there is none, or another."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
 
 
 def _unfinished(folder: Path) -> Sequence[str]:
     """Folders in which cases or trials are kept that no results came of yet."""
-    begun = sorted({path.parent for depth in range(1, DEPTH + 1) for path in folder.glob(f"{'*/' * depth}{DATABASE}")})
-    return [place.relative_to(folder).as_posix() for place in begun if not (place / RECORD).exists()]
+    begun = [place for place, names in _walked(folder) if DATABASE in names and RECORD not in names]
+    return [place.relative_to(folder).as_posix() for place in begun if place != folder]

@@ -13,7 +13,14 @@ from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogFormatter, NullFormatter, ScalarFormatter
+from matplotlib.ticker import (
+    FixedLocator,
+    LogFormatter,
+    LogFormatterMathtext,
+    LogFormatterSciNotation,
+    NullFormatter,
+    ScalarFormatter,
+)
 
 from workbench.publish.page.marks import (
     SCALES,
@@ -25,6 +32,7 @@ from workbench.publish.page.marks import (
     placed,
     plain_text,
 )
+from workbench.publish.style import PlainTicks
 
 PER_INCH = 96
 """Pixels of a page."""
@@ -32,13 +40,15 @@ PER_INCH = 96
 WIDER = 1.3
 """A panel on a page than on paper, at most."""
 
-NUMBERED = (ScalarFormatter, LogFormatter, FuncFormatter, NullFormatter)
-"""Labels of ticks that are numbers: the page finds its own."""
+NUMBERED = (ScalarFormatter, LogFormatter, LogFormatterMathtext, LogFormatterSciNotation, NullFormatter)
+"""Labels of ticks that are numbers: the page finds its own, as it does for `PlainTicks`."""
 
 
 def live(figure: Figure) -> dict[str, Any] | None:
     """The figure as data, or None where it has something that the page cannot draw: then its picture stands there."""
     panels = [axes for axes in figure.axes if axes.get_visible() and axes.get_label() != "<colorbar>"]
+    if _has_more(figure, panels):
+        return None
     artists = [artist for axes in panels for artist in content_of(axes)]
     numbers = {id(artist): number for number, artist in enumerate(artists)}
     try:
@@ -52,11 +62,22 @@ def live(figure: Figure) -> dict[str, Any] | None:
         return None
 
 
+def _has_more(figure: Figure, panels: Sequence[Axes]) -> bool:
+    """Whether a figure has something beside plain panels, each in a place of its own, and a title."""
+    places = [str(axes.get_subplotspec() or axes.get_position().bounds) for axes in panels]
+    beside = [text.get_text() for text in figure.texts if text.get_text() not in ("", figure.get_suptitle())]
+    others = [*figure.lines, *figure.patches, *figure.images, *figure.artists, *figure.subfigs, *beside]
+    within = [each for axes in panels for each in (*axes.child_axes, *axes.tables, *axes.artists)]
+    titles = [sum(bool(axes.get_title(loc=place)) for place in ("left", "center", "right")) for axes in panels]
+    plain = all(axes.name == "rectilinear" for axes in panels)
+    return bool(others or within or len(set(places)) < len(places) or max(titles, default=0) > 1 or not plain)
+
+
 def _panel(axes: Axes, figure: Figure, panels: Sequence[Axes], numbers: dict[int, int]) -> dict[str, Any]:
     legend = axes.get_legend()
     height = axes.get_window_extent().height / figure.get_dpi()
     return {
-        "title": plain_text(axes.get_title() or axes.get_title(loc="left")),
+        "title": plain_text(axes.get_title() or axes.get_title(loc="left") or axes.get_title(loc="right")),
         "place": _place(axes),
         "height": round(height * PER_INCH),
         "x": _axis(axes.xaxis, axes.get_xscale(), axes.get_xlim(), panels),
@@ -94,8 +115,9 @@ def _axis(axis: Axis, scale: str, ends: tuple[float, float], panels: Sequence[Ax
 def _ticks(axis: Axis, ends: tuple[float, float]) -> list[tuple[float, str]]:
     """Ticks that were chosen, or have words instead of numbers; none of other axes."""
     formatter = axis.get_major_formatter()
-    chosen = isinstance(axis.get_major_locator(), FixedLocator)
-    if isinstance(formatter, NUMBERED) and axis.get_scale() in SCALES and not chosen:
+    locator = axis.get_major_locator()
+    numbered = isinstance(locator, PlainTicks) or type(formatter) in NUMBERED
+    if numbered and axis.get_scale() in SCALES and not isinstance(locator, FixedLocator):
         return []
     values = [float(value) for value in axis.get_majorticklocs() if min(ends) <= value <= max(ends)]
     return list(zip(placed(values, axis).tolist(), map(plain_text, formatter.format_ticks(values)), strict=True))
@@ -108,10 +130,20 @@ def _legend(legend: Legend, panels: Sequence[Axes], numbers: dict[int, int]) -> 
     for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
         label = text.get_text()
         artists = [artist for name, artist in named if name == label and id(artist) in numbers]
+        artists += [other for artist in artists for other in _without_name(artist) if id(other) in numbers]
         lines = [artist for artist in artists if isinstance(artist, Line2D)]  # of points with bars, that has the marker
         marks = sorted({numbers[id(artist)] for artist in artists})
         entries.append({"label": plain_text(label), "marks": marks, **looks_of(lines[0] if lines else handle)})
     return entries
+
+
+def _without_name(artist: Any) -> list[Line2D]:
+    """Lines without a label that belong to one with a label: in its panel, of its colour, where no other has that."""
+    if not isinstance(artist, Line2D) or artist.axes is None:
+        return []
+    alike = [line for line in artist.axes.lines if line.get_color() == artist.get_color() and line is not artist]
+    named = [line for line in alike if not str(line.get_label()).startswith("_")]
+    return [] if named else alike
 
 
 def _named(axes: Axes) -> list[tuple[str, Any]]:

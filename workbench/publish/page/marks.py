@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.path import Path
 from matplotlib.text import Annotation, Text
+from matplotlib.transforms import Transform
 
 from workbench.publish.page.packed import floats
 from workbench.publish.thinning import thinned
@@ -68,7 +69,16 @@ def plain_text(text: str) -> str:
 def placed(values: Any, axis: Axis) -> np.ndarray:
     """Where values lie along an axis of the page."""
     numbers = np.asarray(values, dtype=float)
+    if axis.get_scale() == "log":
+        return np.where(numbers > 0.0, numbers, np.nan)
     return numbers if axis.get_scale() in SCALES else np.asarray(axis.get_transform().transform(numbers))
+
+
+def _to_an_end(values: Any, axis: Axis) -> np.ndarray:
+    """The same, of sides of an area: what a logarithmic axis does not reach is at its lower end."""
+    low = min(axis.get_view_interval())
+    numbers = np.asarray(values, dtype=float)
+    return placed(np.maximum(numbers, low) if axis.get_scale() == "log" else numbers, axis)
 
 
 def _points(x: np.ndarray, y: np.ndarray, axes: Axes) -> Mark:
@@ -90,12 +100,25 @@ def marks_of(artist: Artist, axes: Axes) -> list[Mark]:
     """The marks of an artist.
 
     Raises:
-        NotLiveError: it is of an unknown kind, hatched, or stands where no data are.
+        NotLiveError: it is of an unknown kind, hatched, turned, on a part of an edge, or elsewhere than at its data.
     """
     make = next((make for kind, make in MAKERS.items() if isinstance(artist, kind)), None)
-    if make is None:
+    if make is None or getattr(artist, "get_hatch", lambda: None)():
         raise NotLiveError
     return make(artist, axes)
+
+
+def _in_data(transform: Transform, axes: Axes) -> None:
+    """Raise NotLiveError where something does not stand at its data."""
+    if transform != axes.transData:
+        raise NotLiveError
+
+
+def _number(value: Any) -> float:
+    """A place that there is."""
+    if not np.isfinite(value):
+        raise NotLiveError
+    return float(value)
 
 
 def notes_of(axes: Axes) -> list[str]:
@@ -133,12 +156,12 @@ def _dash(pattern: Any) -> list[int]:
 
 def _stroke(line: Line2D) -> Mark | None:
     """How the line itself is drawn; None where there are points alone."""
-    if line.get_linestyle() in ("None", "none", " ", ""):
+    if line.get_linestyle() in ("None", "none", " ", "") or line.get_alpha() == 0.0 or line.get_color() == "none":
         return None
     pattern: Any = line._dash_pattern if line.is_dashed() else (0.0, None)  # type: ignore[attr-defined]
     return {
         "color": _colour(line.get_color()),
-        "alpha": line.get_alpha() or 1.0,
+        "alpha": _alpha(to_rgba(line.get_color(), line.get_alpha())),
         "width": round(float(line.get_linewidth()) * PIXELS, 2),
         "dash": _dash(pattern),
     }
@@ -146,11 +169,13 @@ def _stroke(line: Line2D) -> Mark | None:
 
 def _marker(line: Line2D) -> Mark | None:
     kind = line.get_marker()
-    if kind in ("None", "none", " ", "", None):
+    if not isinstance(kind, str) or line.get_markevery() is not None:
+        raise NotLiveError
+    if kind in ("None", "none", " ", ""):
         return None
     if kind not in MARKERS:
         raise NotLiveError
-    name = MARKERS[str(kind)]
+    name = MARKERS[kind]
     edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
     hollow = face in ("none", "None") or name in UNFILLED
     return {
@@ -162,6 +187,8 @@ def _marker(line: Line2D) -> Mark | None:
 
 
 def _strokes(lines: LineCollection) -> Mark:
+    if len(np.unique(lines.get_color(), axis=0)) != 1:
+        raise NotLiveError
     pattern: Any = lines.get_linestyle()[0]
     return {
         "color": _colour(lines.get_color()[0]),
@@ -179,12 +206,15 @@ def _line(line: Line2D, axes: Axes) -> list[Mark]:
         stroke = _stroke(line)
         if stroke is None:
             raise NotLiveError  # points along an edge
+        edges = axes.get_xaxis_transform() if over_x else axes.get_yaxis_transform()
+        across = np.asarray(line.get_ydata() if over_x else line.get_xdata(), dtype=float)
+        if line.get_transform() != edges or across.tolist() != [0.0, 1.0]:
+            raise NotLiveError
         values, axis = (line.get_xdata(), axes.xaxis) if over_x else (line.get_ydata(), axes.yaxis)
         return [
-            {"kind": "span", "along": "height" if over_x else "width", "at": float(placed(values, axis)[0]), **stroke}
+            {"kind": "span", "along": "height" if over_x else "width", "at": _number(placed(values, axis)[0]), **stroke}
         ]
-    if not over_x:
-        raise NotLiveError
+    _in_data(line.get_transform(), axes)
     x, y = (np.asarray(values, dtype=float) for values in (line.get_xdata(orig=False), line.get_ydata(orig=False)))
     if not x.size:
         return []
@@ -208,12 +238,15 @@ def _simplified(x: np.ndarray, y: np.ndarray, axes: Axes) -> tuple[np.ndarray, n
     codes, corners = np.asarray(path.codes), np.asarray(path.vertices)
     drawn = (codes != Path.STOP) & np.append(True, np.any(np.diff(corners, axis=0) != 0.0, axis=1))
     corners, starts = corners[drawn], np.flatnonzero(codes[drawn] == Path.MOVETO)
+    pieces = np.split(corners, starts[1:])
     if len(corners) > 2 * BUCKETS:
-        corners = corners[thinned(corners[:, 0], corners[:, 1], buckets=BUCKETS // 2)]
-        starts = starts[:1]
-    points = axes.transData.inverted().transform(corners / ZOOM)
-    apart = np.insert(points, starts[1:], np.nan, axis=0)
-    return apart[:, 0], apart[:, 1]
+        share = BUCKETS / 2.0 / len(corners)
+        kept = [thinned(piece[:, 0], piece[:, 1], buckets=max(round(share * len(piece)), 1)) for piece in pieces]
+        pieces = [piece[places] for piece, places in zip(pieces, kept, strict=True)]
+    gap = np.full((1, 2), np.nan)
+    joined = np.concatenate([part for piece in pieces for part in (piece, gap)][:-1] or [gap])
+    points = axes.transData.inverted().transform(joined / ZOOM)
+    return points[:, 0], points[:, 1]
 
 
 def _label(artist: Artist) -> str:
@@ -222,8 +255,7 @@ def _label(artist: Artist) -> str:
 
 
 def _segments(lines: LineCollection, axes: Axes) -> list[Mark]:
-    if not all(lines.get_transform().contains_branch_seperately(axes.transData)):
-        raise NotLiveError
+    _in_data(lines.get_transform(), axes)
     x: list[float] = []
     y: list[float] = []
     for segment in lines.get_segments():
@@ -233,13 +265,19 @@ def _segments(lines: LineCollection, axes: Axes) -> list[Mark]:
 
 
 def _area(polygons: PolyCollection, axes: Axes) -> list[Mark]:
-    if not all(polygons.get_transform().contains_branch_seperately(axes.transData)):
+    _in_data(polygons.get_transform(), axes)
+    if not len(polygons.get_facecolor()) or np.any(np.asarray(polygons.get_offsets()) != 0.0):
         raise NotLiveError
     marks = []
     for path, colour in zip(polygons.get_paths(), _each(polygons.get_facecolor(), polygons), strict=True):
         points = np.asarray(path.vertices)
-        marks.append({"kind": "area", **_points(points[:, 0], points[:, 1], axes), **_filled(colour)})
+        marks.append({"kind": "area", **_corners(points, axes), **_filled(colour)})
     return marks
+
+
+def _corners(points: np.ndarray, axes: Axes) -> Mark:
+    """The corners of an area."""
+    return {"x": floats(_to_an_end(points[:, 0], axes.xaxis)), "y": floats(_to_an_end(points[:, 1], axes.yaxis))}
 
 
 def _each(colours: Any, collection: PolyCollection) -> list[Any]:
@@ -253,21 +291,27 @@ def _filled(colour: Any) -> Mark:
 
 def _box(box: Rectangle, axes: Axes) -> list[Mark]:
     """A rectangle, or a band from edge to edge."""
-    if box.get_hatch():
+    if box.get_angle():
         raise NotLiveError
     over_x, over_y = box.get_data_transform().contains_branch_seperately(axes.transData)
     (left, bottom), width, height = box.get_xy(), box.get_width(), box.get_height()
-    if not over_x and not over_y:
+    edges = {
+        (True, True): axes.transData,
+        (True, False): axes.get_xaxis_transform(),
+        (False, True): axes.get_yaxis_transform(),
+    }
+    whole = (over_x or (left, width) == (0.0, 1.0)) and (over_y or (bottom, height) == (0.0, 1.0))
+    if box.get_data_transform() != edges.get((over_x, over_y)) or not whole:
         raise NotLiveError
     fill = _filled(box.get_facecolor()) if box.get_fill() else {"color": None, "alpha": 1.0}
     edged = box.get_linewidth() > 0.0 and _alpha(box.get_edgecolor()) > 0.0
     return [
         {
             "kind": "box",
-            "left": float(placed(left, axes.xaxis)) if over_x else None,
-            "right": float(placed(left + width, axes.xaxis)) if over_x else None,
-            "bottom": float(placed(bottom, axes.yaxis)) if over_y else None,
-            "top": float(placed(bottom + height, axes.yaxis)) if over_y else None,
+            "left": _number(_to_an_end(left, axes.xaxis)) if over_x else None,
+            "right": _number(_to_an_end(left + width, axes.xaxis)) if over_x else None,
+            "bottom": _number(_to_an_end(bottom, axes.yaxis)) if over_y else None,
+            "top": _number(_to_an_end(bottom + height, axes.yaxis)) if over_y else None,
             "edge": _colour(box.get_edgecolor()) if edged and over_x and over_y else None,
             **fill,
         }
@@ -275,15 +319,17 @@ def _box(box: Rectangle, axes: Axes) -> list[Mark]:
 
 
 def _shape(patch: Polygon, axes: Axes) -> list[Mark]:
-    if patch.get_hatch() or not all(patch.get_data_transform().contains_branch_seperately(axes.transData)):
+    _in_data(patch.get_data_transform(), axes)
+    if not patch.get_fill() or _alpha(patch.get_facecolor()) == 0.0:
         raise NotLiveError
     points = np.asarray(patch.get_xy())
-    return [{"kind": "area", **_points(points[:, 0], points[:, 1], axes), **_filled(patch.get_facecolor())}]
+    return [{"kind": "area", **_corners(points, axes), **_filled(patch.get_facecolor())}]
 
 
 def _mesh(mesh: QuadMesh, axes: Axes) -> list[Mark]:
     corners, values = np.asarray(mesh.get_coordinates()), mesh.get_array()
-    if values is None:
+    straight = np.all(corners[:, :, 0] == corners[0, :, 0]) and np.all(corners[:, :, 1] == corners[:, :1, 1])
+    if values is None or not straight:
         raise NotLiveError
     return _cells(corners[0, :, 0], corners[:, 0, 1], mesh.to_rgba(values))
 
@@ -300,6 +346,8 @@ def _image(image: AxesImage, axes: Axes) -> list[Mark]:
 
 def _cells(x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> list[Mark]:
     """A field of coloured cells."""
+    if np.any(np.asarray(colours)[..., 3] < 1.0):
+        raise NotLiveError
     left, bottom = np.meshgrid(x[:-1], y[:-1])
     right, top = np.meshgrid(x[1:], y[1:])
     sides = {"left": left, "right": right, "bottom": bottom, "top": top}
@@ -316,22 +364,23 @@ def _is_note(text: Text, axes: Axes) -> bool:
 def _words(text: Text, axes: Axes) -> list[Mark]:
     if _is_note(text, axes) or not text.get_text():
         return []
+    if text.get_rotation() or (isinstance(text, Annotation) and text.arrow_patch is not None):
+        raise NotLiveError
     offset: Any = (0.0, 0.0)
     if isinstance(text, Annotation):
         if text.xycoords != "data" or text.anncoords not in ("offset points", "data"):
             raise NotLiveError
-        x, y = text.xy
+        x, y = text.xy if text.anncoords == "offset points" else text.xyann
         if text.anncoords == "offset points":
             offset = text.xyann
     else:
-        if not all(text.get_transform().contains_branch_seperately(axes.transData)):
-            raise NotLiveError
+        _in_data(text.get_transform(), axes)
         x, y = text.get_position()
     return [
         {
             "kind": "words",
-            "x": float(placed(x, axes.xaxis)),
-            "y": float(placed(y, axes.yaxis)),
+            "x": _number(placed(x, axes.xaxis)),
+            "y": _number(placed(y, axes.yaxis)),
             "offset": [float(part) * PIXELS for part in offset],
             "text": plain_text(text.get_text()),
             "size": round(float(text.get_fontsize()) * PIXELS, 1),

@@ -13,6 +13,7 @@
   // ---- dark and light
 
   const figures = [];  // Bokeh's, which are coloured anew
+  const painted = new Map();  // of each what has a colour: the model, the name of the property, the colour on paper
   const ink = {
     light: {paper: "#ffffff", ink: "#1c2126", faint: "#5b6670", line: "#d5dade"},
     dark: {paper: "#1d2125", ink: "#e6e9ec", faint: "#a3adb6", line: "#3a4148"},
@@ -29,14 +30,7 @@
       axis.minor_tick_line_color = null;
     }
     for (const grid of figure.center) if ("grid_line_color" in grid) grid.grid_line_color = now.line;
-    for (const renderer of figure.renderers) {
-      const glyph = renderer.glyph;
-      for (const key of ["line_color", "fill_color", "text_color"]) {
-        const colour = glyph && key in glyph ? glyph[key] : null;
-        const value = colour && typeof colour === "object" && "value" in colour ? colour.value : colour;
-        if (value === ink.light.ink || value === ink.dark.ink) glyph[key] = {value: now.ink};
-      }
-    }
+    for (const [model, key, colour] of painted.get(figure) || []) model[key] = shown(colour);
   }
 
   function setTheme(name) {
@@ -45,21 +39,25 @@
     button.textContent = name === "dark" ? "light" : "dark";
     button.setAttribute("aria-label", `${button.textContent} page`);
     figures.forEach(paint);
-    document.querySelectorAll(".keys").forEach((keys) => keys.style.setProperty("--black", colours().ink));
   }
 
   // ---- pictures
 
   const isBlack = (colour) => colour === "#000000";
-  const shown = (colour) => (isBlack(colour) ? colours().ink : colour);
 
-  function floats(text) {
-    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-    return new Float32Array(bytes.buffer);
+  // A colour of paper on the page at hand: in the dark what is grey turns over, and what has a hue gets lighter.
+  function shown(colour) {
+    if (root.dataset.theme !== "dark") return colour;
+    const parts = [1, 3, 5].map((place) => parseInt(colour.slice(place, place + 2), 16));
+    const grey = Math.max(...parts) - Math.min(...parts) < 12;
+    const turned = parts.map((part) => Math.round(grey ? 235 - 0.8 * part : part + 0.25 * (255 - part)));
+    return `#${turned.map((part) => Math.min(Math.max(part, 0), 255).toString(16).padStart(2, "0")).join("")}`;
   }
 
-  function stroke(line) {
-    return {line_color: shown(line.color), line_alpha: line.alpha, line_width: line.width, line_dash: line.dash};
+  function floats(text) {
+    const double = text.startsWith(":");
+    const bytes = Uint8Array.from(atob(double ? text.slice(1) : text), (letter) => letter.charCodeAt(0));
+    return double ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
   }
 
   function swatch(entry) {
@@ -144,12 +142,20 @@
     axis.axis_label_text_font_size = "12px";
   }
 
+  // A mark in a figure: what was made, and each of its colours noted for `paint`.
   function draw(figure, mark, named) {
-    const add = (method, arrays, looks) => {
-      const data = Object.fromEntries(Object.entries(arrays).map(([name, values]) => [name, values]));
-      const source = new Bokeh.ColumnDataSource({data});
+    const note = (model, looks) => {
+      const own = painted.get(figure) || [];
+      for (const [key, colour] of Object.entries(looks)) if (colour) own.push([model, key, colour]);
+      painted.set(figure, own);
+      return model;
+    };
+    const add = (method, arrays, looks, tinted) => {
+      const source = new Bokeh.ColumnDataSource({data: arrays});
       const fields = Object.keys(arrays).filter((name) => !name.startsWith("said"));
-      return figure[method](...fields.map((name) => ({field: name})), {...looks, source});
+      const made = figure[method](...fields.map((field) => ({field})), {...looks, ...tinted, source});
+      note(made.glyph, tinted);
+      return made;
     };
     const spots = () => {
       const arrays = {x: floats(mark.x), y: floats(mark.y)};
@@ -161,16 +167,19 @@
       renderer.name = named.get(mark.id) || mark.label || " ";
       return renderer;
     };
+    const filled = {fill_alpha: mark.alpha, line_color: null};
     switch (mark.kind) {
-      case "line":
-        return [hovered(add("line", spots(), stroke(mark)))];
+      case "line": {
+        const looks = {line_alpha: mark.alpha, line_width: mark.width, line_dash: mark.dash};
+        return [hovered(add("line", spots(), looks, {line_color: mark.color}))];
+      }
       case "points": {
         const {kind, color, fill, size} = mark.marker;
-        const looks = {marker: kind, size, line_color: shown(color), fill_color: fill ? shown(fill) : null};
-        return [hovered(add("scatter", spots(), looks))];
+        const looks = {marker: kind, size, ...(fill ? {} : {fill_color: null})};
+        return [hovered(add("scatter", spots(), looks, {line_color: color, ...(fill ? {fill_color: fill} : {})}))];
       }
       case "area":
-        return [add("patch", {x: floats(mark.x), y: floats(mark.y)}, {fill_color: mark.color, fill_alpha: mark.alpha, line_color: null})];
+        return [add("patch", {x: floats(mark.x), y: floats(mark.y)}, filled, {fill_color: mark.color})];
       case "cells": {
         const arrays = {};
         for (const side of ["left", "right", "bottom", "top"]) arrays[side] = floats(mark[side]);
@@ -182,26 +191,27 @@
         const {left, right, bottom, top} = mark;
         if ([left, right, bottom, top].includes(null)) {
           const sides = Object.fromEntries(Object.entries({left, right, bottom, top}).filter(([, side]) => side !== null));
-          const looks = {fill_color: mark.color, fill_alpha: mark.alpha, line_color: null, level: "underlay"};
-          const band = new Bokeh.BoxAnnotation({...sides, ...looks});
+          const band = new Bokeh.BoxAnnotation({...sides, ...filled, fill_color: mark.color, level: "underlay"});
           figure.add_layout(band);
-          return [band];
+          return [note(band, {fill_color: mark.color})];
         }
         const arrays = {left: [left], right: [right], bottom: [bottom], top: [top]};
-        return [add("quad", arrays, {fill_color: mark.color, fill_alpha: mark.alpha, line_color: mark.edge})];
+        const looks = {fill_alpha: mark.alpha, ...(mark.color ? {} : {fill_color: null}), ...(mark.edge ? {} : {line_color: null})};
+        const tinted = {...(mark.color ? {fill_color: mark.color} : {}), ...(mark.edge ? {line_color: mark.edge} : {})};
+        return [add("quad", arrays, looks, tinted)];
       }
       case "span": {
-        const span = new Bokeh.Span({dimension: mark.along, location: mark.at, ...stroke(mark)});
+        const looks = {line_alpha: mark.alpha, line_width: mark.width, line_dash: mark.dash, line_color: mark.color};
+        const span = new Bokeh.Span({dimension: mark.along, location: mark.at, ...looks});
         figure.add_layout(span);
-        return [span];
+        return [note(span, {line_color: mark.color})];
       }
       case "words": {
         const looks = {
           text_font_size: `${mark.size}px`, text_align: mark.align, text_baseline: mark.baseline,
-          text_color: shown(mark.color), x_offset: mark.offset[0], y_offset: -mark.offset[1],
+          x_offset: mark.offset[0], y_offset: -mark.offset[1],
         };
-        const source = new Bokeh.ColumnDataSource({data: {x: [mark.x], y: [mark.y], text: [mark.text]}});
-        return [figure.text({field: "x"}, {field: "y"}, {field: "text"}, {...looks, source})];
+        return [add("text", {x: [mark.x], y: [mark.y], text: [mark.text]}, looks, {text_color: mark.color})];
       }
     }
     return [];
@@ -225,7 +235,7 @@
     const figure = Bokeh.Plotting.figure({
       height: heightOf(spec), min_width: 0, sizing_mode: "stretch_width",
       x_axis_type: spec.x.scale, y_axis_type: spec.y.scale, x_range: range(spec.x, "x"), y_range: range(spec.y, "y"),
-      tools: "pan,box_zoom,reset,save", toolbar_location: "above",
+      tools: "box_zoom,pan,reset,save", toolbar_location: "above",
     });
     figure.toolbar.logo = null;
     figure.toolbar.autohide = true;
@@ -348,26 +358,66 @@
     });
   }
 
-  // "rpm=120 pid rms<0.1": words that a row holds, and bounds of columns whose heading begins so.
+  // "rpm=120 pid rms error < 0.1": words that a row holds, and bounds of columns by their heading, or a part of it.
   function conditions(text, heads) {
-    return text.toLowerCase().split(/\s+/).filter(Boolean).map((word) => {
-      const bound = /^([^<>=]+)(<=|>=|<|>|=)(.+)$/.exec(word);
-      const column = bound ? heads.findIndex((head) => head.startsWith(bound[1]) || head.split(/[ (]/).includes(bound[1])) : -1;
-      if (column < 0) return (row) => row.textContent.toLowerCase().includes(word);
-      const [, , sign, wanted] = bound;
-      return (row) => {
+    const plainHeads = heads.map((head) => head.replace(/\s*\(.*\)$/, ""));
+    const columnOf = (name) => {
+      const wanted = name.replaceAll("_", " ").replace(/\s*\(.*\)$/, "");
+      const tests = [
+        (head) => head === wanted || head === name,
+        (head) => head.startsWith(wanted),
+        (head) => head.split(/[ .]/).includes(wanted) || head.endsWith(`.${name}`),
+      ];
+      for (const test of tests) {
+        const found = plainHeads.findIndex(test);
+        if (found >= 0) return found;
+      }
+      return -1;
+    };
+    const tests = [];
+    const unknown = [];
+    let words = [];
+    const parts = text.toLowerCase().replace(/\s*(<=|>=|!=|<|>|=)\s*/g, " $1 ").split(/\s+/).filter(Boolean);
+    for (let i = 0; i < parts.length; i++) {
+      if (!/^(<=|>=|!=|<|>|=)$/.test(parts[i])) {
+        words.push(parts[i]);
+        continue;
+      }
+      let column = -1;
+      let name = "";
+      for (let length = Math.min(words.length, 4); length > 0 && column < 0; length--) {  // the longest heading before the sign
+        name = words.slice(-length).join(" ");
+        column = columnOf(name);
+        if (column >= 0) words = words.slice(0, -length);
+      }
+      const [sign, wanted] = [parts[i], parts[++i] ?? ""];
+      if (column < 0) {
+        unknown.push(name || sign);
+        words = words.slice(0, -1);
+        continue;
+      }
+      const limit = Number(wanted);
+      tests.push((row) => {
         const [value, said] = valueOf(row.cells[column]);
-        const limit = parseFloat(wanted);
-        if (sign === "=") return Number.isNaN(limit) ? said === wanted || said.startsWith(wanted) : value === limit;
+        if (wanted === "") return true;
+        if (sign === "=" || sign === "!=") {
+          const alike = Number.isNaN(limit) ? said.startsWith(wanted) : value === limit && !Number.isNaN(Number(said.replace(/^<\s*/, "")));
+          return alike === (sign === "=");
+        }
         return {"<": value < limit, ">": value > limit, "<=": value <= limit, ">=": value >= limit}[sign];
-      };
-    });
+      });
+    }
+    for (const word of words) tests.push((row) => row.textContent.toLowerCase().includes(word));
+    return {tests, unknown};
   }
 
   function makeFilter(table) {
     const heads = [...table.tHead.rows[0].cells].map((head) => head.textContent.trim().toLowerCase());
     const rows = [...table.tBodies[0].rows];
-    const field = make("input", {type: "search", placeholder: "for example: pid rpm=120 rms<0.1", "aria-label": "filter"});
+    const bounded = heads.find((head, column) => !Number.isNaN(valueOf(rows[0].cells[column])[0])) || heads[0];
+    const example = `words, or bounds: ${bounded.replace(/\s*\(.*\)$/, "")} > 1`;
+    const field = make("input", {type: "search", placeholder: example, "aria-label": "filter"});
+    const all = make("button", {type: "button", class: "all"}, "all");
     const count = make("span", {"aria-live": "polite"});
     const choices = [...(table.dataset.choices || "").split(",")].filter(Boolean).map(Number);
     const selects = choices.map((column) => {
@@ -377,7 +427,7 @@
       return [column, select, new Set(values)];
     });
     const apply = () => {
-      const tests = conditions(field.value, heads);
+      const {tests, unknown} = conditions(field.value, heads);
       let left = 0;
       for (const row of rows) {
         const fits = tests.every((test) => test(row)) &&
@@ -385,9 +435,12 @@
         row.hidden = !fits;
         left += fits;
       }
-      count.textContent = left === rows.length ? `${rows.length} rows` : `${left} of ${rows.length} rows`;
+      const counted = left === rows.length ? `${rows.length} rows` : `${left} of ${rows.length} rows`;
+      count.textContent = unknown.length ? `${counted}; no column "${unknown.join('", "')}"` : counted;
+      all.hidden = left === rows.length;
     };
-    const bar = make("div", {class: "filter", role: "search"}, field, ...selects.map(([, select]) => select), count);
+    const bar = make("div", {class: "filter", role: "search"}, field, ...selects.map(([, select]) => select), count, all);
+    all.addEventListener("click", () => table.narrow({}));
     table.parentElement.before(bar);
     field.addEventListener("input", apply);
     selects.forEach(([, select]) => select.addEventListener("change", apply));
@@ -398,7 +451,7 @@
         select.value = value !== undefined && values.has(value) ? value : "";
       }
       apply();
-      bar.scrollIntoView({block: "start", behavior: "smooth"});
+      if (Object.keys(wanted).length) (table.closest("section") || bar).scrollIntoView({block: "start"});
     };
     apply();
   }
@@ -408,16 +461,19 @@
   // ---- the trajectory of a case
 
   function shorts(text) {
-    const {channels, values} = JSON.parse(text);
+    const {channels, values, units} = JSON.parse(text);
     const bytes = Uint8Array.from(atob(values), (letter) => letter.charCodeAt(0));
     const levels = new Uint16Array(bytes.buffer);
     const names = Object.keys(channels);
     const size = levels.length / names.length;
-    return Object.fromEntries(names.map((name, i) => {
+    const signals = Object.fromEntries(names.map((name, i) => {
       const [low, step] = channels[name];
-      return [name, Float32Array.from(levels.subarray(i * size, (i + 1) * size), (level) => low + step * level)];
+      return [name, Float64Array.from(levels.subarray(i * size, (i + 1) * size), (level) => low + step * level)];
     }));
+    return {signals, units};
   }
+
+  const BEFORE = "#8a8f94";  // the case that was shown before
 
   function makeTrajectories(section) {
     const table = section.querySelector("table");
@@ -432,20 +488,21 @@
       const times = [];
       scopes = views.map((view) => {
         const figure = Bokeh.Plotting.figure({
-          height: 240, min_width: 0, sizing_mode: "stretch_width", tools: "pan,box_zoom,reset,save",
-          toolbar_location: "above", ...(view.x === "time" ? {x_range: joined(times, 0, 1)} : {}),
+          height: 240, min_width: 0, sizing_mode: "stretch_width", tools: "box_zoom,pan,reset,save",
+          toolbar_location: "above", x_range: view.x === "time" ? joined(times, 0, 1) : joined([], 0, 1), y_range: joined([], 0, 1),
         });
         figure.toolbar.logo = null;
         figure.toolbar.autohide = true;
         figure.below[0].axis_label = view.x_label;
         figure.left[0].axis_label = view.y_label;
         for (const axis of [figure.below[0], figure.left[0]]) axis.axis_label_text_font_style = "normal";
-        const curves = view.curves.flatMap((curve, i) => [false, true].map((before) => {
+        const curves = view.curves.flatMap((curve, i) => [true, false].map((before) => {
           const source = new Bokeh.ColumnDataSource({data: {x: [], y: []}});
-          const looks = before ? {line_dash: [5, 4], line_width: 1.2, line_alpha: 0.8} : {line_width: 1.6};
-          const color = view.colours[before ? i + view.curves.length : i];
+          const looks = before ? {line_width: 1.2, line_dash: [5, 4]} : {line_width: 1.6};
+          const color = before ? BEFORE : view.colours[i];
           const renderer = figure.line({field: "x"}, {field: "y"}, {source, line_color: color, ...looks});
           renderer.name = `${curve.name}${before ? ", before" : ""}`;
+          painted.set(figure, [...(painted.get(figure) || []), [renderer.glyph, "line_color", color]]);
           return {...curve, before, source, renderer};
         }));
         figure.add_tools(new Bokeh.HoverTool({
@@ -457,12 +514,12 @@
         const place = make("div", {class: "panel"});
         const plot = make("div", {class: "plot"});
         place.append(make("div", {class: "words"}, view.title));
-        place.append(keys(view.curves.map((curve, i) => ({
-          label: curve.name, marks: [], line: {color: view.colours[i], alpha: 1, width: 2, dash: []},
-        })), () => {}), plot);
+        const entry = (label, color, dash) => ({label, marks: [], line: {color, alpha: 1, width: 2, dash}});
+        const entries = view.curves.map((curve, i) => entry(curve.name, view.colours[i], []));
+        place.append(keys([...entries, entry("the line before", BEFORE, [5, 4])], () => {}), plot);
         grid.append(place);
         Bokeh.Plotting.show(figure, plot);
-        return {view, curves, range: figure.x_range};
+        return {view, curves, figure};
       });
     };
 
@@ -481,18 +538,29 @@
       const stored = section.querySelector(`script[data-case="${row.dataset.case}"]`);
       if (!stored) return;
       if (scopes === null) await build();
-      const signals = shorts(stored.textContent);
+      const {signals, units} = shorts(stored.textContent);
       if ("reference_position" in signals && "error" in signals) {
         signals.position = signals.reference_position.map((value, i) => value - signals.error[i]);
       }
-      const label = names.map((column) => {
+      const said = names.map((column) => {
         const [head, text] = [table.tHead.rows[0].cells[column].textContent.trim(), row.cells[column].textContent.trim()];
         return /^[-+\d.]/.test(text) ? `${head} ${text}` : text;
-      }).filter(Boolean).join(", ");
+      });
+      const label = [...new Set(said.filter(Boolean))].join(", ");
       fill(last && last.row !== row ? last.signals : null, true);
       fill(signals, false);
-      for (const {view, range} of scopes) if (view.x === "time") range.setv({start: signals.time[0], end: signals.time.at(-1)});
-      const before = last && last.row !== row ? ` (dashed: ${last.label})` : "";
+      for (const {view, curves, figure} of scopes) {
+        figure.left[0].axis_label = view.y_label in units ? `${view.y_label} (${units[view.y_label]})` : view.y_label;
+        const reach = (axis, margin) => {
+          const values = curves.flatMap((curve) => [...curve.source.data[axis]]);
+          const [low, high] = [Math.min(...values), Math.max(...values)];
+          const room = margin * (high - low || Math.abs(high) || 1);
+          if (values.length) figure[`${axis}_range`].setv({start: low - room, end: high + room});
+        };
+        reach("x", view.x === "time" ? 0 : 0.05);
+        reach("y", 0.06);
+      }
+      const before = last && last.row !== row ? ` (in grey: ${last.label})` : "";
       title.textContent = `${label}${before}`;
       table.querySelectorAll("tr[aria-selected]").forEach((each) => each.removeAttribute("aria-selected"));
       row.setAttribute("aria-selected", "true");
@@ -535,12 +603,25 @@
 
   // ---- begin
 
+  // What a browser remembers of these pages, where it remembers anything of files.
+  function kept(name, value) {
+    try {
+      if (value !== undefined) localStorage.setItem(name, value);
+      return localStorage.getItem(name);
+    } catch {
+      return null;
+    }
+  }
+
   const wanted = window.matchMedia("(prefers-color-scheme: dark)");
   const button = document.getElementById("theme");
   button.hidden = false;
-  button.addEventListener("click", () => setTheme(root.dataset.theme === "dark" ? "light" : "dark"));
+  button.addEventListener("click", () => {
+    setTheme(root.dataset.theme === "dark" ? "light" : "dark");
+    kept("theme", root.dataset.theme);
+  });
   wanted.addEventListener("change", () => setTheme(wanted.matches ? "dark" : "light"));
-  setTheme(wanted.matches ? "dark" : "light");
+  setTheme(kept("theme") || (wanted.matches ? "dark" : "light"));
   document.querySelectorAll("table.sorts").forEach((table) => {
     makeSort(table);
     if (table.tBodies[0].rows.length > LONG) makeFilter(table);

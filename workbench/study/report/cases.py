@@ -13,10 +13,10 @@ from workbench.metrics.registry import axis_of
 from workbench.publish.along import SHOWN
 from workbench.publish.page.packed import in_script
 from workbench.publish.style import COLOURS
-from workbench.publish.tables import shown_number, with_unit
+from workbench.publish.tables import with_unit
 from workbench.publish.words import plain_name
 from workbench.simulation.run import COMPLETED, TRUE
-from workbench.study.report.shown_figures import FIGURES, column_along, shown_unit
+from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.sketches import COMMAND, ERROR, MOST_CASES, POSITION, REFERENCE
 from workbench.study.store import read_sketches
 from workbench.study.uncertainty import DRAW
@@ -77,8 +77,8 @@ def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
         ],
         choices=[i for i, name in enumerate(apart) if frame[name].nunique() <= MOST_CHOICES],
         rows=rows,
-        notes=_notes(len(grouped), draws, bool(found)),
-        views=Markup(in_script({"views": _views(frame, axis), "names": list(range(len(apart)))})),
+        notes=_notes(len(grouped), draws, apart, bool(found)),
+        views=Markup(in_script({"views": _views(axis), "names": list(range(len(apart)))})),
         sketches={case: Markup(text) for case, text in found.items() if case in shown},
     )
 
@@ -107,7 +107,7 @@ def _row(
         elif name == "limit_cycle":
             cells.append(_counted([plain_name(str(value)) for value in values]))
         else:
-            cells.append(shown_number(float(values.astype(float).mean()) * shown_unit(name, axis)[1], DIGITS))
+            cells.append(shown_figure(name, float(values.astype(float).mean()), axis, DIGITS))
     case = int(str(group.index[0]))
     return CaseRow(cells, case if case in found else None)
 
@@ -115,7 +115,7 @@ def _row(
 def _axis_cell(value: object) -> str:
     if value is None or value != value:
         return ""
-    return f"{value:g}" if isinstance(value, float) else plain_name(str(value))
+    return f"{value:.12g}" if isinstance(value, float) else plain_name(str(value))
 
 
 def _counted(words: Sequence[str]) -> str:
@@ -130,22 +130,25 @@ def _heading(name: str, words: str, axis: str) -> str:
     return words if name == "limit_cycle" else with_unit(words, shown_unit(name, axis)[0])
 
 
-def _notes(count: int, draws: int, sketched: bool) -> list[str]:
+def _notes(count: int, draws: int, apart: Sequence[str], sketched: bool) -> list[str]:
     notes = []
     if draws > 1:
-        notes.append(f"Figures are means over {draws} draws of the machine; trajectories are those of the first draw.")
+        notes.append(
+            f"Figures are means over those of {draws} draws of the machine that have them; motions are those of the "
+            "first draw."
+        )
     if count > MOST_CASES:
         notes.append(f"The first {MOST_CASES} of {count}; all are in results.csv.")
+    if any("." in name for name in apart):
+        notes.append("Columns with a dot in their name are keys of the study, in SI.")
     if not sketched:
         notes.append("No trajectories are kept here: results.sqlite, which has them, is not in this folder.")
     return notes
 
 
-def _views(frame: pd.DataFrame, axis: str) -> list[dict[str, Any]]:
+def _views(axis: str) -> list[dict[str, Any]]:
     """What is drawn of a trajectory, in a reader's units."""
     along = SHOWN[axis]
-    effort = column_along("control_effort_V", axis)
-    unit = effort.rpartition("_")[2] if effort in frame else "1"
     time = {"x": "time", "x_label": "time (s)", "x_factor": 1.0, "colours": COLOURS}
     length = {"y_factor": along.factor}
     position = "position" if axis == LINEAR else "angle"
@@ -167,7 +170,7 @@ def _views(frame: pd.DataFrame, axis: str) -> list[dict[str, Any]]:
         {
             **time,
             "title": "Command",
-            "y_label": with_unit(COMMAND, unit),
+            "y_label": COMMAND,
             "y_factor": 1.0,
             "curves": [{"name": COMMAND, "signal": COMMAND}],
         },

@@ -10,12 +10,11 @@ from workbench.metrics.registry import axis_of
 from workbench.publish.page.environment import page_environment
 from workbench.publish.page.stored import stored_table
 from workbench.publish.pictures import Picture
-from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.study.names import in_words
 from workbench.study.report.cases import cases_of
 from workbench.study.report.figures import draw
-from workbench.study.report.shown_figures import FIGURES, column_along, shown_unit
+from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.report.unusual import unusual
 from workbench.study.sections import overlays_of
 from workbench.study.study import Study
@@ -52,8 +51,10 @@ _HTML = """\
 {% endfor %}{% endif %}
 {{ every_case(cases) }}
 <p>Files: <a href="results.csv">results.csv</a> and results.parquet (every case, SI),
-<a href="study.toml">study.toml</a> (the study; <code>workbench run study.toml</code> gives the same again), tables/
-(CSV, Markdown, LaTeX), figures/ (PDF, SVG, PNG), <a href="run.json">run.json</a> (versions, seeds, duration).</p>
+<a href="study.toml">study.toml</a> (the study; <code>workbench run study.toml</code> gives the same again),
+{% if tables %}tables/ (CSV, Markdown, LaTeX), {% endif -%}
+{% if pictures or others %}figures/ (PDF, SVG, PNG), {% endif -%}
+<a href="run.json">run.json</a> (versions, seeds, duration).</p>
 {% endblock %}
 """
 
@@ -103,7 +104,7 @@ def first_lines(frame: pd.DataFrame) -> list[str]:
     axis = axis_of([str(name) for name in frame.columns])
     words = dict(FIGURES)
     for name in SPANNED:
-        lines += _span(frame, column_along(name, axis), words[name], *shown_unit(name, axis), apart)
+        lines += _span(frame, name, axis, words[name], apart)
     return [line if line.endswith(".") else f"{line}." for line in lines]
 
 
@@ -119,14 +120,15 @@ def _hunting(frame: pd.DataFrame, apart: Sequence[str]) -> list[str]:
     return [f"{len(hunts)} of {len(judged)} cases that held still hunt: {listed([*named, *more])}"]
 
 
-def _span(frame: pd.DataFrame, column: str, words: str, unit: str, factor: float, apart: Sequence[str]) -> list[str]:
+def _span(frame: pd.DataFrame, name: str, axis: str, words: str, apart: Sequence[str]) -> list[str]:
     """From the least to the largest magnitude of a figure, with the cases that have them."""
+    column, unit = column_along(name, axis), shown_unit(name, axis)[0]
     sizes = pd.to_numeric(frame[column]).abs().dropna() if column in frame else pd.Series(dtype=float)
     if len(sizes) < 2 or sizes.max() == 0.0:
         return []
     rows, order = _rows(frame.loc[sizes.index]), sizes.to_numpy().argsort(kind="stable")
     ends = [
-        f"{shown_number(factor * float(sizes.iloc[place]), DIGITS)} {unit} ({_case(rows[place], apart)})"
+        f"{shown_figure(name, float(sizes.iloc[place]), axis, DIGITS)} {unit} ({_case(rows[place], apart)})"
         for place in (order[0], order[-1])
     ]
     return [f"{words[:1].upper()}{words[1:]} from {' to '.join(ends)}"]
@@ -139,4 +141,7 @@ def _rows(frame: pd.DataFrame) -> list[dict[str, object]]:
 def _case(row: Mapping[str, object], apart: Sequence[str]) -> str:
     """A case by what tells it apart."""
     told = {name: row[name] for name in apart if row[name] is not None and row[name] == row[name]}
-    return in_words({name: plain_name(value) if isinstance(value, str) else value for name, value in told.items()})
+    shown = {
+        name: f"{value:.12g}" if isinstance(value, float) else plain_name(str(value)) for name, value in told.items()
+    }
+    return in_words(shown)
