@@ -161,6 +161,12 @@ def test_what_the_page_cannot_draw_stays_a_picture(draw: Callable[[Axes], object
     assert is_refused(draw)
 
 
+def test_markers_that_point_aside_are_turned() -> None:
+    panel, _ = drawn(lambda axes: [axes.plot([0.0], [0.0], marker) for marker in ("<", ">", "|")])
+    kinds = [(mark["marker"]["kind"], mark["marker"]["angle"]) for mark in panel["marks"]]
+    assert kinds == [("triangle", 0.5 * np.pi), ("triangle", -0.5 * np.pi), ("dash", 0.5 * np.pi)]
+
+
 def test_what_a_logarithmic_axis_does_not_reach() -> None:
     def draw(axes: Axes) -> None:
         axes.set_yscale("log")

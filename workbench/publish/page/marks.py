@@ -41,8 +41,14 @@ MARKERS = {
     "x": "x",
     "*": "star",
     "_": "dash",
+    "|": "dash",
+    "<": "triangle",
+    ">": "triangle",
 }
 """Bokeh's name for each of matplotlib's markers that are used here."""
+
+ANGLES = {"|": 0.5 * np.pi, "<": 0.5 * np.pi, ">": -0.5 * np.pi}
+"""By which those are turned that Bokeh has in another direction (rad, to the left)."""
 
 UNFILLED = ("x", "cross", "dash")
 
@@ -169,11 +175,9 @@ def _stroke(line: Line2D) -> Mark | None:
 
 def _marker(line: Line2D) -> Mark | None:
     kind = line.get_marker()
-    if not isinstance(kind, str) or line.get_markevery() is not None:
-        raise NotLiveError
-    if kind in ("None", "none", " ", ""):
+    if kind is None or (isinstance(kind, str) and kind in ("None", "none", " ", "")):
         return None
-    if kind not in MARKERS:
+    if not isinstance(kind, str) or kind not in MARKERS or line.get_markevery() is not None:
         raise NotLiveError
     name = MARKERS[kind]
     edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
@@ -182,6 +186,7 @@ def _marker(line: Line2D) -> Mark | None:
         "kind": name,
         "color": _colour(edge),
         "fill": None if hollow else _colour(face),
+        "angle": ANGLES.get(kind, 0.0),
         "size": round(float(line.get_markersize()) * PIXELS * (0.5 if kind == "." else 1.0), 2),
     }
 

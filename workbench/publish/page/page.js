@@ -84,7 +84,8 @@
     if (entry.marker) {
       const looks = {fill: entry.marker.fill ? colour(entry.marker.fill) : "none", stroke: colour(entry.marker.color)};
       const shape = SHAPES[entry.marker.kind] || SHAPES.circle;
-      add("path", {d: shape, transform: "translate(13 6)", "stroke-width": 1.5, ...looks});
+      const turned = `translate(13 6) rotate(${(-entry.marker.angle * 180) / Math.PI})`;
+      add("path", {d: shape, transform: turned, "stroke-width": 1.5, ...looks});
     }
     return picture;
   }
@@ -174,8 +175,8 @@
         return [hovered(add("line", spots(), looks, {line_color: mark.color}))];
       }
       case "points": {
-        const {kind, color, fill, size} = mark.marker;
-        const looks = {marker: kind, size, ...(fill ? {} : {fill_color: null})};
+        const {kind, color, fill, size, angle} = mark.marker;
+        const looks = {marker: kind, size, angle, ...(fill ? {} : {fill_color: null})};
         return [hovered(add("scatter", spots(), looks, {line_color: color, ...(fill ? {fill_color: fill} : {})}))];
       }
       case "area":
