@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from command import FIGURE, STUDY
+from command import FIGURE, STUDY, workbench
 from mistakes import expect
 
 TABLE = '[[tables]]\nname = "t"\ntitle = "t"\n'
@@ -113,3 +113,14 @@ MISTAKES = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_one_line(tmp_path: Path, mistake: str) -> None:
     expect(tmp_path, *MISTAKES[mistake])
+
+
+def test_mathematics_that_cannot_be_set_is_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    figure = FIGURE.replace('title = "f"', "title = 'y $\\foo$ and $x_1$'")
+    path.write_text(STUDY + figure + 'x = "rpm"\ncurves = [{ y = "phase_lag_deg" }]\n', encoding="utf-8")
+    answer = workbench("check", path)
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert "whose mathematics between $ cannot be set" in answer.err
+    assert r"write \$ for a dollar" in answer.err

@@ -196,7 +196,14 @@ class Checks:
         return overlays_of(self.study)
 
     def _figure(self, key: Key, figure: FigureSpec) -> None:
+        self._can_be_set((*key, "title"), figure.title)
         for i, panel in enumerate(figure.panels):
+            for name in ("title", "x_label", "y_label", "note"):
+                self._can_be_set((*key, "panels", i, name), getattr(panel, name))
+            for level in panel.levels:
+                self._can_be_set((*key, "panels", i, "levels", level), level)
+            for j, curve in enumerate(panel.curves):
+                self._can_be_set((*key, "panels", i, "curves", j, "label"), curve.label)
             if panel.measured_rpm is not None and not self._overlays:
                 message = "there is no [friction_curves] with a file of measured curves"
                 raise self.study.error((*key, "panels", i, "measured_rpm"), message)
@@ -206,6 +213,19 @@ class Checks:
                     self._curve_of_results(place, panel, curve)
                 else:
                     self._curve_of_signals(place, panel, curve)
+
+    def _can_be_set(self, key: Key, text: str | None) -> None:
+        """Raise UserError where a text of a figure has mathematics that matplotlib cannot set."""
+        if not text or "$" not in text:
+            return
+        from matplotlib.mathtext import MathTextParser  # whoever has no mathematics does without matplotlib
+
+        try:
+            MathTextParser("path").parse(text)
+        except ValueError as error:
+            why = str(error).strip().splitlines()[-1]
+            message = f'got "{text}", whose mathematics between $ cannot be set ({why}); write \\$ for a dollar'
+            raise self.study.error(key, message) from None
 
     def _curve_of_results(self, key: Key, panel: Panel, curve: Curve) -> None:
         check_name(self.study, (*key, "y"), "figure", curve.y, self.columns)
