@@ -27,7 +27,8 @@ BOKEH = ("bokeh.min.js", "bokeh-api.min.js")
 
 def page_environment(folder: Path) -> Environment:
     """Where templates of pages are rendered that are to lie in `folder`: they extend "frame.html" and fill its blocks
-    title, gap, style, body and scripts. Nothing of a page is fetched; its pictures are those of `folder`/figures.
+    title, kind, picture, summary, style, body and scripts. Nothing of a page is fetched; its pictures are those of
+    `folder`/figures.
 
     "parts.html" has what pages show alike: `show` a table with its notes, `draw` a picture, `drawn_elsewhere` one that
     exists as a file alone.

@@ -22,16 +22,8 @@ from matplotlib.ticker import (
     ScalarFormatter,
 )
 
-from workbench.publish.page.marks import (
-    SCALES,
-    NotLiveError,
-    content_of,
-    looks_of,
-    marks_of,
-    notes_of,
-    placed,
-    plain_text,
-)
+from workbench.publish.page.looks import NotLiveError, looks_of
+from workbench.publish.page.marks import SCALES, content_of, marks_of, notes_of, placed, plain_text
 from workbench.publish.style import PlainTicks
 
 PER_INCH = 96

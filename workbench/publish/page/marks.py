@@ -2,26 +2,33 @@
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.collections import LineCollection, PathCollection, PolyCollection, QuadMesh
-from matplotlib.colors import to_hex, to_rgba
+from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.path import Path
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Transform
 
+from workbench.publish.page.looks import (
+    PIXELS,
+    Mark,
+    NotLiveError,
+    alpha_of,
+    colour_of,
+    fill_of,
+    marker_of,
+    stroke_of,
+    strokes_of,
+)
 from workbench.publish.page.packed import floats
 from workbench.publish.thinning import thinned
-
-PIXELS = 96.0 / 72.0
-"""Of a point."""
 
 ZOOM = 4.0
 """How far a line may be zoomed into before it shows corners that its figure's own pixels hide."""
@@ -29,39 +36,10 @@ ZOOM = 4.0
 BUCKETS = 2000
 """Of a line that goes up and down without end, with two points each."""
 
-MARKERS = {
-    "o": "circle",
-    ".": "circle",
-    "s": "square",
-    "^": "triangle",
-    "v": "inverted_triangle",
-    "D": "diamond",
-    "P": "plus",
-    "+": "cross",
-    "x": "x",
-    "*": "star",
-    "_": "dash",
-    "|": "dash",
-    "<": "triangle",
-    ">": "triangle",
-}
-"""Bokeh's name for each of matplotlib's markers that are used here."""
-
-ANGLES = {"|": 0.5 * np.pi, "<": 0.5 * np.pi, ">": -0.5 * np.pi}
-"""By which those are turned that Bokeh has in another direction (rad, to the left)."""
-
-UNFILLED = ("x", "cross", "dash")
-
 RAISED = str.maketrans("0123456789+-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻")
 
 SCALES = ("linear", "log")
 """Those that the page has too; along any other, places are told as they lie on paper, beside what they are."""
-
-Mark: TypeAlias = dict[str, Any]
-
-
-class NotLiveError(Exception):
-    """A figure has something that the page cannot draw."""
 
 
 def plain_text(text: str) -> str:
@@ -132,83 +110,12 @@ def notes_of(axes: Axes) -> list[str]:
     return [plain_text(text.get_text()) for text in axes.texts if text.get_visible() and _is_note(text, axes)]
 
 
-def looks_of(handle: Any) -> Mark:
-    """How an entry of a legend looks: a stroke, a marker, a field."""
-    if isinstance(handle, Line2D):
-        return {"line": _stroke(handle), "marker": _marker(handle)}
-    if isinstance(handle, Patch):
-        fill = handle.get_facecolor() if handle.get_fill() else handle.get_edgecolor()
-        return {"fill": _colour(fill), "alpha": _alpha(fill), "hollow": not handle.get_fill()}
-    if isinstance(handle, PolyCollection | PathCollection):
-        return {"fill": _colour(handle.get_facecolor()[0]), "alpha": _alpha(handle.get_facecolor()[0])}
-    if isinstance(handle, LineCollection):
-        return {"line": _strokes(handle), "marker": None}
-    raise NotLiveError
-
-
-def _colour(colour: Any) -> str:
-    return to_hex(colour, keep_alpha=False)
-
-
-def _alpha(colour: Any) -> float:
-    return round(float(to_rgba(colour)[3]), 3)
-
-
-def _dash(pattern: Any) -> list[int]:
-    """Lengths of dashes and gaps in pixels, from matplotlib's offset and lengths in points; none of a solid line."""
-    parts = pattern[1]
-    return [] if parts is None else [max(1, round(part * PIXELS)) for part in parts]
-
-
-def _stroke(line: Line2D) -> Mark | None:
-    """How the line itself is drawn; None where there are points alone."""
-    if line.get_linestyle() in ("None", "none", " ", "") or line.get_alpha() == 0.0 or line.get_color() == "none":
-        return None
-    pattern: Any = line._dash_pattern if line.is_dashed() else (0.0, None)  # type: ignore[attr-defined]
-    return {
-        "color": _colour(line.get_color()),
-        "alpha": _alpha(to_rgba(line.get_color(), line.get_alpha())),
-        "width": round(float(line.get_linewidth()) * PIXELS, 2),
-        "dash": _dash(pattern),
-    }
-
-
-def _marker(line: Line2D) -> Mark | None:
-    kind = line.get_marker()
-    if kind is None or (isinstance(kind, str) and kind in ("None", "none", " ", "")):
-        return None
-    if not isinstance(kind, str) or kind not in MARKERS or line.get_markevery() is not None:
-        raise NotLiveError
-    name = MARKERS[kind]
-    edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
-    hollow = face in ("none", "None") or name in UNFILLED
-    return {
-        "kind": name,
-        "color": _colour(edge),
-        "fill": None if hollow else _colour(face),
-        "angle": ANGLES.get(kind, 0.0),
-        "size": round(float(line.get_markersize()) * PIXELS * (0.5 if kind == "." else 1.0), 2),
-    }
-
-
-def _strokes(lines: LineCollection) -> Mark:
-    if len(np.unique(lines.get_color(), axis=0)) != 1:
-        raise NotLiveError
-    pattern: Any = lines.get_linestyle()[0]
-    return {
-        "color": _colour(lines.get_color()[0]),
-        "alpha": _alpha(lines.get_color()[0]),
-        "width": round(float(np.atleast_1d(lines.get_linewidth())[0]) * PIXELS, 2),
-        "dash": _dash(pattern),
-    }
-
-
 def _line(line: Line2D, axes: Axes) -> list[Mark]:
     """A curve, its points, or a line from edge to edge."""
     over_x, over_y = line.get_transform().contains_branch_seperately(axes.transData)
     label = _label(line)
     if over_x != over_y:
-        stroke = _stroke(line)
+        stroke = stroke_of(line)
         if stroke is None:
             raise NotLiveError  # points along an edge
         edges = axes.get_xaxis_transform() if over_x else axes.get_yaxis_transform()
@@ -223,7 +130,7 @@ def _line(line: Line2D, axes: Axes) -> list[Mark]:
     x, y = (np.asarray(values, dtype=float) for values in (line.get_xdata(orig=False), line.get_ydata(orig=False)))
     if not x.size:
         return []
-    stroke, marker = _stroke(line), _marker(line)
+    stroke, marker = stroke_of(line), marker_of(line)
     if line.get_drawstyle() == "steps-post":
         x, y = np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]
     elif line.get_drawstyle() != "default":
@@ -266,7 +173,7 @@ def _segments(lines: LineCollection, axes: Axes) -> list[Mark]:
     for segment in lines.get_segments():
         x += [*segment[:, 0].tolist(), float("nan")]
         y += [*segment[:, 1].tolist(), float("nan")]
-    return [{"kind": "line", "label": "", **_points(np.array(x), np.array(y), axes), **_strokes(lines)}] if x else []
+    return [{"kind": "line", "label": "", **_points(np.array(x), np.array(y), axes), **strokes_of(lines)}] if x else []
 
 
 def _area(polygons: PolyCollection, axes: Axes) -> list[Mark]:
@@ -276,7 +183,7 @@ def _area(polygons: PolyCollection, axes: Axes) -> list[Mark]:
     marks = []
     for path, colour in zip(polygons.get_paths(), _each(polygons.get_facecolor(), polygons), strict=True):
         points = np.asarray(path.vertices)
-        marks.append({"kind": "area", **_corners(points, axes), **_filled(colour)})
+        marks.append({"kind": "area", **_corners(points, axes), **fill_of(colour)})
     return marks
 
 
@@ -288,10 +195,6 @@ def _corners(points: np.ndarray, axes: Axes) -> Mark:
 def _each(colours: Any, collection: PolyCollection) -> list[Any]:
     count = len(collection.get_paths())
     return [colours[i % len(colours)] for i in range(count)]
-
-
-def _filled(colour: Any) -> Mark:
-    return {"color": _colour(colour), "alpha": _alpha(colour)}
 
 
 def _box(box: Rectangle, axes: Axes) -> list[Mark]:
@@ -308,8 +211,8 @@ def _box(box: Rectangle, axes: Axes) -> list[Mark]:
     whole = (over_x or (left, width) == (0.0, 1.0)) and (over_y or (bottom, height) == (0.0, 1.0))
     if box.get_data_transform() != edges.get((over_x, over_y)) or not whole:
         raise NotLiveError
-    fill = _filled(box.get_facecolor()) if box.get_fill() else {"color": None, "alpha": 1.0}
-    edged = box.get_linewidth() > 0.0 and _alpha(box.get_edgecolor()) > 0.0
+    fill = fill_of(box.get_facecolor()) if box.get_fill() else {"color": None, "alpha": 1.0}
+    edged = box.get_linewidth() > 0.0 and alpha_of(box.get_edgecolor()) > 0.0
     return [
         {
             "kind": "box",
@@ -317,7 +220,7 @@ def _box(box: Rectangle, axes: Axes) -> list[Mark]:
             "right": _number(_to_an_end(left + width, axes.xaxis)) if over_x else None,
             "bottom": _number(_to_an_end(bottom, axes.yaxis)) if over_y else None,
             "top": _number(_to_an_end(bottom + height, axes.yaxis)) if over_y else None,
-            "edge": _colour(box.get_edgecolor()) if edged and over_x and over_y else None,
+            "edge": colour_of(box.get_edgecolor()) if edged and over_x and over_y else None,
             **fill,
         }
     ]
@@ -325,10 +228,10 @@ def _box(box: Rectangle, axes: Axes) -> list[Mark]:
 
 def _shape(patch: Polygon, axes: Axes) -> list[Mark]:
     _in_data(patch.get_data_transform(), axes)
-    if not patch.get_fill() or _alpha(patch.get_facecolor()) == 0.0:
+    if not patch.get_fill() or alpha_of(patch.get_facecolor()) == 0.0:
         raise NotLiveError
     points = np.asarray(patch.get_xy())
-    return [{"kind": "area", **_corners(points, axes), **_filled(patch.get_facecolor())}]
+    return [{"kind": "area", **_corners(points, axes), **fill_of(patch.get_facecolor())}]
 
 
 def _mesh(mesh: QuadMesh, axes: Axes) -> list[Mark]:
@@ -356,7 +259,7 @@ def _cells(x: np.ndarray, y: np.ndarray, colours: np.ndarray) -> list[Mark]:
     left, bottom = np.meshgrid(x[:-1], y[:-1])
     right, top = np.meshgrid(x[1:], y[1:])
     sides = {"left": left, "right": right, "bottom": bottom, "top": top}
-    hues = [_colour(colour) for row in colours for colour in row]
+    hues = [colour_of(colour) for row in colours for colour in row]
     return [{"kind": "cells", **{name: floats(side.ravel()) for name, side in sides.items()}, "colors": hues}]
 
 
@@ -393,7 +296,7 @@ def _words(text: Text, axes: Axes) -> list[Mark]:
             "baseline": {"center": "middle", "center_baseline": "middle", "baseline": "alphabetic"}.get(
                 text.get_verticalalignment(), text.get_verticalalignment()
             ),
-            "color": _colour(text.get_color()),
+            "color": colour_of(text.get_color()),
         }
     ]
 
