@@ -16,7 +16,7 @@ from workbench.metrics.registry import axis_of, names_along
 from workbench.study import study as studies
 from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
 from workbench.study.reading import read_study
-from workbench.study.report.select import columns_of, one_row
+from workbench.study.report.select import axes_of, columns_of, one_row
 from workbench.study.sections import overlays_of
 from workbench.study.store import STUDY_COPY, read_results, trajectory_path
 
@@ -178,8 +178,7 @@ class StudyResults:
             workbench.errors.UserError: results: 2 cases for no condition, expected one
         """
         row = one_row(self.frame, axes, "results")
-        names = [str(name) for name in self.frame.columns]
-        own = {name: row[name] for name in names[: names.index("outcome")]}
+        own = {name: row[name] for name in axes_of(self.frame.columns)}
         return CaseResult(row, own, trajectory_path(self.folder, int(str(row.name))))
 
     def to_json(self) -> dict[str, object]:
@@ -197,7 +196,7 @@ class StudyResults:
         from workbench.publish.notebook import face
 
         names = [str(name) for name in self.frame.columns]
-        axes = names[: names.index("outcome")]
+        axes = axes_of(names)
         called = names_along(axis_of(names))
         shown = [called[name] for name in SHOWN if self.frame[called[name]].notna().any()]
         return face(

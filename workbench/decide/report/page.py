@@ -19,9 +19,7 @@ _HTML = """\
 {% block picture %}{{ pictures | first }}{% endblock %}
 {% block summary %}{{ answer }}{% endblock %}
 {% block style -%}
-.matrix td { color: #1c2126; }
-.matrix td { text-align: left; vertical-align: top; }
-.matrix td { border: 1px solid var(--line); padding: 0.4em 0.6em; min-width: 10em; }
+.matrix td { color: #1c2126; text-align: left; border: 1px solid var(--line); padding: 0.4em 0.6em; min-width: 10em; }
 .matrix td.asked { outline: 3px solid #000; outline-offset: -3px; }
 .matrix th { text-align: left; }
 .key span { color: #1c2126; padding: 0.1em 0.5em; border: 1px solid #ccc; }

@@ -16,6 +16,7 @@ from workbench.publish.style import COLOURS
 from workbench.publish.tables import with_unit
 from workbench.publish.words import plain_name
 from workbench.simulation.run import COMPLETED, TRUE
+from workbench.study.report.select import OUTCOME, axes_of
 from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.sketches import COMMAND, ERROR, MOST_CASES, POSITION, REFERENCE
 from workbench.study.store import read_sketches
@@ -25,8 +26,6 @@ DIGITS = 4
 
 MOST_CHOICES = 40
 """Values of an axis that can be chosen from a list."""
-
-OUTCOME = "outcome"
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ class Cases:
 
 def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
     """The cases of results; draws of machines stand in one line, with the means of their figures."""
-    axes = [str(name) for name in frame.columns[: list(frame.columns).index(OUTCOME)]]
+    axes = axes_of(frame.columns)
     apart = [name for name in axes if name != DRAW and frame[name].nunique(dropna=False) > 1]
     axis = axis_of([str(name) for name in frame.columns])
     figures = [(name, column_along(name, axis), words) for name, words in FIGURES]

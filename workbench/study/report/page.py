@@ -14,6 +14,7 @@ from workbench.publish.words import listed, plain_name
 from workbench.study.names import in_words
 from workbench.study.report.cases import cases_of
 from workbench.study.report.figures import draw
+from workbench.study.report.select import axes_of
 from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.report.unusual import unusual
 from workbench.study.sections import overlays_of
@@ -98,7 +99,7 @@ def _ordered(folder: Path, first: Sequence[str]) -> list[Path]:
 def first_lines(frame: pd.DataFrame) -> list[str]:
     """What the figures of all cases say: what did not complete, who hunts, and between what errors lie."""
     lines = unusual(frame, frame) or [f"{len(frame)} case{'s' * (len(frame) > 1)}, all completed."]
-    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    axes = axes_of(frame.columns)
     apart = [name for name in axes if frame[name].nunique(dropna=False) > 1]
     lines += _hunting(frame, apart)
     axis = axis_of([str(name) for name in frame.columns])

@@ -16,7 +16,7 @@ from workbench.publish.tables import with_unit
 from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
 from workbench.study.report.figures import draw
 from workbench.study.report.schema import Curve, FigureSpec, Panel
-from workbench.study.report.select import rows
+from workbench.study.report.select import axes_of, rows
 from workbench.study.store import trajectory_path
 
 
@@ -84,7 +84,7 @@ def _curves(
     where: Mapping[str, str],
 ) -> tuple[list[Curve], list[str]]:
     """A curve for each name and case, or over an axis for each value of the others; and the cases without it."""
-    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    axes = axes_of(frame.columns)
     differing = [name for name in axes if found[name].nunique() > 1]
     told_apart = [axis for axis in differing if axis != x] if x in frame.columns else axes
     curves: list[Curve] = []

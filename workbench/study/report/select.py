@@ -1,6 +1,7 @@
 """Picking rows of the results, and the trajectories that belong to them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from itertools import takewhile
 from pathlib import Path
 
 import pandas as pd
@@ -8,6 +9,14 @@ import pandas as pd
 from workbench.errors import UserError, nearest
 from workbench.study.names import in_words, matches
 from workbench.study.store import trajectory_path
+
+OUTCOME = "outcome"
+"""The first column of results behind those that tell the cases apart."""
+
+
+def axes_of(columns: Iterable[object]) -> list[str]:
+    """Those columns of results that tell the cases apart."""
+    return list(takewhile(lambda name: name != OUTCOME, map(str, columns)))
 
 
 def rows(frame: pd.DataFrame, where: Mapping[str, object]) -> pd.DataFrame:
@@ -38,8 +47,7 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> p
 
 def _axes(row: pd.Series) -> dict[str, object]:
     """The values of a row's axes."""
-    names = [str(name) for name in row.index]
-    return {name: row[name] for name in names[: names.index("outcome")] if pd.notna(row[name])}
+    return {name: row[name] for name in axes_of(row.index) if pd.notna(row[name])}
 
 
 def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> pd.DataFrame:
@@ -72,5 +80,4 @@ def columns_of(frame: pd.DataFrame, columns: list[str], where: Mapping[str, obje
     found = rows(frame, where)
     if found.empty:
         raise UserError(f"no case has {in_words(where)}")
-    axes = names[: names.index("outcome")]
-    return found[[*axes, *columns]] if columns else found
+    return found[[*axes_of(names), *columns]] if columns else found

@@ -17,7 +17,7 @@ from workbench.publish.tables import (
 )
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import Column, Row, TableSpec
-from workbench.study.report.select import one_row, rows
+from workbench.study.report.select import axes_of, one_row, rows
 from workbench.study.report.table_layout import Heading, LayoutError, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 
@@ -86,7 +86,7 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     for column in spec.columns:
         rows(frame.head(0), {**spec.where, **column.where})  # names that the results lack are told
     records = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
-    axes = [str(name) for name in frame.columns[: list(frame.columns).index("outcome")]]
+    axes = axes_of(frame.columns)
     try:
         layout = lay_out(spec, records, axes)
     except LayoutError as error:

@@ -6,6 +6,7 @@ from plants.axis import AXES
 from workbench.metrics.registry import SOLVER
 from workbench.simulation.run import COMPLETED
 from workbench.study.names import in_words
+from workbench.study.report.select import axes_of
 
 SOLVER_ERRORS = tuple(SOLVER[0].along(axis).name for axis in AXES)
 """The column of the solver's error, of axes that go straight and of those that turn."""
@@ -19,7 +20,7 @@ def unusual(frame: pd.DataFrame, whole: pd.DataFrame) -> list[str]:
 
     A case is named by the axes along which the cases of `whole`, all results, differ.
     """
-    names = [str(name) for name in whole.columns[: list(whole.columns).index("outcome")]]
+    names = axes_of(whole.columns)
     axes = [name for name in names if whole[name].nunique(dropna=False) > 1]
     lines = []
     for outcome, rows in frame[frame["outcome"] != COMPLETED].groupby("outcome", sort=False):
