@@ -36,6 +36,7 @@ def _lay_out(figure: Figure) -> None:
     if engine is None:
         return
     with figure_style():
+        figure.set_dpi(mpl.rcParams["savefig.dpi"])  # text is not as wide in dots of another size
         if (page := asked_format()) is not None:
             refit(figure, page)
         engine.execute(figure)

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import matplotlib as mpl
-
 from workbench.compare.candidates import MM
 from workbench.compare.report.hunting_figure import hunting_picture
 from workbench.compare.report.panels import HIGHEST, candidates_of
@@ -22,8 +20,6 @@ def write_figures(comparison: Comparison, folder: Path) -> dict[str, Picture]:
     """Write all figures: errors on the plant samples that all have met; who hunts on any sample."""
     with figure_style():
         drawn = pictures_of(comparison)
-        for picture in drawn.values():
-            picture.figure.set_dpi(mpl.rcParams["savefig.dpi"])
     for name, picture in drawn.items():
         save(picture.figure, name, folder, FORMATS, caption=picture.caption)
     return drawn

@@ -1,5 +1,6 @@
 """What a study asks of its results, checked before it runs: probes, tables and figures, and settings without use."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -41,6 +42,10 @@ WINDOWED = ("rms_error_m", "max_error_m")
 
 REACH_INSTANTS = 10_001
 """At most so many instants tell how far a reference goes."""
+
+
+PLAIN = re.compile(r"(?:[^\\{}_^]|[_^]\w(?![_^]))*")
+"""Mathematics that can always be set: symbols, with an index or a power of one letter or digit."""
 
 
 @dataclass(frozen=True)
@@ -216,9 +221,9 @@ class Checks:
 
     def _can_be_set(self, key: Key, text: str | None) -> None:
         """Raise UserError where a text of a figure has mathematics that matplotlib cannot set."""
-        if not text or "$" not in text:
+        if not text or all(map(PLAIN.fullmatch, text.split("$")[1::2])):
             return
-        from matplotlib.mathtext import MathTextParser  # whoever has no mathematics does without matplotlib
+        from matplotlib.mathtext import MathTextParser  # whoever has no more than indices and powers does without
 
         try:
             MathTextParser("path").parse(text)
