@@ -201,6 +201,19 @@ def _store(typingctx: Any, pointer: Any, index: Any, value: Any) -> Any:
     return types.void(POINTER, types.intp, types.float64), codegen
 
 
+@intrinsic
+def flagged(typingctx: Any, address: Any) -> Any:
+    """In compiled code: whether the 64-bit integer at an address is other than 0, read anew each time: another thread
+    may set it.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        flag = builder.inttoptr(args[0], ir.IntType(64).as_pointer())
+        return builder.icmp_unsigned("!=", builder.load_atomic(flag, "monotonic", 8), ir.Constant(ir.IntType(64), 0))
+
+    return types.boolean(types.int64), codegen
+
+
 def caller(signature: Signature) -> Any:
     """An intrinsic `call(address, *arguments)`: in compiled code, call the C function of `signature` at an address.
 

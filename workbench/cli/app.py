@@ -4,10 +4,12 @@ import importlib
 import io
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
+from workbench.cli.progress import AGAIN, stoppable
 from workbench.errors import UserError
 
 COMMANDS = (
@@ -31,7 +33,21 @@ COMMANDS = (
 FILES = {"import": "import_log"}
 """Files of commands whose names are words of Python."""
 
+
+class _Commands(TyperGroup):
+    """Typer would end a stopped command without a word."""
+
+    def make_context(self, *args: Any, **options: Any) -> Any:
+        with stoppable(AGAIN):
+            return super().make_context(*args, **options)
+
+    def invoke(self, ctx: Any) -> Any:
+        with stoppable(AGAIN):
+            return super().invoke(ctx)
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="Friction Workbench: an actuator sticks. Compensate the friction, or avoid it?",
     no_args_is_help=True,
     add_completion=False,
@@ -45,14 +61,14 @@ app = typer.Typer(
 def _options(
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
-    """Options of every command; `main` reads --debug itself."""
+    """Options of every command; `run` reads --debug itself."""
 
 
 for name in COMMANDS:
     app.command(name)(importlib.import_module(f"workbench.cli.{FILES.get(name, name)}").command)
 
 
-def main() -> None:
+def run() -> None:
     """Run the command line. A user's mistake, or a file system's, or one in a plug-in's code, is one or two lines and
     exit code 2.
     """

@@ -6,27 +6,39 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from workbench.progress import Progress
+from workbench.simulation.stopping import exit_code
 
 if TYPE_CHECKING:
     from workbench.study.study import Case
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
+AGAIN = "the same command does all of it again"
+"""What there is to say of a stopped command that keeps nothing, or has not begun."""
+
+_kept = [AGAIN]
+"""What a stop leaves, in words: of the command that runs, innermost last."""
 
 
 @contextmanager
 def stoppable(kept: str = "nothing is written") -> Iterator[None]:
-    """Ctrl-C ends a command with one line that says what is `kept`, and with 130 as shells expect; most commands write
-    their folder whole or not at all.
+    """Ctrl-C ends a command with one line that says what is `kept`, and with 130 as shells expect, SIGTERM with 143;
+    most commands write their folder whole or not at all.
     """
+    _kept.append(kept)
     try:
         yield
     except KeyboardInterrupt:
-        print(f"stopped; {kept}", file=sys.stderr)
-        raise typer.Exit(130) from None
+        say_stopped()
+        sys.exit(exit_code())
+    finally:
+        _kept.pop()
+
+
+def say_stopped() -> None:
+    """Write that line."""
+    print(f"stopped; {_kept[-1]}", file=sys.stderr, flush=True)
 
 
 class Lines:

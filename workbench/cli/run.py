@@ -60,7 +60,7 @@ def command(
 
     with stoppable(f"finished cases are kept in {out}: go on with --resume"):
         run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=print)
-    _report(planned, out)
+        _report(planned, out)
 
 
 def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) -> "Plan":

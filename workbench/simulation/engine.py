@@ -12,12 +12,13 @@ import numpy as np
 from numba import types
 from numba.extending import register_jitable
 
-from plants.compiled import address, njit, shift
+from plants.compiled import address, flagged, njit, shift
 from plants.interface import Measurement
 from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
 from workbench.simulation.steppers import (
     FIXED_STEP,
+    INTERRUPTED,
     OK,
     STEP_LIMIT,
     WRITTEN_OUT,
@@ -26,7 +27,7 @@ from workbench.simulation.steppers import (
     fixed_step,
 )
 
-COMPLETED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2
+COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED = 0, 1, 2, 3
 """How a loop ended."""
 
 FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
@@ -60,6 +61,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_integer, _integer, _number, _vector)),  # the method: `workbench.simulation.steppers.scheme`
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
     _vector,  # scratch, of `scratch_size`
+    _integer,  # address of the flag that stops it: `workbench.simulation.stopping`
 )
 
 
@@ -93,7 +95,7 @@ def _clip(value: float, limit: float) -> float:
 @register_jitable
 def _read(system: Any, y: Any, out: Any) -> None:
     """The sensors' analogue outputs into `out`: of the filter where there is one, else of the plant."""
-    _, measure, parameters, cutoffs, _, sizes = system
+    _, measure, parameters, cutoffs, _, sizes, _ = system
     total, plant_states, _, channels = sizes
     call_measure(measure, y, parameters, out)
     if total > plant_states:
@@ -135,6 +137,7 @@ def run_loop(
     method: Any,
     logs: Any,
     scratch: Any,
+    flag: Any,
 ) -> Ended:
     """Run the loop from t = 0 over all samples of the logs; the arguments are those of `_SIGNATURE`.
 
@@ -184,7 +187,7 @@ def run_loop(
     p_log_states, p_log_inputs = address(log_states), address(log_inputs)
     p_log_read, p_log_control = address(log_measurements), address(log_control)
     sizes = (n, plant_states, m, channel_count)
-    system = (derivatives, measure, address(parameters), address(cutoffs), p_readings, sizes)
+    system = (derivatives, measure, address(parameters), address(cutoffs), p_readings, sizes, flag)
     inputs, tableau = (p_now, p_initial, p_slopes), (slope_count, order, address(numbers))
     ramped = erring = False
     for j in range(m):
@@ -208,6 +211,8 @@ def run_loop(
     lined = (line_count, p_past, depth, p_lines)
 
     for k in range(samples):
+        if flagged(flag):
+            return STOPPED, k, total_steps
         if delay_rest == 0.0:
             _read(system, p_y, shift(p_delayed, (k % slots) * channel_count))
         oldest = shift(p_delayed, ((k + 1) % slots) * channel_count)
@@ -274,6 +279,8 @@ def run_loop(
                 control = (guess, tolerance, p_scales)
                 ended, guess, tried = controlled(system, interval, tableau, control, p_y, driven, p_work)
             total_steps += tried
+            if ended == INTERRUPTED:
+                return STOPPED, k + 1, total_steps
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
             if reading and until == middle:

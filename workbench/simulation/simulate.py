@@ -15,7 +15,7 @@ from plants.equation import fields, to_array
 from plants.hydraulics import Hydraulic
 from plants.interface import Measurement
 from plants.motor import Motor
-from workbench.simulation import engine
+from workbench.simulation import engine, stopping
 from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
@@ -49,7 +49,11 @@ VACUUM = -101325.0
 
 
 def simulate(setup: Setup) -> Run:
-    """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so."""
+    """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so.
+
+    Raises:
+        KeyboardInterrupt: it was stopped, as `workbench.simulation.stopping` says.
+    """
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1
     time = h * np.arange(samples)
@@ -107,7 +111,10 @@ def simulate(setup: Setup) -> Run:
         scheme(method),
         log,
         np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
+        stopping.ADDRESS,
     )
+    if ended == engine.STOPPED:
+        raise KeyboardInterrupt
     states, realised, measurements, remembered = (table[:count] for table in log)
     run = Run(
         plant,

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from plants.compiled import shift
+from plants.compiled import flagged, shift
 from workbench.simulation.compilation import call_derivatives, call_measure
 from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.integrators.interface import IntegrationMethod
 
-OK, STEP_LIMIT, NOT_FINITE = 0, 1, 2
+OK, STEP_LIMIT, NOT_FINITE, INTERRUPTED = 0, 1, 2, 3
 """What an interval ended with."""
 
 SMALLEST_STEP = 1e-9
@@ -50,11 +50,11 @@ def scheme(method: IntegrationMethod) -> tuple[int, int, float, np.ndarray]:
 def rates(system: Any, time: float, y: Any, inputs: Any, out: Any) -> None:
     """Rates of plant and filters at `time` into `out`.
 
-    `system` is (addresses of derivatives and measure, parameters, filter cutoffs in rad/s, readings (scratch), sizes)
-    with sizes (all states, plant states, inputs, channels); `inputs` is (values now, values at the interval's start,
-    slopes, that start, whether any slope is not 0).
+    `system` is (addresses of derivatives and measure, parameters, filter cutoffs in rad/s, readings (scratch), sizes,
+    address of the flag that stops) with sizes (all states, plant states, inputs, channels); `inputs` is (values now,
+    values at the interval's start, slopes, that start, whether any slope is not 0).
     """
-    derivatives, measure, parameters, cutoffs, readings, sizes = system
+    derivatives, measure, parameters, cutoffs, readings, sizes, _ = system
     total, plant_states, input_count, channels = sizes
     now, initial, slopes, start, ramped = inputs
     if ramped:
@@ -109,6 +109,8 @@ def fixed_step(system: Any, interval: Any, tableau: Any, steps: int, y: Any, inp
     n = system[5][0]
     weights = shift(numbers, (count + 1) * count)
     for i in range(steps):
+        if flagged(system[6]):
+            return INTERRUPTED
         time = start + i * h
         rates(system, time, y, inputs, work)
         _further_slopes(system, tableau, time, h, y, inputs, work)
@@ -147,6 +149,8 @@ def controlled(
         left = end - time
         last = step >= left * (1.0 - 1e-9)
         h = left if last else min(step, 0.5 * left)
+        if flagged(system[6]):
+            return INTERRUPTED, guess, tried
         tried += 1
         _further_slopes(system, tableau, time, h, y, inputs, work)
         worst = 0.0
@@ -189,6 +193,8 @@ def dormand_prince(
         left = end - time
         last = step >= left * (1.0 - 1e-9)
         h = left if last else min(step, 0.5 * left)
+        if flagged(system[6]):
+            return INTERRUPTED, guess, tried
         tried += 1
         for j in range(n):
             trial[j] = y[j] + h * (_A21 * k1[j])

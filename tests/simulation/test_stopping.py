@@ -1,0 +1,146 @@
+"""Whatever runs can be stopped: loops from another thread, commands and their workers by signals."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from command import PROCESS, changed, write
+from support import OSCILLATOR, start
+
+from workbench.simulation import stopping
+from workbench.simulation.setup import Integrator
+from workbench.simulation.simulate import simulate
+
+SIGNALS = pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["SIGINT", "SIGTERM"]
+)
+
+FOR_EVER = changed('transient = "0.4 s"', 'transient = "0.4 s"\nmethod = "rk4"\nstep = "1e-12 s"')
+
+WORKERS = """\
+import multiprocessing, sys, time
+from concurrent.futures import ProcessPoolExecutor
+from workbench.cli.progress import say_stopped, stoppable
+from workbench.simulation.stopping import in_a_worker, stopping_on_signals
+with stopping_on_signals(say_stopped), stoppable():
+    spawning = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, spawning, initializer=in_a_worker) as pool:
+        pool.submit(time.sleep, 0.0).result()
+        slept = pool.submit(time.sleep, 600.0)
+        print("ready", flush=True)
+        slept.result()
+"""
+"""A process that waits for a worker."""
+
+HOLDS_ON = """\
+import os, signal, sys, time
+from workbench.simulation import stopping
+stopping.GRACE = 0.1
+with stopping.stopping_on_signals(lambda: print("said", file=sys.stderr, flush=True)):
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(600.0)
+    except KeyboardInterrupt:
+        time.sleep(600.0)
+"""
+"""A process that is told and does not end."""
+
+
+@pytest.fixture(autouse=True)
+def _clear() -> Iterator[None]:
+    yield
+    stopping.clear()
+
+
+@pytest.mark.parametrize(
+    ("integrator", "sample_time"),
+    [(Integrator("rk4", 1e-12), 1e-3), (Integrator("dormand_prince"), 1e7), (Integrator("bogacki_shampine"), 1e7)],
+)
+def test_a_loop_ends_when_another_thread_asks(integrator: Integrator, sample_time: float) -> None:
+    setup = start(
+        OSCILLATOR, 1.0, stiffness=1e4, duration=2.0 * sample_time, integrator=integrator, sample_time=sample_time
+    )
+    with ThreadPoolExecutor(1) as thread:
+        run = thread.submit(simulate, setup)
+        time.sleep(0.1)
+        assert not run.done()
+        stopping.request()
+        assert isinstance(run.exception(timeout=60.0), KeyboardInterrupt)
+
+
+def test_no_loop_begins_until_the_flag_is_cleared() -> None:
+    setup = start(OSCILLATOR, duration=0.01)
+    stopping.request()
+    with pytest.raises(KeyboardInterrupt):
+        simulate(setup)
+    stopping.clear()
+    assert simulate(setup).time.size == 11
+
+
+@contextmanager
+def begun(*command: str) -> Iterator[subprocess.Popen[str]]:
+    """A process at the head of its own group, killed where the test fails before it ends."""
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+@SIGNALS
+def test_a_signal_ends_a_command_that_is_in_compiled_code(tmp_path: Path, number: int, code: int) -> None:
+    out = tmp_path / "out"
+    with begun(*PROCESS, "run", str(write(tmp_path, FOR_EVER)), "--out", str(out)) as process:
+        deadline = time.monotonic() + 60.0
+        while not any(out.glob("*")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(0.3)
+        assert process.poll() is None
+        process.send_signal(number)
+        _, said = process.communicate(timeout=60.0)
+    assert (process.returncode, said) == (code, f"stopped; finished cases are kept in {out}: go on with --resume\n")
+
+
+@SIGNALS
+@pytest.mark.parametrize("sent", [os.kill, os.killpg], ids=["to the command", "to all its processes"])
+def test_a_signal_ends_workers_without_a_word_of_theirs(
+    sent: Callable[[int, int], None], number: int, code: int
+) -> None:
+    with begun(sys.executable, "-c", WORKERS) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        sent(process.pid, number)
+        _, said = process.communicate(timeout=60.0)
+    assert (process.returncode, said) == (code, "stopped; nothing is written\n")
+
+
+def test_what_holds_on_ends_with_the_process() -> None:
+    done = subprocess.run([sys.executable, "-c", HOLDS_ON], capture_output=True, text=True, timeout=60.0)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "", "said\n")
+
+
+def test_handlers_are_as_before() -> None:
+    before = [signal.getsignal(number) for number in stopping.SIGNALS]
+    said: list[str] = []
+
+    def stopped() -> None:
+        with stopping.stopping_on_signals(lambda: said.append("stopped")):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(60.0)
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert [signal.getsignal(number) for number in stopping.SIGNALS] == before
+    assert signal.set_wakeup_fd(-1) == -1
+    assert simulate(start(OSCILLATOR, duration=0.01)).time.size == 11
+    assert said == []

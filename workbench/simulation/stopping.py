@@ -1,0 +1,108 @@
+"""How a simulation is stopped: a flag in memory, which every compiled loop looks at once a step.
+
+with stopping_on_signals(say):   # around a command's work
+    ...
+
+Python runs the handler of a signal between two instructions of its main thread, and compiled code has none. So a
+thread waits for signals beside it, and sets the flag at once: the loops of all threads end, and what they are part of.
+"""
+
+import os
+import signal
+import socket
+import sys
+import threading
+from array import array
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+"""Ctrl-C, and what asks a process to end."""
+
+GRACE = 3.0
+"""s. What holds on for longer, such as the compiler, or a library that looks at no signal, ends with the process."""
+
+_FLAG = array("q", [0])
+
+ADDRESS = _FLAG.buffer_info()[0]
+"""Of the flag: a 64-bit integer, 0 as long as loops may run, else the signal that stops them."""
+
+
+def request(number: int = signal.SIGINT) -> None:
+    """Stop every compiled loop, and those that begin, as the signal of this number does: `simulate` raises
+    KeyboardInterrupt.
+    """
+    _FLAG[0] = number
+
+
+def clear() -> None:
+    """Let loops run again."""
+    _FLAG[0] = 0
+
+
+def exit_code() -> int:
+    """What a stopped process exits with, as shells expect: 130 after Ctrl-C, 143 after SIGTERM."""
+    return 128 + (_FLAG[0] or signal.SIGINT)
+
+
+@contextmanager
+def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
+    """While inside, the first of `SIGNALS` stops every compiled loop and the worker processes at once, and raises
+    KeyboardInterrupt in the main thread; later ones are ignored, and so are those that the process ignores already.
+
+    Where the block is not left within `GRACE`, `say` writes what there is to say and the process exits. Outside the
+    main thread, which alone is told of signals, the block is left as it is.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    clear()
+    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    inside, outside = socket.socketpair()
+    outside.setblocking(False)
+    ended = threading.Event()
+    watcher = threading.Thread(target=_watch, args=(inside, ended, say), name="stopping", daemon=True)
+    watcher.start()
+    waking = signal.set_wakeup_fd(outside.fileno(), warn_on_full_buffer=False)
+    handlers = {number: signal.signal(number, _interrupt) for number in heard}
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(waking)
+        ended.set()
+        outside.close()
+        watcher.join()
+        inside.close()
+        clear()
+
+
+def in_a_worker() -> None:
+    """Begin a worker process with this: a signal, which a terminal sends to all processes of a command, ends it without
+    a word; the process that it works for says what there is to say.
+    """
+    signal.set_wakeup_fd(-1)
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
+
+
+def _interrupt(number: int, _: object) -> None:
+    for other in SIGNALS:
+        signal.signal(other, signal.SIG_IGN)
+    request(number)
+    raise KeyboardInterrupt
+
+
+def _watch(inside: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:
+    """Wait for a signal, or for the end of the block, which closes the other socket."""
+    while received := inside.recv(1):
+        if received[0] not in SIGNALS:
+            continue
+        request(received[0])
+        if "multiprocessing" in sys.modules:
+            for worker in sys.modules["multiprocessing"].active_children():
+                worker.terminate()
+        if not ended.wait(GRACE):
+            say()
+            os._exit(exit_code())
