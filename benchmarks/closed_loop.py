@@ -36,6 +36,7 @@ from workbench.simulation.simulate import simulate
 GAIN = 500.0
 SAMPLE = 1e-3
 DURATION = 3.0
+C_TOLERANCE = 1e-4
 SLOW_STRETCH = 0.2
 """s. What takes seconds runs this long and is counted in proportion."""
 SLOW_TURNS = 2
@@ -209,7 +210,7 @@ def _built(level: str, folder: str) -> Contestant:
             _pointer(reference),
             ctypes.c_long(samples + 1),
             ctypes.c_double(SAMPLE),
-            ctypes.c_double(1e-5),
+            ctypes.c_double(C_TOLERANCE),
             _pointer(SCALES),
             _pointer(log),
         )

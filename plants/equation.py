@@ -218,7 +218,7 @@ def retyped(template: type[NamedTuple], suffix: str, **nested: type) -> type:
 
 def to_array(value: tuple[Scalar, ...]) -> np.ndarray:
     """A (nested) NamedTuple of floats as one vector, in the order of `fields`."""
-    return np.array(list(leaves(value)), dtype=float)
+    return np.array(_flat(value), dtype=float)
 
 
 def replaced(value: NumbersT, numbers: Mapping[str, float]) -> NumbersT:

@@ -72,10 +72,11 @@ class Sine(Wave):
     def __call__(self, time: np.ndarray) -> Signal:
         w = 2.0 * np.pi * self.frequency
         angle = w * time + self.phase
+        sine = np.sin(angle)
         return (
-            self.offset + self.amplitude * np.sin(angle),
+            self.offset + self.amplitude * sine,
             w * self.amplitude * np.cos(angle),
-            -w * w * self.amplitude * np.sin(angle),
+            -w * w * self.amplitude * sine,
         )
 
 

@@ -105,9 +105,13 @@ class Sensors:
 
     def resolution(self) -> np.ndarray:
         """Converter step of each channel, 0 for none."""
-        return np.array([self.channels.get(name, Channel()).resolution for name in Measurement._fields])
+        return self._of_channels({name: channel.resolution for name, channel in self.channels.items()})
 
     def cutoffs(self) -> np.ndarray:
         """Cutoff of each channel's anti-alias filter in rad/s, 0 for none."""
-        hertz = [self.channels.get(name, Channel()).anti_alias for name in Measurement._fields]
-        return 2.0 * np.pi * np.array(hertz)
+        return 2.0 * np.pi * self._of_channels({name: channel.anti_alias for name, channel in self.channels.items()})
+
+    @staticmethod
+    def _of_channels(values: dict[str, float]) -> np.ndarray:
+        """A number of each channel, 0 where none is said, shape (channels,)."""
+        return np.array([values.get(name, 0.0) for name in Measurement._fields])

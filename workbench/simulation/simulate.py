@@ -63,7 +63,7 @@ def simulate(setup: Setup) -> Run:
     scales = np.array([item.scale for item in fields(plant.State)])
     reading = plant.measure(setup.state, setup.parameters)
     cutoffs = np.where(np.isnan(to_array(reading)), 0.0, setup.sensors.cutoffs())  # no sensor, no filter
-    if np.any(cutoffs > 0.0):
+    if cutoffs.any():
         analogue = np.where(cutoffs > 0.0, to_array(reading), 0.0)
         state = np.concatenate([state, analogue])
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
@@ -170,15 +170,17 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
         return "diverged"
     if ended == engine.STEP_TOO_SMALL:
         return "step too small"
-    if np.max(np.abs(run.state("position"))) > 0.5 * run.plant.travel(run.parameters):
+    position = run.state("position")
+    if max(-position.min(), position.max()) > 0.5 * run.plant.travel(run.parameters):
         return "end stop"
-    if np.all(np.abs(run.command) >= limit):
+    if abs(run.command[0]) >= limit and np.all(np.abs(run.command) >= limit):
         return "saturated throughout"
-    asked_to_move = run.reference is not None and np.ptp(run.reference[0]) > 0.0
-    if asked_to_move and np.max(np.abs(run.state("velocity"))) < STUCK_SPEED:
-        return "stuck"
-    if run.reference is not None and _hardly_moves(run.reference[0], run.state("position")):
-        return "hardly moves"
+    if run.reference is not None:
+        asked, velocity = run.reference[0], run.state("velocity")
+        if max(-velocity.min(), velocity.max()) < STUCK_SPEED and _range(asked) > 0.0:
+            return "stuck"
+        if _hardly_moves(asked, position):
+            return "hardly moves"
     if _cavitates(run):
         return "cavitates"
     return TORQUE_LIMITED if _torque_limited(run) else COMPLETED
@@ -211,9 +213,15 @@ def _hardly_moves(asked: np.ndarray, position: np.ndarray) -> bool:
     The second half of the run tells of a rod that goes to where a sine begins and does not follow it.
     """
     late = asked.size // 2
-    covered = np.ptp(position), np.ptp(position[late:])
-    wanted = max(np.ptp(asked), np.max(np.abs(asked - position[0]))), np.ptp(asked[late:])
-    return any(got < HARDLY_MOVES * far for got, far in zip(covered, wanted, strict=True))
+    low, high, start = asked.min(), asked.max(), position[0]
+    wanted = max(high - low, high - start, start - low)
+    return bool(
+        _range(position) < HARDLY_MOVES * wanted or _range(position[late:]) < HARDLY_MOVES * _range(asked[late:])
+    )
+
+
+def _range(values: np.ndarray) -> float:
+    return float(values.max() - values.min())
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:

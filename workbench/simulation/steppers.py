@@ -5,6 +5,7 @@ into the engine; every vector is a pointer to doubles. Beside the plant's states
 sensors' anti-alias filters, so that these are integrated as exactly as the plant.
 """
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ OK, STEP_LIMIT, NOT_FINITE, INTERRUPTED = 0, 1, 2, 3
 SMALLEST_STEP = 1e-9
 """s. An error control that asks for less has met an infinite slope."""
 
+LONGEST, SHORTEST = 5.0, 0.1
+"""By what a step is at most and at least longer than the one before."""
+
 FIXED_STEP, CONTROLLED, WRITTEN_OUT = 0, 1, 2
 """How a method takes its steps: of one length, or controlled by their error; and the latter without a tableau."""
 
@@ -32,6 +36,7 @@ _E1, _, _E3, _E4, _E5, _E6, _E7 = DORMAND_PRINCE.errors
 _C2, _C3, _C4, _C5, _, _ = DORMAND_PRINCE.nodes
 
 
+@functools.cache
 def scheme(method: IntegrationMethod) -> tuple[int, int, float, np.ndarray]:
     """A method as the engine takes it: how it steps, its number of slopes, the order of its error, and its numbers.
 
@@ -122,7 +127,15 @@ def fixed_step(system: Any, interval: Any, tableau: Any, steps: int, y: Any, inp
 @register_jitable
 def _step_factor(worst: float, order: float) -> float:
     """By what the next step is longer where the error of this one was `worst` times what is allowed."""
-    return 5.0 if worst < 1e-4 else min(5.0, max(0.1, 0.9 * worst ** (-1.0 / order)))
+    return LONGEST if worst < 1e-4 else min(LONGEST, max(SHORTEST, 0.9 * worst ** (-1.0 / order)))
+
+
+@register_jitable
+def _next_step(step: float, h: float, last: bool, worst: float, order: float) -> float:
+    """The step to go on with behind one of `h` (s) that was accepted: the last of an interval shortens none."""
+    if last and step >= LONGEST * h:
+        return step
+    return max(step, h * _step_factor(worst, order)) if last else h * _step_factor(worst, order)
 
 
 @register_jitable
@@ -158,15 +171,16 @@ def controlled(
             error = h * _combined(errors, count, work, n, j)
             ratio = abs(error) / (tolerance * (scales[j] + max(abs(y[j]), abs(trial[j]))))
             worst = max(worst, ratio) if np.isfinite(ratio) else np.inf
-        finite = np.isfinite(worst)
-        step = max(step, h * _step_factor(worst, order)) if last and worst <= 1.0 else h * _step_factor(worst, order)
         if worst <= 1.0:
+            step = _next_step(step, h, last, worst, order)
             time = end if last else time + h
             for j in range(n):
                 y[j] = trial[j]
                 work[j] = last_slope[j]
-        elif step < SMALLEST_STEP:
-            return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
+        else:
+            step = h * _step_factor(worst, order)
+            if step < SMALLEST_STEP:
+                return (STEP_LIMIT if np.isfinite(worst) else NOT_FINITE), guess, tried
     return OK, step, tried
 
 
@@ -223,15 +237,14 @@ def dormand_prince(
             finite = finite and np.isfinite(ratio)
         if not finite:
             worst = 1e10
-        factor = 5.0 if worst < 1e-4 else min(5.0, max(0.1, 0.9 * worst**-0.2))
         if worst <= 1.0:
+            step = _next_step(step, h, last, worst, 5.0)
             time = end if last else time + h
             for j in range(n):
                 y[j] = trial[j]
                 k1[j] = k7[j]
-            step = max(step, h * factor) if last else h * factor
         else:
-            step = h * factor
+            step = h * _step_factor(worst, 5.0)
             if step < SMALLEST_STEP:
                 return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
     return OK, step, tried
