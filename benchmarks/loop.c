@@ -10,7 +10,8 @@ typedef struct {
 
 typedef struct {
     double area_1, area_2, stroke, hose_volume, bulk_modulus, supply, tank, flow_gain, position_gain, tau, spool_limit,
-        voltage_limit, share, valve_overlap, leakage_coefficient;
+        voltage_limit, share, valve_overlap, leakage_coefficient, valve_overlap_negative, external_leakage_1,
+        external_leakage_2;
     double mass, load, stop_stiffness, stop_damping;
     LuGre positive, negative;
 } Parameters;
@@ -45,6 +46,8 @@ static void rates(const double *y, double voltage, const Parameters *p, double *
     out[3] = dz;
     out[4] = (target - xs) / p->tau;
 }
+
+static double factor(double worst) { return worst < 1e-4 ? 5 : fmin(5, fmax(0.1, 0.9 * pow(worst, -0.2))); }
 
 /* Runs `samples` samples from rest; positions at the sample instants into `log`; returns the steps taken. */
 long run(const Parameters *p, double gain, const double *reference, long samples, double h, double tolerance,
@@ -88,16 +91,18 @@ long run(const Parameters *p, double gain, const double *reference, long samples
                                 - 17253.0 / 339200 * k5[j] + 22.0 / 525 * k6[j] - 1.0 / 40 * k7[j]);
                 worst = fmax(worst, fabs(e) / (tolerance * (scale[j] + fmax(fabs(y[j]), fabs(w[j])))));
             }
-            double factor = worst < 1e-4 ? 5 : fmin(5, fmax(0.1, 0.9 * pow(worst, -0.2)));
             if (worst <= 1) {
+                if (!last || step < 5 * d) {
+                    double next = d * factor(worst);
+                    step = last ? fmax(step, next) : next;
+                }
                 t = last ? end : t + d;
                 for (int j = 0; j < N; j++) {
                     y[j] = w[j];
                     k1[j] = k7[j];
                 }
-                step = last ? fmax(step, d * factor) : d * factor;
             } else {
-                step = d * factor;
+                step = d * factor(worst);
             }
         }
     }

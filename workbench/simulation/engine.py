@@ -166,6 +166,7 @@ def run_loop(
     n, m, channel_count, memory_count = y.size, base.size, cutoffs.size, state.size
     samples = log_states.shape[0]
     slots = delay_samples + 1
+    slot = 0
     guess = h
     total_steps = 0
 
@@ -214,8 +215,9 @@ def run_loop(
         if flagged(flag):
             return STOPPED, k, total_steps
         if delay_rest == 0.0:
-            _read(system, p_y, shift(p_delayed, (k % slots) * channel_count))
-        oldest = shift(p_delayed, ((k + 1) % slots) * channel_count)
+            _read(system, p_y, shift(p_delayed, slot * channel_count))
+        slot = slot + 1 if slot + 1 < slots else 0
+        oldest = shift(p_delayed, slot * channel_count)
         late = delay_samples > 0 or delay_rest > 0.0
         if late:
             _read(system, p_y, p_prompt)
@@ -284,7 +286,7 @@ def run_loop(
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
             if reading and until == middle:
-                _read(system, p_y, shift(p_delayed, ((k + 1) % slots) * channel_count))
+                _read(system, p_y, shift(p_delayed, slot * channel_count))
                 reading = False
             at = until
         for j in range(n):
