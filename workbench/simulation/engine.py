@@ -53,8 +53,8 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_vector, _vector, _vector, _vector)),  # y, inputs, parameters, scales
     types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
     types.Tuple((_integer, _number, _integer, _number)),  # command's input, its limit; the same of the rotary command
-    types.Tuple((_table, _table, _table, _vector)),  # references, rotary references, exogenous, linear hold
-    types.Tuple((_table, _vector, _vector, _table)),  # noise, resolution, filter cutoffs, systematic errors
+    types.Tuple((_table, _table, _table, _vector)),  # references; if any, rotary ones and exogenous; linear hold
+    types.Tuple((_table, _vector, _vector, _table)),  # noise, if any; resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     _table,  # of each input that is the command of a time ago: its place, that time in whole samples, and the rest in s
     types.Tuple((_number, _integer, _number)),  # sample time, steps a sample, tolerance
@@ -191,6 +191,7 @@ def run_loop(
     system = (derivatives, measure, address(parameters), address(cutoffs), p_readings, sizes, flag)
     inputs, tableau = (p_now, p_initial, p_slopes), (slope_count, order, address(numbers))
     ramped = erring = False
+    noisy, fed = noise.size > 0, exogenous.size > 0
     for j in range(m):
         ramped = ramped or p_linear[j] > 0.0
     for j in range(errors.size):
@@ -225,13 +226,14 @@ def run_loop(
             value = p_prompt[j] if late and j >= FIRST_OF_DRIVE else oldest[j]
             if erring:
                 value += systematic_error(value, shift(p_errors, j * ERROR_NUMBERS))
-            value += p_noise[k * channel_count + j]
+            if noisy:
+                value += p_noise[k * channel_count + j]
             if p_resolution[j] > 0.0:
                 value = p_resolution[j] * np.rint(value / p_resolution[j])
             p_measured[j] = value
             p_log_read[k * channel_count + j] = value
         for j in range(m):
-            p_initial[j] = p_base[j] + p_exogenous[k * m + j]
+            p_initial[j] = p_base[j] + p_exogenous[k * m + j] if fed else p_base[j]
             if ramped and p_linear[j] > 0.0:
                 p_slopes[j] = (p_exogenous[(k + 1) * m + j] - p_exogenous[k * m + j]) / h
         command = call_step(step, shift(p_references, 3 * k), p_measured, p_state, p_gains, h)

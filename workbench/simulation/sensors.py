@@ -87,8 +87,9 @@ class Sensors:
     """Age (s) of what the controller sees: any value, not only whole samples."""
 
     def noise(self, samples: int, seed: int) -> np.ndarray:
-        """Noise to add, shape (samples, channels); each channel draws from a stream of its own."""
-        noise = np.zeros((samples, len(Measurement._fields)))
+        """Noise to add, shape (samples, channels), no rows without any; each channel draws from a stream of its own."""
+        noisy = any(channel.noise > 0.0 for channel in self.channels.values())
+        noise = np.zeros((samples if noisy else 0, len(Measurement._fields)))
         for name, channel in self.channels.items():
             if channel.noise > 0.0:
                 i = Measurement._fields.index(name)

@@ -73,7 +73,7 @@ def simulate(setup: Setup) -> Run:
     shown = Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
 
     references, profile = _sampled_reference(setup.reference, time)
-    rotary_references = np.zeros((samples, 3))
+    rotary_references = np.zeros((samples if setup.rotary else 0, 3))
     rotary_references[:, 0] = setup.rotation_speed
     exogenous, linear = _sampled_feeds(setup, samples)
     rotary = setup.rotary or NO_LOOP
@@ -153,9 +153,9 @@ def _sampled_reference(
 
 
 def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Values of the fed inputs at each sample and one beyond, and which of them are ramps between samples."""
+    """Values of the fed inputs at each sample and one beyond (no rows without feeds), and which are ramps between."""
     count = len(fields(setup.plant.Inputs))
-    values, linear = np.zeros((samples + 1, count)), np.zeros(count)
+    values, linear = np.zeros((samples + 1 if setup.feeds else 0, count)), np.zeros(count)
     time = setup.sample_time * np.arange(samples + 1)
     for feed in setup.feeds:
         index = setup.plant.input_index(feed.input)
