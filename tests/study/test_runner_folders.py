@@ -1,5 +1,6 @@
 """Folders of results: those that do not serve, what a killed run leaves, and that it goes on to the same bytes."""
 
+import functools
 import re
 import shutil
 import sqlite3
@@ -12,7 +13,7 @@ import pandas as pd
 import pytest
 from command import PROCESS, STUDY, changed, killed, ran, workbench, write
 
-from workbench.study.store import Store
+from workbench.study.store import Row, Store, export_frames
 
 NOISE = '[sensors.position]\nnoise = "10 um"\n'
 
@@ -65,10 +66,19 @@ def test_another_study_cannot_be_resumed(tmp_path: Path) -> None:
     assert (out / "study.toml").read_text(encoding="utf-8") == STUDY
 
 
-def test_nothing_cannot_be_resumed(tmp_path: Path) -> None:
-    said = complaint(tmp_path, "--out", tmp_path / "none", "--resume")
-    assert said == "@/none: holds no results to resume; leave --resume out"
-    assert not (tmp_path / "none").exists()
+@pytest.mark.parametrize("left", ["no folder", "an empty folder", "an empty database"])
+def test_resuming_begins_where_nothing_is_there_yet(tmp_path: Path, left: str) -> None:
+    """A script repeats its command, whenever it was stopped."""
+    out = tmp_path / "out"
+    if left != "no folder":
+        out.mkdir()
+    if left == "an empty database":
+        write(out, "", "results.sqlite")
+    assert workbench("run", write(tmp_path, STUDY), "--out", out, "--resume").code == 0
+    assert (out / "results.csv").read_bytes() == (ran(tmp_path, STUDY) / "results.csv").read_bytes()
+
+
+def test_what_is_no_database_cannot_be_resumed(tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
     write(tmp_path / "none", "not a database", "results.sqlite")
     said = complaint(tmp_path, "--out", tmp_path / "none", "--resume")
@@ -182,15 +192,37 @@ def test_resume_runs_only_what_is_missing(tmp_path: Path) -> None:
     assert after["rms_error_m"].tolist() == [42.0, before["rms_error_m"][1]]
 
 
-def test_a_row_is_committed_as_it_ends(tmp_path: Path) -> None:
-    """A second connection sees it while the first is open."""
+def test_rows_are_committed_as_they_come(tmp_path: Path) -> None:
+    """A second connection sees them while the first is open."""
     store = Store.create(tmp_path / "out", ["rpm", "outcome"], {"study": "a"}, overwrite=False)
-    store.add(1, {"rpm": 460, "outcome": "completed"})
-    assert rows(tmp_path / "out") == 1
-    store.add(0, {"outcome": "diverged"})
-    assert store.done() == {0, 1}
-    assert store.frame()["outcome"].tolist() == ["diverged", "completed"]
+    store.add([Row(1, [460, "completed"]), Row(2, [460, "stuck"])])
+    assert rows(tmp_path / "out") == 2
+    store.add([Row(0, [None, "diverged"])])
+    assert store.done() == {0, 1, 2}
+    (frame,) = store.frames()
+    assert frame["outcome"].tolist() == ["diverged", "completed", "stuck"]
     store.close()
+
+
+def test_results_in_several_frames_are_those_of_one(tmp_path: Path) -> None:
+    """What a column holds shows in some frames alone: numbers in one, a name in another, nothing in a third."""
+    store = Store.create(tmp_path / "out", ["mixed", "whole", "real", "none", "word"], {"study": "a"}, overwrite=False)
+    rows = [
+        [1, 3, 2.0, None, None],
+        [0.5, 4, None, None, None],
+        ["a", 5, 3, None, "b"],
+        [None, 6, 0.1 + 0.2, None, None],
+    ]
+    store.add([Row(i, row) for i, row in enumerate(rows)])
+    for name, count in (("one", 4), ("several", 1)):
+        (tmp_path / name).mkdir()
+        export_frames(functools.partial(store.frames, count), tmp_path / name)
+    store.close()
+    assert (tmp_path / "several" / "results.csv").read_bytes() == (tmp_path / "one" / "results.csv").read_bytes()
+    one, several = (pd.read_parquet(tmp_path / name / "results.parquet") for name in ("one", "several"))
+    pd.testing.assert_frame_equal(one, several)
+    assert one["mixed"].tolist()[:3] == ["1", "0.5", "a"]
+    assert [str(kind) for kind in one.dtypes[1:3]] == ["int64", "float64"]
 
 
 PIPED = """\

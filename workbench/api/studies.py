@@ -12,7 +12,7 @@ from workbench.api.plain import expect, plain_table
 from workbench.api.results import StudyResults
 from workbench.errors import UserError, nearest
 from workbench.study import study as studies
-from workbench.study.names import in_words, matches
+from workbench.study.names import in_words
 from workbench.study.plan import Plan, plan
 from workbench.study.reading import read_study, study_of
 from workbench.study.resolve import resolve
@@ -77,7 +77,7 @@ class Study:
     @property
     def cases(self) -> pd.DataFrame:
         """A row a case, with the values of its axes."""
-        return pd.DataFrame([case.columns for case in self.plan.cases])
+        return pd.DataFrame([self.plan.cases.columns(i) for i in range(len(self.plan.cases))])
 
     @property
     def warnings(self) -> list[str]:
@@ -107,7 +107,7 @@ class Study:
         for name in axes:
             if name not in self.plan.axes:
                 raise UserError(f"{self.content.path}: no axis {name}; {nearest(name, self.plan.axes)}")
-        cases = [case for case in self.plan.cases if matches(case.columns, axes)]
+        cases = [self.plan.cases[int(place)] for place in self.plan.cases.where(axes)]
         if len(cases) != 1:
             number = f"{len(cases) or 'no'} case{'s' * (len(cases) != 1)}"
             raise UserError(

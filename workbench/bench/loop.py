@@ -11,8 +11,7 @@ from workbench.study.layers import LAYERS
 from workbench.study.reading import study_of
 from workbench.study.resolve import ParsedCase, Resolved, parse_case
 from workbench.study.schema import OVERRIDES
-from workbench.study.study import Case, Study, named
-from workbench.study.uncertainty import DRAW
+from workbench.study.study import DRAW, Case, Study, named
 from workbench.study.unfold import merged, unfold
 
 HELD = ("controllers.", "references.")

@@ -9,7 +9,7 @@ from workbench.bench.loop import BenchLoop, Change
 from workbench.bench.measured import MeasuredLoop
 from workbench.bench.outcome import outcome_of
 from workbench.errors import UserError
-from workbench.parallel import workers
+from workbench.parallel.workers import workers
 from workbench.simulation.simulate import simulate
 from workbench.study.resolve import resolve
 from workbench.study.run_on import evaluated

@@ -4,13 +4,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from workbench.progress import Progress
 from workbench.simulation.stopping import exit_code
-
-if TYPE_CHECKING:
-    from workbench.study.study import Case
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
@@ -72,7 +69,7 @@ class ProgressBar:
         self._total = total
         self._bar: Any = None
 
-    def __enter__(self) -> Callable[[int, int, "Case"], None]:
+    def __enter__(self) -> Callable[[int, int, str], None]:
         if not sys.stderr.isatty():
             return self._plain(Lines())
         from rich.console import Console
@@ -82,12 +79,12 @@ class ProgressBar:
         self._bar = Progress(*columns, console=Console(stderr=True))
         self._bar.start()
         task = self._bar.add_task("", total=self._total)
-        return lambda count, total, case: self._bar.update(task, completed=count, description=case.label)
+        return lambda count, total, case: self._bar.update(task, completed=count, description=case)
 
-    def _plain(self, lines: Lines) -> Callable[[int, int, "Case"], None]:
+    def _plain(self, lines: Lines) -> Callable[[int, int, str], None]:
         first: list[int] = []
 
-        def told(count: int, total: int, case: "Case") -> None:
+        def told(count: int, total: int, case: str) -> None:
             if not first:
                 first.append(count)
                 lines.begin()

@@ -11,7 +11,7 @@ from workbench.decide.plan import Candidate, Plan, Stage
 from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.parallel import workers
+from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
 from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.hold import HOLD_SHARE, held

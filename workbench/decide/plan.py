@@ -8,9 +8,8 @@ from typing import Literal
 from workbench.decide.checks import Candidate, check_candidates, check_motions, check_still
 from workbench.decide.schema import DecideTable
 from workbench.errors import UserError, nearest
-from workbench.metrics.registry import columns
 from workbench.simulation.simulate import Loop
-from workbench.study.checks.checks import Checks
+from workbench.study.checks.use import check_use
 from workbench.study.layers import MACHINE
 from workbench.study.overrides import Overrides
 from workbench.study.reading import with_files
@@ -111,7 +110,7 @@ def plan_decision(study: Study, machine: str | None = None) -> Plan:
     resolved = {candidate: parsed.resolve() for candidate, parsed in cases[table.speed].items()}
     check_candidates(study, table, resolved)
     check_scales(study, asked.values())
-    Checks(study, list(asked.values()), list(resolved.values()), [], list(columns())).without_use()
+    check_use(study, list(asked.values()), list(resolved.values()))
     several = study.file.uncertainty is not None
     planned = Plan(
         study=study,

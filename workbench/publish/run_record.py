@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from plants.equation import EQUATION_FOLDERS, source_hash
-from workbench.parallel import job_count
+from workbench.parallel.workers import job_count
 
 PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
 """Packages on whose version results may depend."""

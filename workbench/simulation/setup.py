@@ -18,7 +18,7 @@ Numbers: TypeAlias = tuple[object, ...]
 DEFAULT_TOLERANCE = 1e-6
 """Of the typical magnitude of a state and its own: an estimated error of a step, well below what a rig resolves."""
 
-TIGHTER = 100.0
+TIGHTER = 10.0
 """The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
 
 DELAY_SLACK = 1e-9

@@ -36,6 +36,7 @@ __all__ = [
     "Setup",
     "finer",
     "largest_distance",
+    "ready",
     "simulate",
     "solver_error",
 ]
@@ -46,6 +47,13 @@ step's reversal; beyond a twentieth of the run it is the motor that says how the
 
 VACUUM = -101325.0
 """Pa over the ambient pressure, of which pressures of oil are counted."""
+
+
+def ready(setup: Setup) -> None:
+    """Have the compiled code of a run at hand, so that processes made later need not compile it, each for itself."""
+    plant_addresses(setup.plant)
+    for loop in (setup.loop, setup.rotary or NO_LOOP):
+        controller_addresses(loop.controller)
 
 
 def simulate(setup: Setup) -> Run:

@@ -1,6 +1,11 @@
 """What a study would run, in words."""
 
+from collections.abc import Sequence
+
 from workbench.study.plan import Plan
+
+MOST_VALUES, ENDS = 30, 3
+"""Values of an axis that are all said, and how many of more are, at either end."""
 
 
 def description(planned: Plan) -> list[str]:
@@ -8,14 +13,14 @@ def description(planned: Plan) -> list[str]:
     file, count = planned.study.file, len(planned.cases)
     return [
         file.title + (f" ({file.source})" if file.source else ""),
-        *(f"  {name}: {', '.join(values)}" for name, values in _axes_of(planned).items()),
+        *(f"  {name}: {_said(values)}" for name, values in planned.cases.axes.items()),
         f"  {count} case{'s' * (count > 1)}, {planned.simulated_seconds:g} s of simulated time",
     ]
 
 
-def _axes_of(planned: Plan) -> dict[str, list[str]]:
-    axes: dict[str, dict[str, None]] = {}
-    for case in planned.cases:
-        for name, value in case.columns.items():
-            axes.setdefault(name, {})[str(value)] = None
-    return {name: list(values) for name, values in axes.items()}
+def _said(values: Sequence[object]) -> str:
+    """The values of an axis, of many the first and the last."""
+    words = [str(value) for value in values]
+    if len(words) <= MOST_VALUES:
+        return ", ".join(words)
+    return f"{', '.join(words[:ENDS])}, ... {', '.join(words[-ENDS:])} ({len(words)} values)"

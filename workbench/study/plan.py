@@ -1,9 +1,12 @@
 """What a study would run: its cases, checked to the last key. Nothing here simulates."""
 
+import functools
 import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import overload
 
 import numpy as np
 
@@ -13,43 +16,44 @@ from plants.equation import EQUATION_FOLDERS, source_hash, to_array
 from plants.laws.registry import LAWS
 from plants.registry import PLANTS
 from workbench.metrics.registry import METRICS, columns
+from workbench.parameters.sets import parameter_path, read_deviations
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.study.checks.checks import Checks
-from workbench.study.names import matches
 from workbench.study.reference_tables import REFERENCES
-from workbench.study.resolve import ParsedCase, Resolved, parse_case
+from workbench.study.resolve import Resolved, resolve
 from workbench.study.study import Case, Study, located
-from workbench.study.uncertainty import DRAW, on_plant_samples
-from workbench.study.unfold import unfold
+from workbench.study.uncertainty import draws_of
+from workbench.study.unfold import Cases, unfold
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
 
 
+MOST_CHECKED = 1000
+"""Cases, draws not counted, up to which each is checked before anything runs; of more, so many that stand for all."""
+
+
 @dataclass(frozen=True)
 class Plan:
-    """A study that has been checked to the last key: its cases, each as `parsed`, and what it is on the machine as
-    `declared`, not drawn.
+    """A study that has been checked to the last key: its `cases`, and of those that were `checked`, which are all
+    unless there are very many, what they are on the machine as `declared`, not drawn.
     """
 
     study: Study
-    cases: list[Case]
-    parsed: list[ParsedCase]
-    declared: list[Resolved]
+    cases: Cases
+    checked: Sequence[Case]
+    declared: Sequence[Resolved]
     warnings: Sequence[str] = ()
 
     @cached_property
-    def resolved(self) -> list[Resolved]:
+    def resolved(self) -> "ResolvedCases":
         """What each case runs."""
-        return [
-            parsed.resolve(case.overrides) if DRAW in case.axes else declared
-            for case, parsed, declared in zip(self.cases, self.parsed, self.declared, strict=True)
-        ]
+        return ResolvedCases(self.study, self.cases, self.declared)
 
-    @property
+    @cached_property
     def axes(self) -> list[str]:
         """Columns that tell the cases apart."""
-        return list(dict.fromkeys(name for case in self.cases for name in case.columns))
+        return list(self.cases.axes)
 
     @property
     def columns(self) -> list[str]:
@@ -61,11 +65,11 @@ class Plan:
         """Unit of the positions of all its plants, "m" or "rad"."""
         return self.declared[0].setup.plant.axis if self.declared else LINEAR
 
-    @property
+    @cached_property
     def identity(self) -> dict[str, str]:
         """What results must agree in to be of the same study: the file, the numbers it leads to, all code."""
         numbers = hashlib.sha256()
-        for item in self.resolved:
+        for item in self.declared:
             setup = item.setup
             signals = [setup.reference, *(feed.signal for feed in setup.feeds)]
             turned = (setup.rotary.gains,) if setup.rotary else ()
@@ -74,6 +78,8 @@ class Plan:
             for signal in signals:
                 if signal is not None:
                     numbers.update(signal(np.linspace(0.0, setup.duration, 1001))[0].tobytes())
+        if self.cases.draws is not None:
+            numbers.update(self._machines.encode())
         return {
             "study": self.study.fingerprint,
             "parameters": numbers.hexdigest(),
@@ -82,43 +88,84 @@ class Plan:
         }
 
     @property
+    def _machines(self) -> str:
+        """All that the drawn machines come from."""
+        draws, folder = self.cases.draws, self.study.path.parent
+        assert draws is not None
+        sets = sorted({str(case.tables["plant"]["parameters"]) for case in self.checked})
+        spreads = {name: dict(read_deviations(parameter_path(name, folder), self.axis)) for name in sets}
+        return json.dumps([draws.table.model_dump(), [*draws.numbers], spreads], default=str)
+
+    @property
     def _plugins(self) -> str:
         """The plug-ins that the cases name, and all metrics, each with a hash of its source; "" without any."""
-        used = {item.setup.plant for item in self.resolved}
-        types = {str(table.get("type")) for case in self.cases for table in case.tables["controllers"].values()}
+        used = {item.setup.plant for item in self.declared}
+        types = {str(table.get("type")) for case in self.checked for table in case.tables["controllers"].values()}
         sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
         sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
         sources += [(name, METRICS.source(name)) for name in METRICS.working()]
-        laws = {str(tables.get("plant", {}).get("friction", "")) for tables in (case.tables for case in self.cases)}
+        laws = {str(case.tables.get("plant", {}).get("friction", "")) for case in self.checked}
         sources += [(name, LAWS.source(name)) for name in sorted(laws)]
-        methods = {item.setup.integrator.method for item in self.resolved}
+        methods = {item.setup.integrator.method for item in self.declared}
         sources += [(name, INTEGRATORS.source(name)) for name in sorted(methods)]
-        kinds = {str(table.get("kind")) for case in self.cases for table in case.tables["references"].values()}
+        kinds = {str(table.get("kind")) for case in self.checked for table in case.tables["references"].values()}
         sources += [(name, REFERENCES.source(name)) for name in sorted(kinds)]
         return ", ".join(f"{name} {source}" for name, source in sources if source)
 
     @property
     def simulated_seconds(self) -> float:
-        """Duration of all cases together (s)."""
-        return sum(item.setup.duration for item in self.declared)
+        """Duration of all cases together (s); of very many, as far as those checked tell."""
+        return sum(item.setup.duration for item in self.declared) * len(self.cases) / max(len(self.declared), 1)
+
+    @property
+    def seeds(self) -> list[int]:
+        """The seeds of noise and friction of its cases; of very many, those of the cases checked."""
+        draws = self.cases.draws
+        if draws is not None:
+            return sorted({draws.sample(number).seed for number in draws.numbers})
+        return sorted({item.setup.seed for item in self.declared})
+
+
+class ResolvedCases(Sequence[Resolved]):
+    """What each case of a study runs, built when it is asked for, unless it was for the checks."""
+
+    def __init__(self, study: Study, cases: Cases, declared: Sequence[Resolved] = ()) -> None:
+        self._study, self._cases = study, cases
+        self._built = declared if len(declared) == len(cases) and cases.draws is None else ()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ResolvedCases, (self._study, self._cases)
+
+    def __len__(self) -> int:
+        return len(self._cases)
+
+    @overload
+    def __getitem__(self, index: int) -> Resolved: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Resolved]: ...
+    def __getitem__(self, index: int | slice) -> Resolved | list[Resolved]:
+        """Raises UserError for a mistake in a case that was not among those checked."""
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        return self._built[index] if self._built else resolve(self._study, self._cases[index])
 
 
 def plan(study: Study) -> Plan:
     """Unfold and check a study.
 
     Raises:
-        UserError: the first mistake in any case, table or figure.
+        UserError: the first mistake in any case that is checked, table or figure.
     """
     planned = _drawn(study, unfold(study))
     check_one_axis(study, planned)
-    checks = Checks(study, planned.cases, planned.declared, planned.axes, list(columns(planned.axis)))
+    checks = Checks(planned.study, planned.checked, planned.declared, planned.cases, list(columns(planned.axis)))
     checks.all()
     return replace(planned, warnings=checks.warnings())
 
 
 def check_one_axis(study: Study, planned: Plan) -> None:
     """Raise UserError where some plants go straight and others turn: results have one column for both."""
-    for case, item in zip(planned.cases, planned.declared, strict=True):
+    for case, item in zip(planned.checked, planned.declared, strict=True):
         if item.setup.plant.axis != planned.axis:
             first, other = planned.declared[0].setup.plant.name, item.setup.plant.name
             message = f"{first} has positions in {planned.axis}, {other} in {item.setup.plant.axis}; make two studies"
@@ -128,19 +175,19 @@ def check_one_axis(study: Study, planned: Plan) -> None:
 def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> Plan:
     """Those cases of a plan that have one of the `wanted` sets of columns, on so many machines not yet drawn."""
     study, table = planned.study, planned.study.file.uncertainty
-    chosen = [case for case in unfold(study) if any(matches(case.columns, where) for where in wanted)]
+    cases = unfold(study)
+    chosen = functools.reduce(np.union1d, [cases.where(where) for where in wanted])
     first = 1 + (table.draws if table is not None else 0)
-    return _drawn(study, chosen, range(first, first + draws))
+    return _drawn(study, cases.among(chosen), range(first, first + draws))
 
 
-def _drawn(study: Study, cases: list[Case], numbers: range | None = None) -> Plan:
-    """The plan of these cases on each plant sample, where the study draws any."""
-    parsed = [parse_case(study, case) for case in cases]
-    declared = [each.resolve() for each in parsed]
+def _drawn(study: Study, cases: Cases, numbers: range | None = None) -> Plan:
+    """The plan of these cases on each machine, where the study draws any."""
+    told = cases[:] if cases.bases <= MOST_CHECKED else [cases[place] for place in cases.telling(MOST_CHECKED)]
+    declared = [resolve(study, case) for case in told]
     axis = declared[0].setup.plant.axis if declared else LINEAR
-    drawn = on_plant_samples(study, cases, numbers, axis)
-    times = range(len(drawn) // len(cases) if cases else 1)
-    return Plan(study, drawn, [each for each in parsed for _ in times], [each for each in declared for _ in times])
+    drawn = cases.on(draws_of(study, told, numbers, axis))
+    return Plan(study, drawn, [drawn[case.index * drawn.repeats] for case in told], declared)
 
 
 def needed_trajectories(planned: Plan) -> set[int]:
@@ -153,4 +200,4 @@ def needed_trajectories(planned: Plan) -> set[int]:
         if panel.x not in columns
         for curve in panel.curves
     ]
-    return {case.index for case in planned.cases if any(matches(case.columns, where) for where in wanted)}
+    return {int(place) for where in wanted for place in planned.cases.where(where)}

@@ -1,26 +1,30 @@
-"""Running a study: its cases in parallel, each result kept the moment it is there."""
+"""Running a study: its cases in chunks, each chunk's results kept the moment they are there."""
 
 import json
 import time
-from collections.abc import Callable, Mapping
-from concurrent.futures import Future, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
-from workbench.errors import MetricError
+from workbench.errors import MetricError, UserError
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.registry import SOLVER, names_along
-from workbench.parallel import workers
+from workbench.parallel.chunks import KilledError, in_chunks
 from workbench.publish.run_record import ran_on
 from workbench.simulation.run import Run
-from workbench.simulation.simulate import finer, largest_distance, simulate
+from workbench.simulation.simulate import finer, largest_distance, ready, simulate
 from workbench.study.plan import Plan, needed_trajectories
 from workbench.study.probes import probe_values
-from workbench.study.resolve import Resolved, resolve
+from workbench.study.resolve import Resolved
 from workbench.study.run_on import evaluated
-from workbench.study.sketches import SKETCH, points_for, sketch_of, sketched
+from workbench.study.sketches import is_sketched, points_for, sketch_of, sketched
 from workbench.study.store import (
+    EXPORTS,
+    RECORDS,
+    Row,
     Store,
-    export,
+    export_frames,
     record_path,
     trajectory_path,
     write_json,
@@ -28,44 +32,68 @@ from workbench.study.store import (
     write_study,
     write_trajectory,
 )
-from workbench.study.study import Case, Study
+from workbench.study.study import Case, Study, in_full
+from workbench.study.unfold import Cases
 
-Progress = Callable[[int, int, Case], None]
-"""Called with the number of finished cases, of all cases, and the case that has just finished."""
+Progress = Callable[[int, int, str], None]
+"""Called with the number of finished cases, of all cases, and one that has just finished, in words."""
 
 
-def run_case(
-    study: Study,
-    case: Case,
-    keep: Path | None,
-    record: Path | None = None,
-    resolved: Resolved | None = None,
-    points: int = 0,
-) -> dict[str, object]:
-    """Run one case and return its row; the trajectory goes to `keep`, what a rig would write down to `record`. With
-    `points` the row has a sketch of the trajectory too, of so many.
+@dataclass(frozen=True)
+class CaseRuns:
+    """The work of a study: what a case is run for, and where its files go. It can travel to another process.
 
-    `resolved` is what the case runs, where that need not travel to another process. A mistake in the file has been
-    found before, by `plan`.
-
-    Raises:
-        MetricError: a metric of a plug-in fails.
+    Attributes:
+        study: the study.
+        cases: all its cases.
+        resolved: what they run.
+        columns: of its results.
+        folder: of its results, absolute.
+        trajectories: indices of the cases whose trajectories are kept; None: all.
+        points: of the sketch of a trajectory.
     """
-    resolved = resolved or resolve(study, case)
-    run = simulate(resolved.setup)
-    try:
-        figures = figures_of(resolved, run, solver_error=case.tells_solver_error)
-    except MetricError as error:
-        raise MetricError(f"{case.label}: {error}") from error.__cause__
-    values: dict[str, object] = {**case.columns, **figures}
-    values |= probe_values(run, study.file.probes, resolved.transient, case.name)
-    if points:
-        values[SKETCH] = sketch_of(run, points)
-    if keep is not None:
-        write_trajectory(run, keep)
-    if record is not None:
-        write_record(run, study.file.records, case.rpm, record)
-    return values
+
+    study: Study
+    cases: Cases
+    resolved: Sequence[Resolved]
+    columns: Sequence[str]
+    folder: Path
+    trajectories: frozenset[int] | None = frozenset()
+    points: int = 0
+
+    def __call__(self, index: int) -> Row:
+        """Run a case: its row of results. Its trajectory, and what a rig would write down, go to files of their own.
+
+        Raises:
+            MetricError: a metric of a plug-in fails.
+            UserError: a mistake in a case that was not among those checked before.
+        """
+        case, resolved = self.cases[index], self.resolved[index]
+        run = simulate(resolved.setup)
+        try:
+            figures = figures_of(resolved, run, solver_error=case.tells_solver_error)
+        except MetricError as error:
+            raise MetricError(f"{case.label}: {error}") from error.__cause__
+        values: dict[str, object] = {**case.columns, **figures}
+        values |= probe_values(run, self.study.file.probes, resolved.transient, case.name)
+        sketch = sketch_of(run, self.points) if is_sketched(self.cases, index) else None
+        for path in self.files(case):
+            if path.parent.name == RECORDS:
+                write_record(run, self.study.file.records, case.rpm, path)
+            else:
+                write_trajectory(run, path)
+        return Row(index, [_storable(values.get(column)) for column in self.columns], sketch)
+
+    def files(self, case: Case) -> list[Path]:
+        """The files that a case leaves beside its row."""
+        kept = self.trajectories is None or case.index in self.trajectories
+        trajectory = [trajectory_path(self.folder, case.index)] if kept else []
+        return trajectory + ([record_path(self.folder, case)] if self.study.file.records else [])
+
+    def unwritten(self) -> set[int]:
+        """Indices of the cases of which a file is missing."""
+        some = range(len(self.cases)) if self.trajectories is None or self.study.file.records else self.trajectories
+        return {index for index in some if not all(path.exists() for path in self.files(self.cases[index]))}
 
 
 def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
@@ -117,47 +145,46 @@ def run_study(
         UserError: the folder, or the cluster, does not serve.
     """
     study, began = planned.study, time.time()
-    if resume:
-        store = Store.reopen(folder, planned.columns, planned.identity)
-    else:
-        store = Store.create(folder, planned.columns, planned.identity, overwrite)
-    try:
+    columns, identity = planned.columns, planned.identity
+    opened = Store.resume(folder, columns, identity) if resume else Store.create(folder, columns, identity, overwrite)
+    with closing(opened) as store:
         write_study(study, folder)
-        kept = {case.index for case in planned.cases} if keep_all else needed_trajectories(planned)
-        paths = {index: trajectory_path(folder.resolve(), index) for index in kept}
-        records = {case.index: record_path(folder.resolve(), case) for case in planned.cases if study.file.records}
-        sketches = {case.index for case in sketched(planned.cases)}
-        points = points_for(len(sketches))
-        missing = {index for files in (paths, records) for index, path in files.items() if not path.exists()}
-        done = store.done() - missing
-        waiting = [case for case in planned.cases if case.index not in done]
-        with workers(jobs, cluster) as executor:
-            futures: dict[Future[dict[str, object]], Case] = {
-                executor.submit(
-                    run_case,
-                    study,
-                    case,
-                    paths.get(case.index),
-                    records.get(case.index),
-                    planned.resolved[case.index] if cluster is None else None,
-                    points if case.index in sketches else 0,
-                ): case
-                for case in waiting
-            }
-            for count, future in enumerate(as_completed(futures), start=len(done) + 1):
-                case = futures[future]
-                store.add(case.index, _storable(future.result()))
+        kept = None if keep_all else frozenset(needed_trajectories(planned))
+        points = points_for(sketched(planned.cases))
+        work = CaseRuns(study, planned.cases, planned.resolved, columns, folder.resolve(), kept, points)
+        done = store.done()
+        done -= work.unwritten()
+        waiting = [index for index in range(len(planned.cases)) if index not in done]
+        if waiting and cluster is None:
+            for item in planned.declared:
+                ready(item.setup)
+        count = len(done)
+        with closing(in_chunks(work, waiting, jobs=jobs, cluster=cluster)) as chunks, _killed_told(planned):
+            for chunk in chunks:
+                store.add(chunk.results)
+                count += len(chunk.results)
                 if progress is not None:
-                    progress(count, len(planned.cases), case)
-        export(store.frame(), folder)
-        write_json(folder / "run.json", _record(planned, began, jobs, cluster))
-    finally:
-        store.close()
+                    progress(count, len(planned.cases), in_full(planned.cases.columns(chunk.places[-1])))
+        if waiting or not all((folder / name).exists() for name in EXPORTS):
+            export_frames(store.frames, folder)
+    write_json(folder / "run.json", _record(planned, began, jobs, cluster))
 
 
-def _storable(values: Mapping[str, object]) -> dict[str, object]:
-    """Values as SQLite keeps them; lists and tables of a dotted axis as JSON."""
-    return {key: json.dumps(value) if isinstance(value, list | dict) else value for key, value in values.items()}
+@contextmanager
+def _killed_told(planned: Plan) -> Iterator[None]:
+    try:
+        yield
+    except KilledError as error:
+        label = planned.cases[error.place].label
+        raise UserError(
+            f"{label}: its process was killed whenever it ran, as a system does that is out of memory; finished "
+            "cases are kept: go on with --resume --jobs 1"
+        ) from None
+
+
+def _storable(value: object) -> object:
+    """A value as SQLite keeps it; a list or a table of a dotted axis as JSON."""
+    return json.dumps(value) if isinstance(value, list | dict) else value
 
 
 def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) -> dict[str, object]:
@@ -166,6 +193,6 @@ def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) 
         **planned.identity,
         "cases": len(planned.cases),
         "simulated_seconds": planned.simulated_seconds,
-        "seeds": sorted({item.setup.seed for item in planned.resolved}),
+        "seeds": planned.seeds,
         **ran_on(began, cluster or jobs),
     }

@@ -8,10 +8,7 @@ from workbench.publish.page.packed import shorts
 from workbench.publish.thinning import thinned
 from workbench.simulation.run import TRUE, Run
 from workbench.study.names import units_of
-from workbench.study.study import Case
-
-SKETCH = "trajectory sketch"
-"""Where it stands beside the figures of a case; a blank keeps it apart from any column."""
+from workbench.study.unfold import Cases
 
 ERROR, REFERENCE, POSITION, COMMAND = "error", "reference_position", "position", "command"
 
@@ -28,9 +25,15 @@ LEAST, MOST = 80, 800
 """Points of a sketch: from where a motion can be seen to where a screen shows no more."""
 
 
-def sketched(cases: Sequence[Case]) -> list[Case]:
-    """Those cases of a study of which sketches are kept: of drawn machines the first draw of each."""
-    return [case for case in cases if case.tells_solver_error][:MOST_CASES]
+def is_sketched(cases: Cases, index: int) -> bool:
+    """Whether a sketch of a case is kept: of drawn machines of the first draw of each."""
+    base, turn = divmod(index, cases.repeats)
+    return turn == 0 and base < MOST_CASES
+
+
+def sketched(cases: Cases) -> int:
+    """Of how many cases of a study sketches are kept."""
+    return min(cases.bases, MOST_CASES)
 
 
 def points_for(count: int) -> int:

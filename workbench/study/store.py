@@ -2,7 +2,7 @@
 
 study.toml        the study as it was run
 machines/, scenarios/     the files of machines and scenarios that it names
-results.sqlite    one row a finished case, committed as it ends, and sketches of trajectories for the page
+results.sqlite    one row a finished case, committed in chunks as these end, and sketches of trajectories for the page
 results.csv, results.parquet, run.json        written when all cases are done
 results.html      tables, figures and every case, of a study that has no page of its own
 trajectories/     one Parquet file a case that a figure needs, or for all with --keep-trajectories
@@ -13,18 +13,19 @@ fresh/            the finalists of a comparison on machines not drawn before: re
 
 import json
 import sqlite3
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_object_dtype
 
 from workbench.errors import UserError
 from workbench.publish.folders import GrowingFolder, unwritable, write_whole
 from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
-from workbench.study.sketches import SKETCH
 from workbench.study.study import INDEX, Case, Study
 
 DATABASE = "results.sqlite"
@@ -46,8 +47,23 @@ REPLACED = (
 )
 """What a run may write into its folder, and therefore may replace; the database, which marks it as ours, last."""
 
+RECORDS = "records"
+EXPORTS = ("results.csv", "results.parquet")
+"""What `export` writes."""
+
+EXPORTED = 20_000
+"""Rows that are read and written at a time: results may be larger than memory."""
+
 FOLDER = GrowingFolder("run", "results", REPLACED, kept=tuple(layer.section for layer in LAYERS.values()))
 """With machines and scenarios, of which no file is removed: studies look for theirs in folders of these names."""
+
+
+class Row(NamedTuple):
+    """A finished case: its index, its values in the order of the columns, the sketch of its motion if it has one."""
+
+    case: int
+    values: Sequence[object]
+    sketch: str | None = None
 
 
 class Store:
@@ -81,13 +97,15 @@ class Store:
         return cls(connection, folder, columns)
 
     @classmethod
-    def reopen(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str]) -> "Store":
-        """The store of an earlier run of the same study, to go on with.
+    def resume(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str]) -> "Store":
+        """The store of an earlier run of the same study, to go on with; a new one where none has begun.
 
         Raises:
-            UserError: there is none, or it is of another study or another version of the equations.
+            UserError: it is of another study or another version of the equations, or damaged.
         """
-        database = FOLDER.resumed(folder)
+        database = folder / DATABASE
+        if not database.exists() or database.stat().st_size == 0:  # stopped before its first word was written
+            return cls.create(folder, columns, identity, overwrite=database.exists())
         try:
             connection = sqlite3.connect(database)
             stored = dict(connection.execute("SELECT key, value FROM identity"))
@@ -105,24 +123,42 @@ class Store:
         """Indices of the finished cases."""
         return {index for (index,) in self._connection.execute(f"SELECT {INDEX} FROM results")}
 
-    def add(self, index: int, values: Mapping[str, object]) -> None:
-        """Commit one finished case, with the sketch of its trajectory if it has one."""
-        row = [index, *(values.get(column) for column in self.columns)]
+    def add(self, rows: Sequence[Row]) -> None:
+        """Commit finished cases, all at once."""
+        marks = ", ".join("?" * (1 + len(self.columns)))
+        sketches = [(row.case, row.sketch) for row in rows if row.sketch is not None]
         with self._connection:
-            if SKETCH in values:
-                self._connection.execute("INSERT OR REPLACE INTO sketches VALUES (?, ?)", (index, values[SKETCH]))
-            marks = ", ".join("?" * len(row))
-            self._connection.execute(f"INSERT OR REPLACE INTO results VALUES ({marks})", row)
+            self._connection.executemany("INSERT OR REPLACE INTO sketches VALUES (?, ?)", sketches)
+            self._connection.executemany(
+                f"INSERT OR REPLACE INTO results VALUES ({marks})", ([row.case, *row.values] for row in rows)
+            )
 
-    def frame(self) -> pd.DataFrame:
-        """All finished cases in order; an axis of numbers and text, such as 0 and "460 rpm", is text."""
+    def frames(self, rows: int = EXPORTED) -> Iterator[pd.DataFrame]:
+        """All finished cases in order, so many at a time, each column with one type throughout; without any, one frame.
+
+        An axis of numbers and text, such as 0 and "460 rpm", is text.
+        """
+        types = {name: self._type(name) for name in self.columns}
         cursor = self._connection.execute(f"SELECT * FROM results ORDER BY {INDEX}")
-        names = [item[0] for item in cursor.description]
-        frame = pd.DataFrame(cursor.fetchall(), columns=names).drop(columns=INDEX)
-        for name in frame.columns:
-            if any(isinstance(value, str) for value in frame[name]):
-                frame[name] = frame[name].map(str, na_action="ignore")
-        return frame
+        block = cursor.fetchmany(rows)
+        while True:
+            frame = pd.DataFrame(block, columns=[INDEX, *self.columns]).drop(columns=INDEX)
+            for name, kind in types.items():
+                if kind == "text":
+                    frame[name] = frame[name].map(str, na_action="ignore").astype(object)
+                elif kind != "null":
+                    frame[name] = frame[name].astype(np.dtype(kind))
+            yield frame
+            if not (block := cursor.fetchmany(rows)):
+                return
+
+    def _type(self, column: str) -> str:
+        """What the values of a column are together: "text", "float64", "int64", or "null" without any."""
+        found = self._connection.execute(f"SELECT DISTINCT typeof({_quoted(column)}) FROM results")
+        types = {name for (name,) in found}
+        if "text" in types or types <= {"null"}:
+            return "text" if "text" in types else "null"
+        return "int64" if types == {"integer"} else "float64"
 
     def close(self) -> None:
         """Release the file."""
@@ -144,9 +180,34 @@ def _quoted(name: str) -> str:
 
 def export(frame: pd.DataFrame, folder: Path) -> None:
     """Write results.csv and results.parquet, each whole or not at all."""
-    cells = frame.map(lambda value: f"{value:.10g}" if isinstance(value, float) and value == value else value)
-    write_whole(folder / "results.csv", lambda path: cells.to_csv(path, index=False, lineterminator="\n"))
-    write_whole(folder / "results.parquet", lambda path: frame.to_parquet(path, index=False))
+    export_frames(lambda: [frame], folder)
+
+
+def export_frames(frames: Callable[[], Iterable[pd.DataFrame]], folder: Path) -> None:
+    """The same of results that come as several frames, whose columns agree."""
+    write_whole(folder / EXPORTS[0], lambda path: _write_csv(frames(), path))
+    write_whole(folder / EXPORTS[1], lambda path: _write_parquet(frames(), path))
+
+
+def _write_csv(frames: Iterable[pd.DataFrame], path: Path) -> None:
+    for i, frame in enumerate(frames):
+        frame.to_csv(path, index=False, lineterminator="\n", float_format="%.10g", mode="a" if i else "w", header=not i)
+
+
+def _write_parquet(frames: Iterable[pd.DataFrame], path: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    writer: Any = None
+    for frame in frames:
+        if writer is None:
+            schema = pa.Schema.from_pandas(frame, preserve_index=False)
+            for i, name in enumerate(frame):
+                if is_object_dtype(frame[name]) and len(frame):
+                    schema = schema.set(i, pa.field(name, pa.string()))
+            writer = pq.ParquetWriter(path, schema)
+        writer.write_table(pa.Table.from_pandas(frame, schema=schema, preserve_index=False))
+    writer.close()
 
 
 def write_json(path: Path, content: Mapping[str, object]) -> None:
@@ -174,7 +235,7 @@ def _write_signals(signals: Mapping[str, np.ndarray], path: Path) -> None:
 def record_path(folder: Path, case: Case) -> Path:
     """Where the record of a case lies: its name, its rpm where that is an axis, and its place among all cases."""
     parts = [case.name or "case", *([f"{case.rpm:g}_rpm"] if "rpm" in case.axes else []), f"{case.index:04d}"]
-    return folder / "records" / f"{'_'.join(parts)}.parquet"
+    return folder / RECORDS / f"{'_'.join(parts)}.parquet"
 
 
 def write_record(run: Run, names: Sequence[str], rpm: float, path: Path) -> None:

@@ -26,6 +26,9 @@ NAMED_AXES = ("rpm", "controller", "reference", *LAYERS)
 CASE = "case"
 """The column that names which of [cases] a row belongs to."""
 
+DRAW = "draw"
+"""The column that numbers the machines on which a case is run, where the study draws any."""
+
 INDEX = "case_index"
 """The column of the database that orders the cases; not exported."""
 
@@ -98,7 +101,12 @@ class Case:
     @property
     def label(self) -> str:
         """The case in words."""
-        return ", ".join(f"{name} {value}" for name, value in self.columns.items()) or "the only case"
+        return in_full(self.columns)
+
+
+def in_full(columns: Mapping[str, object]) -> str:
+    """What tells a case from the others, in words."""
+    return ", ".join(f"{name} {value}" for name, value in columns.items()) or "the only case"
 
 
 def rpm_of(tables: Mapping[str, object]) -> float:

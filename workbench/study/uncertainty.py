@@ -1,7 +1,7 @@
 """Plants that may be met: samples of friction, payload, pressures and noise, the same for whoever is compared."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,45 +17,48 @@ from workbench.toml.units import QuantityError, si
 LAST_SEED = 2**31 - 1
 """Seeds of noise and curves are below it: what a study file and an int32 can hold."""
 
-DRAW = "draw"
-"""The column that numbers the plant samples of a case."""
-
 RUN_STREAM = 3
 """The stream of samples of `workbench run`: none of those on which gains are tuned or decisions made."""
 
 
-def on_plant_samples(
-    study: Study, cases: Sequence[Case], numbers: Iterable[int] | None = None, axis: str = LINEAR
-) -> list[Case]:
-    """Each case on each plant sample of these `numbers` (default: 1 to the study's number of draws), in that order.
+@dataclass(frozen=True)
+class Draws:
+    """Machines that may be met, by their `numbers`, of plants whose positions are in `axis`."""
 
-    The cases as they are where a study draws none. Results get a column `draw`; the first number tells solver errors.
+    table: UncertaintyTable
+    numbers: Sequence[int]
+    axis: str = LINEAR
+    _known: dict[int, PlantSample] = field(default_factory=dict, repr=False, compare=False)
+
+    def sample(self, number: int) -> PlantSample:
+        """The machine of that number, made once: many cases are run on it."""
+        if number not in self._known:
+            self._known[number] = plant_sample(self.table, number, RUN_STREAM, self.axis)
+        return self._known[number]
+
+
+def draws_of(
+    study: Study, cases: Sequence[Case], numbers: Sequence[int] | None = None, axis: str = LINEAR
+) -> Draws | None:
+    """The machines of these `numbers` (default: 1 to the study's number of draws); None where a study draws none.
+
+    `cases` are those that stand for all of it.
 
     Raises:
         UserError: what [uncertainty] says does not serve the study's plants or sensors.
     """
     table = study.file.uncertainty
     if table is None or not table.draws:
-        return list(cases)
+        return None
     check_scales(study, cases)
-    numbered = list(numbers or range(1, table.draws + 1))
+    draws = Draws(table, numbers or range(1, table.draws + 1), axis)
     try:
         for parameters in {str(case.tables["plant"]["parameters"]) for case in cases} if table.friction else ():
             spread_names(parameters, read_deviations(parameter_path(parameters, study.path.parent)))
-        samples = {number: plant_sample(table, number, RUN_STREAM, axis) for number in numbered}
+        draws.sample(draws.numbers[0])
     except SchemaError as mistake:
         raise study.error(mistake.key, mistake.message) from None
-    return [
-        replace(
-            case,
-            index=i * len(numbered) + j,
-            axes={**case.axes, DRAW: number},
-            overrides=replace(case.overrides, sample=samples[number]),
-            tells_solver_error=j == 0,
-        )
-        for i, case in enumerate(cases)
-        for j, number in enumerate(numbered)
-    ]
+    return draws
 
 
 def check_scales(study: Study, cases: Iterable[Case]) -> None:

@@ -1,46 +1,228 @@
-"""The cases of a study: its [cases], times the product of its axes."""
+"""The cases of a study: its [cases], times the product of its axes, on each machine that it draws."""
 
 import functools
 import itertools
 import json
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
+
+import numpy as np
 
 from workbench.errors import UserError, nearest
 from workbench.study.layers import LAYERS, MACHINE
+from workbench.study.names import comparable
+from workbench.study.overrides import Overrides
 from workbench.study.schema import OVERRIDES
 from workbench.study.study import (
+    CASE,
+    DRAW,
     NAMED_AXES,
     Case,
     Study,
     axes_key,
     rpm_of,
 )
+from workbench.study.uncertainty import Draws
 from workbench.toml.gain_file import KEY, GainFile, read_gain_file, with_gains
 
+NAMES = (*NAMED_AXES, CASE)
+"""What chooses a whole table; other axes are numbers and settings, of which there may be very many."""
 
-def unfold(study: Study) -> list[Case]:
-    """All cases, in order: [cases] first, then the axes as they stand, the last one changing fastest.
+
+@dataclass(frozen=True)
+class Block:
+    """One of [cases], or all there is without: its tables, and its axes, each with its values."""
+
+    name: str | None
+    tables: Mapping[str, Any]
+    axes: Mapping[str, Sequence[Any]]
+
+    @property
+    def size(self) -> int:
+        """How many cases it is."""
+        return math.prod(map(len, self.axes.values()))
+
+    def point(self, place: int) -> dict[str, Any]:
+        """The values of the axes at a place; the last one changes fastest."""
+        values: dict[str, Any] = {}
+        for axis in reversed([*self.axes]):
+            place, i = divmod(place, len(self.axes[axis]))
+            values[axis] = self.axes[axis][i]
+        return {axis: values[axis] for axis in self.axes}
+
+
+class Cases(Sequence[Case]):
+    """All cases of a study, each made when it is asked for: there may be more than memory holds.
+
+    [cases] come first, then the axes as they stand, the last one changing fastest, then the draws.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        blocks: Sequence[Block],
+        places: np.ndarray | None = None,
+        draws: Draws | None = None,
+    ) -> None:
+        self._study, self._blocks, self._places, self.draws = study, blocks, places, draws
+        self._ends = list(itertools.accumulate(block.size for block in blocks))
+        self._read = functools.cache(read_gain_file)
+
+    def __len__(self) -> int:
+        return self.bases * self.repeats
+
+    @property
+    def bases(self) -> int:
+        """How many cases there are beside their draws."""
+        return self._ends[-1] if self._places is None else len(self._places)
+
+    @property
+    def repeats(self) -> int:
+        """How often each of them is run: on so many machines."""
+        return 1 if self.draws is None else len(self.draws.numbers)
+
+    @overload
+    def __getitem__(self, index: int) -> Case: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Case]: ...
+    def __getitem__(self, index: int | slice) -> Case | list[Case]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        index = range(len(self))[index]
+        base, turn = divmod(index, self.repeats)
+        block, point = self._at(base)
+        tables, declared = _at_point(self._study, block.name, block.tables, point, self._read)
+        case = Case(index, block.name, point, tables, declared, self._study.path.parent)
+        if self.draws is None:
+            return case
+        number = self.draws.numbers[turn]
+        return replace(
+            case,
+            axes={**point, DRAW: number},
+            overrides=Overrides(sample=self.draws.sample(number)),
+            tells_solver_error=turn == 0,
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Cases, (self._study, self._blocks, self._places, self.draws)
+
+    def __iter__(self) -> Iterator[Case]:
+        return (self[i] for i in range(len(self)))
+
+    def _at(self, base: int) -> tuple[Block, dict[str, Any]]:
+        """The block that holds a case, and the values of its axes."""
+        place = base if self._places is None else int(self._places[base])
+        number = next(i for i, end in enumerate(self._ends) if place < end)
+        block = self._blocks[number]
+        return block, block.point(place - (self._ends[number] - block.size))
+
+    def columns(self, index: int) -> dict[str, object]:
+        """What tells a case from the others, without making it."""
+        base, turn = divmod(index, self.repeats)
+        block, point = self._at(base)
+        named = {CASE: block.name} if block.name is not None else {}
+        drawn = {DRAW: self.draws.numbers[turn]} if self.draws is not None else {}
+        return {**named, **point, **drawn}
+
+    @property
+    def axes(self) -> dict[str, list[object]]:
+        """The columns that tell the cases apart, each with its values, as they first occur."""
+        found: dict[str, dict[str, object]] = {}
+        for block in self._blocks:
+            named = {CASE: [block.name]} if block.name is not None else {}
+            drawn = {DRAW: self.draws.numbers} if self.draws is not None else {}
+            for axis, values in {**named, **block.axes, **drawn}.items():
+                found.setdefault(axis, {}).update({json.dumps(value): value for value in values})
+        return {axis: list(values.values()) for axis, values in found.items()}
+
+    def where(self, wanted: Mapping[str, object]) -> np.ndarray:
+        """Places of the cases that have these values in their columns, as `matches` compares them."""
+        of_bases = wanted if self.draws is None else {key: value for key, value in wanted.items() if key != DRAW}
+        chosen = np.concatenate([_matching(block, of_bases) for block in self._blocks])
+        if self._places is not None:
+            chosen = chosen[self._places]
+        if self.draws is not None:
+            chosen = np.logical_and.outer(chosen, _equal(self.draws.numbers, wanted, DRAW)).ravel()
+        return np.flatnonzero(chosen)
+
+    def among(self, places: np.ndarray) -> "Cases":
+        """Those cases alone, of a study that draws none yet."""
+        return Cases(self._study, self._blocks, places, self.draws)
+
+    def on(self, draws: Draws | None) -> "Cases":
+        """Each case on each of these machines."""
+        return Cases(self._study, self._blocks, self._places, draws)
+
+    def telling(self, most: int) -> list[int]:
+        """Places of cases that stand for all: at most so many of those on the first machine each.
+
+        All, where they are no more. Else first every combination of names, with each value of each other axis once;
+        what is left of `most` is spread evenly.
+        """
+        if self.bases <= most:
+            return [base * self.repeats for base in range(self.bases)]
+        found: dict[int, None] = {}
+        if self._places is None:
+            crossings = [self._crossing(block, end) for block, end in zip(self._blocks, self._ends, strict=True)]
+            found = dict.fromkeys(_spread(np.concatenate(crossings), most))
+        evenly = np.linspace(0, self.bases - 1, most, dtype=np.int64)
+        found.update(dict.fromkeys(map(int, evenly[: most - len(found)])))
+        return sorted(base * self.repeats for base in found)
+
+    @staticmethod
+    def _crossing(block: Block, end: int) -> np.ndarray:
+        """Bases of a block, which ends before `end`, where names meet and at most one number is not the first."""
+        shape = tuple(map(len, block.axes.values()))
+        grid = np.arange(end - block.size, end).reshape(shape)
+        numbers = [i for i, axis in enumerate(block.axes) if axis not in NAMES]
+        firsts = tuple(0 if i in numbers else slice(None) for i in range(len(shape)))
+        lines = [tuple(slice(None) if i == line else firsts[i] for i in range(len(shape))) for line in numbers]
+        return np.unique(np.concatenate([np.ravel(grid[at]) for at in (firsts, *lines)]))
+
+
+def _spread(places: np.ndarray, most: int) -> list[int]:
+    """At most so many of these places, evenly."""
+    return [
+        int(place) for place in places[np.unique(np.linspace(0, len(places) - 1, min(most, len(places)), dtype=int))]
+    ]
+
+
+def _matching(block: Block, wanted: Mapping[str, object]) -> np.ndarray:
+    """Whether each case of a block has the wanted values."""
+    own = {CASE, *block.axes}
+    whole = all(comparable(None) == comparable(value) for key, value in wanted.items() if key not in own)
+    masks = [_equal([block.name], wanted, CASE) & whole]
+    masks += [_equal(values, wanted, axis) for axis, values in block.axes.items()]
+    return functools.reduce(np.logical_and.outer, masks).ravel()
+
+
+def _equal(values: Sequence[object], wanted: Mapping[str, object], key: str) -> np.ndarray:
+    """Which of the values of a column are the wanted one: all, where none is asked for."""
+    if key not in wanted:
+        return np.ones(len(values), dtype=bool)
+    one = comparable(wanted[key])
+    return np.array([comparable(value) == one for value in values])
+
+
+def unfold(study: Study) -> Cases:
+    """All cases of a study as it declares its machine, in order.
 
     Raises:
         UserError: an axis that is empty, unknown, or names something that the file does not hold.
     """
     file = study.file
     base = {name: getattr(file, name) for name in OVERRIDES}
-    cases: list[Case] = []
-    read = functools.cache(read_gain_file)
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
+    blocks = []
     for name, overrides in named:
         tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
         given = overrides.get("axes", tables.pop("axes"))
         tables.pop("axes", None)
-        axes = _checked_axes(study, name, given, tables)
-        for values in itertools.product(*axes.values()):
-            point = dict(zip(axes, values, strict=True))
-            filled, declared = _at_point(study, name, tables, point, read)
-            cases.append(Case(len(cases), name, point, filled, declared, study.path.parent))
-    return cases
+        blocks.append(Block(name, tables, _checked_axes(study, name, given, tables)))
+    return Cases(study, blocks)
 
 
 def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from workbench.parallel import workers
+from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
 from workbench.study.study import Study
 from workbench.study.unfold import unfold

@@ -18,14 +18,14 @@ from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
 from workbench.study.checks.load import unheld
 from workbench.study.checks.rotation import rotation_warning
-from workbench.study.checks.settings import controller_settings, plant_settings
-from workbench.study.layers import MACHINE
-from workbench.study.names import in_words, matches, shown_factor, signal_units, signals_of, unit_of_column
+from workbench.study.checks.use import check_use
+from workbench.study.names import in_words, shown_factor, signal_units, signals_of, unit_of_column
 from workbench.study.report.schema import Column, Curve, FigureSpec, Panel, Row, TableSpec
 from workbench.study.report.table_layout import LayoutError, lay_out
-from workbench.study.resolve import Resolved
+from workbench.study.resolve import Resolved, resolve
 from workbench.study.sections import Checked, Overlay, overlays_of, placed, sections_of
 from workbench.study.study import INDEX, Case, Study, check_name, located, named
+from workbench.study.unfold import Cases
 from workbench.toml.quantities import check_along
 from workbench.toml.reading import Key, SchemaError
 from workbench.toml.units import QuantityError
@@ -50,13 +50,18 @@ PLAIN = re.compile(r"(?:[^\\{}_^]|[_^]\w(?![_^]))*")
 
 @dataclass(frozen=True)
 class Checks:
-    """A study with what its cases resolve to, and the columns that its results will have."""
+    """A study with those of its cases that stand for all, what these resolve to, and the figures of its results."""
 
     study: Study
     cases: Sequence[Case]
     resolved: Sequence[Resolved]
-    axes: Sequence[str]
+    every: Cases
     figures: Sequence[str]
+
+    @cached_property
+    def axes(self) -> dict[str, list[object]]:
+        """The columns that tell the cases apart, each with its values."""
+        return self.every.axes
 
     @cached_property
     def columns(self) -> list[str]:
@@ -64,12 +69,15 @@ class Checks:
         return [*self.axes, *self.figures, *self.study.file.probes]
 
     @cached_property
-    def signals(self) -> list[list[str]]:
-        """Names of the signals of each case."""
-        return [
-            signals_of(item.setup.plant, item.setup.loop.controller, item.setup.reference is not None)
-            for item in self.resolved
-        ]
+    def _known(self) -> dict[int, Resolved]:
+        """What has been resolved, by the case's index."""
+        return {case.index: item for case, item in zip(self.cases, self.resolved, strict=True)}
+
+    def _item(self, index: int) -> Resolved:
+        """What a case resolves to."""
+        if index not in self._known:
+            self._known[index] = resolve(self.study, self.every[index])
+        return self._known[index]
 
     @property
     def axis(self) -> str:
@@ -80,7 +88,7 @@ class Checks:
         """Raise UserError for the first mistake."""
         self._probes()
         for i, name in enumerate(self.study.file.records):
-            self._signal(("records", i), name, range(len(self.cases)))
+            self._signal(("records", i), name, [*self._known])
         several = dict.fromkeys(section.name for section, _ in sections_of(self.study) if section.several)
         for kind in ("tables", "figures", *several):
             names = [str(getattr(item, "name", i)) for i, item in enumerate(getattr(self.study.file, kind))]
@@ -94,7 +102,7 @@ class Checks:
         for section, content, key in placed(self.study):
             self._along(content, key)
             section.check(content, replace(self._checked, key=key))
-        self.without_use()
+        check_use(self.study, self.cases, self.resolved)
 
     def _along(self, content: BaseModel, key: Key) -> None:
         """Quantities of a question along the axis of the study's plants."""
@@ -107,20 +115,25 @@ class Checks:
     def _checked(self) -> Checked:
         """What the sections of other questions are handed."""
         several = partial(self._chosen, one=False)
-        return Checked(self.study, self.cases, self.resolved, self.axes, self.figures, several)
+        return Checked(self.study, self.cases, self.resolved, [*self.axes], self.figures, several)
 
     def _signal(self, key: Key, name: str, cases: Sequence[int]) -> None:
-        """`name` has to be a signal of at least one of the cases at these places."""
-        known = dict.fromkeys(signal for i in cases for signal in self.signals[i])
+        """`name` has to be a signal of at least one of the cases of these indices."""
+        setups = {i: self._item(i).setup for i in cases}
+        known = dict.fromkeys(
+            signal
+            for setup in setups.values()
+            for signal in signals_of(setup.plant, setup.loop.controller, setup.reference is not None)
+        )
         if name in known:
             return
         if not name.startswith(MEMORY):
             raise self.study.error(key, f'unknown signal "{name}"; {nearest(name, known)}')
         said = {}
-        for i in cases:
-            controller = self.resolved[i].setup.loop.controller
+        for i, setup in setups.items():
+            controller = setup.loop.controller
             own = ", ".join(memory_names(controller)) or "none"
-            said[f'"{named(self.cases[i], "controller")}" (type {controller.name})'] = own
+            said[f'"{named(self.every[i], "controller")}" (type {controller.name})'] = own
         owners = "; ".join(f"controller {who} has {own}" for who, own in said.items())
         close = get_close_matches(name, [signal for signal in known if signal.startswith(MEMORY)], n=1, cutoff=CLOSE)
         hint = f'did you mean "{close[0]}"? ' if close else ""
@@ -140,17 +153,17 @@ class Checks:
             taken.add(name.casefold())
             for case in probe.cases:
                 check_name(self.study, ("probes", name, "cases"), "case", case, self.study.file.cases)
-            probed = [i for i, case in enumerate(self.cases) if not probe.cases or case.name in probe.cases]
+            probed = [case.index for case in self.cases if not probe.cases or case.name in probe.cases]
             self._signal(("probes", name, "signal"), probe.signal, probed)
             if probe.event is not None:
                 self._signal(("probes", name, "event"), probe.event, probed)
 
     def _chosen(self, key: Key, where: Mapping[str, object], *, one: bool) -> list[int]:
-        """Places of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
+        """Indices of the cases that `where` picks; all that may be, if it asks for a figure of the results."""
         for name in where:
             check_name(self.study, (*key, "where", name), "column", name, self.columns)
         asked = {name: value for name, value in where.items() if name in self.axes}
-        found = [i for i, case in enumerate(self.cases) if matches(case.columns, asked)]
+        found = [int(place) for place in self.every.where(asked)]
         if not found or (one and len(found) > 1 and len(asked) == len(where)):
             what = f"{'no' if not found else len(found)} case{'s' * (len(found) > 1)}"
             wanted = f" {'has' if len(found) < 2 else 'have'} {in_words(asked)}" if asked else " to choose from"
@@ -158,14 +171,10 @@ class Checks:
         return found
 
     def _published(self, key: Key, values: Iterable[str], axis: str) -> None:
-        numeric = not are_names(self._values(axis))
+        numeric = not are_names(self.axes.get(axis, []))
         for value in values:
             if numeric and are_names([value]):
                 raise self.study.error(key, f'got "{value}", expected a number as {axis} has them')
-
-    def _values(self, axis: str) -> list[object]:
-        """What the cases have on an axis."""
-        return [case.columns[axis] for case in self.cases if axis in case.columns]
 
     def _table(self, key: Key, table: TableSpec) -> None:
         if table.index is not None:
@@ -190,8 +199,9 @@ class Checks:
             for name, values in column.against.items():
                 self._published((*place, "against", name), values, str(table.index))
         if table.index in self.axes and {*table.where, *(k for c in table.columns for k in c.where)} <= {*self.axes}:
+            rows = [self.every.columns(int(place)) for place in self.every.where(table.where)]
             try:
-                lay_out(table, [case.columns for case in self.cases], self.axes)
+                lay_out(table, rows, [*self.axes])
             except LayoutError as error:
                 raise self.study.error((*key, *error.key), str(error)) from None
 
@@ -239,7 +249,7 @@ class Checks:
             self._unit((*key[:4], "y_unit"), unit_of_column(curve.y), panel.y_unit)
         try:
             if panel.x in self.axes:
-                shown_unit(panel.x, self._values(panel.x), panel.x_unit)
+                shown_unit(panel.x, self.axes[panel.x], panel.x_unit)
             elif panel.x_unit is not None:
                 shown_factor(unit_of_column(panel.x), panel.x_unit)
         except QuantityError as error:
@@ -304,32 +314,6 @@ class Checks:
         asked = {one.result for table in tables for one in table.columns}
         asked |= {one.result for table in tables for one in table.rows}
         return not tables or not asked.isdisjoint(self._windowed)
-
-    def without_use(self) -> None:
-        """Raise UserError for a setting of plant or controller that changes nothing in any case: it misleads.
-
-        What a machine says is no mistake: it is whole, whichever of its plants a study asks for.
-        """
-        without: dict[Key, tuple[Case, str]] = {}
-        used: set[Key] = set()
-        for case, item in zip(self.cases, self.resolved, strict=True):
-            for key, message in {**plant_settings(case, item), **controller_settings(case, item)}.items():
-                if message:
-                    without.setdefault(key, (case, message))
-                else:
-                    used.add(key)
-        for key, (case, message) in without.items():
-            if key not in used and not self._of_machine(case, key):
-                raise located(self.study, case, key, message)
-
-    def _of_machine(self, case: Case, key: Key) -> bool:
-        """Whether the machine of a case says this."""
-        table: object = self.study.file.machines.get(str(case.axes.get(MACHINE.axis)), {})
-        for part in key:
-            if not isinstance(table, Mapping) or part not in table:
-                return False
-            table = table[str(part)]
-        return True
 
 
 def _reach(item: Resolved) -> float:

@@ -20,7 +20,7 @@ from workbench.study.report.select import OUTCOME, axes_of
 from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.sketches import COMMAND, ERROR, MOST_CASES, POSITION, REFERENCE
 from workbench.study.store import read_sketches
-from workbench.study.uncertainty import DRAW
+from workbench.study.study import DRAW
 
 DIGITS = 4
 

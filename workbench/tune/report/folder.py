@@ -16,7 +16,7 @@ from pathlib import Path
 import pandas as pd
 
 from workbench.errors import UserError
-from workbench.parallel import workers
+from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
 from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import GrowingFolder, remove, write_whole

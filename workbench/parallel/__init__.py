@@ -1,0 +1,1 @@
+"""Work done several at a time, on this machine's cores or on a cluster."""

@@ -1,0 +1,210 @@
+"""Many pieces of work, done in chunks of about the same time: each piece is worth less than handing it over.
+
+A chunk takes as long as a kill may cost, and how many pieces that are follows from what those before have taken. Chunks
+go to processes where the system can fork one: a case is part compiled code, part Python, of which a process runs one
+thread at a time. The results are the same wherever they are made; they come as they end.
+"""
+
+import functools
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any, Generic, TypeVar
+
+from workbench.parallel.workers import job_count, workers
+
+Result = TypeVar("Result")
+
+CHUNK = 0.2
+"""s, about, that a chunk takes."""
+
+GROWTH = 8
+"""By which a chunk may be longer than those before."""
+
+AHEAD = 2
+"""Chunks that are given out for each worker: one that it works on, one that it finds when that is done."""
+
+ON_CLUSTER = 64
+"""Workers for which chunks are given out on a cluster, whose size may change while it works."""
+
+ATTEMPTS = 2
+"""Times that a piece may take its process down with it; one that was stopped from outside is done again."""
+
+WATCHED = 0.2
+"""s between two looks of a process at whether the one that made it is still there."""
+
+
+@dataclass(frozen=True)
+class Chunk(Generic[Result]):
+    """What was made of some pieces, and the time (s) that it took."""
+
+    places: Sequence[int]
+    results: Sequence[Result]
+    took: float
+
+
+Work = Callable[[int], Result]
+"""Makes the result of one piece, which a number tells from the others."""
+
+
+def in_chunks(
+    work: Work[Result], places: Sequence[int], *, jobs: int | None = None, cluster: str | None = None
+) -> Generator[Chunk[Result], None, None]:
+    """The results of all pieces, in chunks, as they end.
+
+    Args:
+        work: what is to be done; on a cluster it travels, once to each worker.
+        places: the pieces, by number.
+        jobs: how many are worked on at a time on this machine; default one a core.
+        cluster: address of a dask scheduler to work on instead.
+
+    Raises:
+        KilledError: a piece takes its process down whenever it is begun.
+        UserError: no scheduler answers at the address `cluster`.
+    """
+    if cluster is not None:
+        with workers(cluster=cluster) as executor:
+            yield from _handed_out(executor, functools.partial(_chunk, work), places, ON_CLUSTER, Sizes(), {})
+    elif job_count(jobs) == 1 or len(places) < 2:
+        for place in places:
+            yield _chunk(work, [place])
+    else:
+        apart = (
+            _in_processes if sys.platform == "linux" else _in_threads
+        )  # elsewhere a fork leaves libraries half alive
+        yield from apart(work, places, min(job_count(jobs), len(places)))
+
+
+class KilledError(Exception):
+    """The process that worked on the piece at `place` was killed, each time it was begun."""
+
+    def __init__(self, place: int) -> None:
+        super().__init__(f"the process that worked on piece {place} was killed {ATTEMPTS} times")
+        self.place = place
+
+
+class Sizes:
+    """How many pieces make a chunk, from what those before have taken; never more than `most`."""
+
+    def __init__(self, most: int = sys.maxsize) -> None:
+        self._most = most
+        self._cost = 0.0
+        self._size = 1
+
+    def learn(self, chunk: Chunk[Result]) -> None:
+        """Take note of what a chunk has cost."""
+        each = max(chunk.took / len(chunk.places), 1e-9)
+        self._cost = each if self._cost == 0.0 else 0.5 * (self._cost + each)
+        self._size = max(1, min(int(CHUNK / self._cost), GROWTH * len(chunk.places), self._most))
+
+    def next(self, left: int, workers: int) -> int:
+        """How many pieces the next chunk has, of so many that are left: towards the end all workers have some."""
+        return max(1, min(self._size, left // (AHEAD * workers)))
+
+
+def _chunk(work: Work[Result], places: Sequence[int]) -> Chunk[Result]:
+    began = time.perf_counter()
+    results = [work(place) for place in places]
+    return Chunk(places, results, time.perf_counter() - began)
+
+
+def _in_threads(work: Work[Result], places: Sequence[int], workers: int) -> Iterator[Chunk[Result]]:
+    executor = ThreadPoolExecutor(workers)
+    try:
+        yield from _handed_out(executor, functools.partial(_chunk, work), places, workers, Sizes(), {})
+    finally:
+        executor.shutdown(cancel_futures=True)
+
+
+Held = dict[Future[Chunk[Result]], Sequence[int]]
+"""What workers have been given and have not brought back."""
+
+
+def _handed_out(
+    executor: Executor,
+    work: Callable[[Sequence[int]], Chunk[Result]],
+    places: Sequence[int],
+    workers: int,
+    sizes: Sizes,
+    held: Held[Result],
+) -> Iterator[Chunk[Result]]:
+    """Chunks from an executor's workers, as they end."""
+    begun = 0
+    while begun < len(places) or held:
+        while begun < len(places) and len(held) < AHEAD * workers:
+            size = sizes.next(len(places) - begun, workers)
+            chosen = places[begun : begun + size]
+            held[executor.submit(work, chosen)] = chosen
+            begun += size
+        for future in wait(held, return_when=FIRST_COMPLETED).done:
+            chunk = future.result()
+            del held[future]
+            sizes.learn(chunk)
+            yield chunk
+
+
+def _in_processes(work: Work[Result], places: Sequence[int], workers: int) -> Iterator[Chunk[Result]]:
+    """Chunks from forked processes. What a process that was killed had begun is done again, one piece at a time.
+
+    Raises:
+        KilledError: a piece for which that does not help.
+    """
+    left, killed, sizes = dict.fromkeys(places), dict[int, int](), Sizes()
+    while left:
+        again = [place for place in left if place in killed]
+        held: Held[Result] = {}
+        executor = ProcessPoolExecutor(1 if again else workers, get_context("fork"), _begin, (work, os.getpid()))
+        try:
+            given = (again, 1, Sizes(most=1)) if again else ([*left], workers, sizes)
+            for chunk in _handed_out(executor, _forked_chunk, *given, held):
+                for place in chunk.places:
+                    del left[place]
+                    killed.pop(place, None)
+                yield chunk
+        except BrokenProcessPool:
+            for place in (place for chosen in held.values() for place in chosen if place in left):
+                killed[place] = killed.get(place, 0) + 1
+                if killed[place] > ATTEMPTS:
+                    raise KilledError(place) from None
+        finally:
+            _stop(executor)
+
+
+def _stop(executor: ProcessPoolExecutor) -> None:
+    """End all processes at once: what they have not brought back nobody waits for."""
+    processes = [*(executor._processes or {}).values()]
+    for process in processes:
+        process.terminate()
+    executor.shutdown(cancel_futures=True)
+
+
+_work: Work[Any] | None = None
+"""In a forked process: what it was made for."""
+
+
+def _begin(work: Work[Any], parent: int) -> None:
+    """Set up a forked process: it works, leaves Ctrl-C to its parent, and ends with it."""
+    global _work
+    _work = work
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(WATCHED)
+    os._exit(1)
+
+
+def _forked_chunk(places: Sequence[int]) -> Chunk[Any]:
+    assert _work is not None
+    return _chunk(_work, places)
