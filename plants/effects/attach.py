@@ -76,8 +76,13 @@ def _possible(bare: Plant, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
 
 def meant(plant: Plant, names: Collection[str]) -> tuple[Effect, ...]:
     """The effects that a plant can have and has not, and of which a parameter is among these canonical names."""
-    given = set(names) - {item.name for item in fields(plant.Parameters)}
-    return tuple(effect for effect in possible(plant) if given & set(effect.own_names))
+    return _meant(plant, possible(plant), frozenset(names))
+
+
+@functools.cache
+def _meant(plant: Plant, able: tuple[Effect, ...], names: frozenset[str]) -> tuple[Effect, ...]:
+    given = names - {item.name for item in fields(plant.Parameters)}
+    return tuple(effect for effect in able if not given.isdisjoint(effect.own_names))
 
 
 def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:

@@ -164,7 +164,7 @@ class Effect:
         """Its parameters that may have either sign."""
         return tuple(name for name, number in self.numbers.items() if number.low < 0.0)
 
-    @property
+    @functools.cached_property
     def own_names(self) -> tuple[str, ...]:
         """The parameters that it brings."""
         return tuple(item.name for item in fields(self.Own))

@@ -7,6 +7,7 @@ from workbench.errors import MetricError, UserError
 from workbench.metrics.interface import Figures, Observed
 from workbench.metrics.registry import METRICS, OUTCOME, SOLVER, columns
 from workbench.metrics.rest import Rest, rests_of
+from workbench.metrics.tracking import root_mean_square
 from workbench.metrics.window import find_window
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.run import Run
@@ -58,6 +59,14 @@ def evaluate(
             raise MetricError(f"{METRICS.called(name)} finds {', '.join(undeclared)}, which its columns do not declare")
         figures.update(found_here)
     return figures
+
+
+def rms_error(run: Run, reference: ReferenceSignal | None, transient: float) -> float | None:
+    """The figure rms_error_m alone (m, or rad), as `evaluate` finds it."""
+    window = None if run.diverged or reference is None else find_window(run.time, reference, transient)
+    if window is None or run.reference is None:
+        return None
+    return root_mean_square((run.reference[0] - run.state("position"))[window.samples])
 
 
 def _figures(name: str, find: Callable[[Observed], Figures], observed: Observed) -> Figures:

@@ -1,6 +1,7 @@
 """How well the position follows: phase lag and gain, errors, settling."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,7 +15,6 @@ SETTLED = 0.02
 """Share of the jump within which the error must stay."""
 
 HARMONICS = 7
-WAVES = (np.sin, np.cos)
 LEAST_PERIODS = 1.99
 """Periods from which a drift is told from harmonics; the samples may lack a little of the second."""
 
@@ -22,8 +22,8 @@ LEAST_AMPLITUDE = 1e-9
 """m. A fundamental, or a jump, smaller than this is none."""
 
 
-def fundamental(time: np.ndarray, signal: np.ndarray, frequency: float) -> complex:
-    """A exp(i phi) of the fundamental A sin(w t + phi) of `signal`, by least squares; w = 2 pi `frequency` (Hz).
+def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: float) -> list[complex]:
+    """A exp(i phi) of the fundamental A sin(w t + phi) of each signal, by least squares; w = 2 pi `frequency` (Hz).
 
         sum over k = 1..K of a_k sin(k w t) + b_k cos(k w t), + c + d t
 
@@ -34,13 +34,17 @@ def fundamental(time: np.ndarray, signal: np.ndarray, frequency: float) -> compl
     step = angle[1] - angle[0]
     drifts = (angle[-1] - angle[0] + step) / (2.0 * np.pi) > LEAST_PERIODS
     most = int(np.pi / step) - 1  # fewer than half the samples of a period
-    columns = [wave(k * angle) for k in range(1, (max(1, min(HARMONICS, most)) if drifts else 1) + 1) for wave in WAVES]
-    columns.append(np.ones_like(angle))
+    harmonics = max(1, min(HARMONICS, most)) if drifts else 1
+    basis = np.ones((2 * harmonics + 1 + drifts, angle.size))
+    first = np.exp(1j * angle)
+    wave = np.ones_like(first)
+    for k in range(harmonics):
+        wave = wave * first  # exp(i k w t)
+        basis[2 * k], basis[2 * k + 1] = wave.imag, wave.real
     if drifts:
-        columns.append(np.linspace(-1.0, 1.0, angle.size))
-    basis = np.column_stack(columns)
-    sine, cosine, *_ = np.linalg.solve(basis.T @ basis, basis.T @ signal)
-    return complex(sine, cosine)
+        basis[-1] = np.linspace(-1.0, 1.0, angle.size)
+    fitted = np.linalg.solve(basis @ basis.T, basis @ np.stack(signals, axis=1))
+    return [complex(sine, cosine) for sine, cosine in fitted[:2].T]
 
 
 def phase_lag_and_gain(
@@ -52,7 +56,7 @@ def phase_lag_and_gain(
     None where the reference has no such fundamental, the lag also where the position hardly moves: a ratio below
     HARDLY_MOVES.
     """
-    asked, got = fundamental(time, reference, frequency), fundamental(time, position, frequency)
+    asked, got = fundamentals(time, (reference, position), frequency)
     if abs(asked) < LEAST_AMPLITUDE:
         return None, None
     lead = math.degrees(math.atan2(got.imag, got.real) - math.atan2(asked.imag, asked.real))
@@ -63,7 +67,7 @@ def phase_lag_and_gain(
 
 def root_mean_square(signal: np.ndarray) -> float:
     """Root of the mean square, in the unit of `signal`."""
-    return float(np.sqrt(np.mean(np.square(signal))))
+    return math.sqrt(float(np.dot(signal, signal)) / signal.size)
 
 
 def steady_state_errors(

@@ -83,7 +83,11 @@ class Run:
             named["reference_position"] = self.reference[0]
             named["reference_velocity"] = self.reference[1]
             named["error"] = self.reference[0] - named["position"]
-        return {name: np.broadcast_to(value, self.time.shape) for name, value in named.items()}
+        shape = self.time.shape
+        return {
+            name: _fixed(value) if np.shape(value) == shape else np.broadcast_to(value, shape)
+            for name, value in named.items()
+        }
 
     def state(self, name: str) -> np.ndarray:
         """One state of the plant over time."""
@@ -99,3 +103,9 @@ class Run:
     def diverged(self) -> bool:
         """Whether it ended before its time."""
         return self.outcome in ("diverged", "step too small")
+
+
+def _fixed(values: np.ndarray) -> np.ndarray:
+    """An array that cannot be written to."""
+    values.flags.writeable = False
+    return values

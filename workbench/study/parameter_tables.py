@@ -62,6 +62,22 @@ def read_values(tables: CaseTables, case: Case, axis: str) -> ParameterValues:
     return ParameterValues(true, read_deviations(parameter_path(table.parameters, case.folder), axis), believed, source)
 
 
+class ParameterReader:
+    """`read_values`, once for all cases that say the same of parameters: a file is as it was when it was first read."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, ParameterValues] = {}
+
+    def __call__(self, tables: CaseTables, case: Case, axis: str) -> ParameterValues:
+        """See `read_values`."""
+        said, declared = tables.plant, case.declared
+        own = said.parameters, said.set, declared.get("parameters"), declared.get("set")
+        key = repr((own, case.tables.get("belief"), axis))
+        if key not in self._known:
+            self._known[key] = read_values(tables, case, axis)
+        return self._known[key]
+
+
 def _values(parameters: str, overrides: Mapping[str, object], folder: Path, table: str, axis: str) -> dict[str, float]:
     """Values of a set or file with `set` overrides, by canonical name; a plain name sets both directions."""
     try:

@@ -19,8 +19,9 @@ from workbench.metrics.registry import METRICS, columns
 from workbench.parameters.sets import parameter_path, read_deviations
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.study.checks.checks import Checks
+from workbench.study.parameter_tables import ParameterReader
 from workbench.study.reference_tables import REFERENCES
-from workbench.study.resolve import Resolved, resolve
+from workbench.study.resolve import Resolved, parse_case
 from workbench.study.study import Case, Study, located
 from workbench.study.uncertainty import draws_of
 from workbench.study.unfold import Cases, unfold
@@ -131,6 +132,7 @@ class ResolvedCases(Sequence[Resolved]):
 
     def __init__(self, study: Study, cases: Cases, declared: Sequence[Resolved] = ()) -> None:
         self._study, self._cases = study, cases
+        self._read = ParameterReader()
         self._built = declared if len(declared) == len(cases) and cases.draws is None else ()
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -147,7 +149,7 @@ class ResolvedCases(Sequence[Resolved]):
         """Raises UserError for a mistake in a case that was not among those checked."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        return self._built[index] if self._built else resolve(self._study, self._cases[index])
+        return self._built[index] if self._built else parse_case(self._study, self._cases[index], self._read).resolve()
 
 
 def plan(study: Study) -> Plan:
@@ -184,7 +186,8 @@ def again(planned: Plan, wanted: Sequence[Mapping[str, object]], draws: int) -> 
 def _drawn(study: Study, cases: Cases, numbers: range | None = None) -> Plan:
     """The plan of these cases on each machine, where the study draws any."""
     told = cases[:] if cases.bases <= MOST_CHECKED else [cases[place] for place in cases.telling(MOST_CHECKED)]
-    declared = [resolve(study, case) for case in told]
+    read = ParameterReader()
+    declared = [parse_case(study, case, read).resolve() for case in told]
     axis = declared[0].setup.plant.axis if declared else LINEAR
     drawn = cases.on(draws_of(study, told, numbers, axis))
     return Plan(study, drawn, [drawn[case.index * drawn.repeats] for case in told], declared)

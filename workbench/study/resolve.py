@@ -1,6 +1,6 @@
 """From the tables of a case to everything that a run depends on: plant, belief, controllers, reference, sensors."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -95,8 +95,11 @@ class ParsedCase:
             raise _located(self.study, self.case, mistake) from None
 
 
-def parse_case(study: Study, case: Case) -> ParsedCase:
-    """Read the tables of a case.
+ReadValues = Callable[[CaseTables, Case, str], ParameterValues]
+
+
+def parse_case(study: Study, case: Case, read: ReadValues = read_values) -> ParsedCase:
+    """Read the tables of a case, with `read` what they say of parameters.
 
     Raises:
         UserError: whatever is wrong in them, with file, line and key.
@@ -104,7 +107,7 @@ def parse_case(study: Study, case: Case) -> ParsedCase:
     try:
         tables = files.conform(CaseTables, case.tables)
         plant = _plant(tables)
-        values = read_values(tables, case, plant.axis)
+        values = read(tables, case, plant.axis)
         return ParsedCase(study, case, tables, values, parse_controller(tables, plant, case.folder), plant.axis)
     except SchemaError as mistake:
         raise _located(study, case, mistake) from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.errors import MetricError, UserError
-from workbench.metrics.evaluate import evaluate
+from workbench.metrics.evaluate import rms_error
 from workbench.metrics.registry import SOLVER, names_along
 from workbench.parallel.chunks import KilledError, in_chunks
 from workbench.publish.run_record import ran_on
@@ -112,9 +112,8 @@ def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> di
 def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:
     """What a finer integration changes: positions at most, and the rms error where there is one."""
     other = finer(resolved.setup)
-    figures = evaluate(other, resolved.signal, resolved.transient, resolved.band, ("rms_error_m",))
-    known = figures["rms_error_m"]
-    change = abs(known - rms) if isinstance(known, float) and rms is not None else None
+    known = rms_error(other, resolved.signal, resolved.transient)
+    change = abs(known - rms) if known is not None and rms is not None else None
     return dict(zip((column.name for column in SOLVER), (largest_distance(run, other), change), strict=True))
 
 

@@ -22,6 +22,9 @@ def build_sensors(table: SensorsTable, axis: str = LINEAR) -> Sensors:
     for name, straight in CHANNEL_UNITS.items():
         unit = unit_along(straight, axis)
         channel: ChannelTable = getattr(table, name)
+        if not channel.model_fields_set:
+            channels[name] = Channel()
+            continue
         resolution = _value(channel, "resolution", name, unit)
         if channel.bits is not None:
             resolution = _value(channel, "range", name, unit) / 2**channel.bits
