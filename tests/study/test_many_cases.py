@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from command import STUDY, workbench, write
 
+from workbench.study.estimate import SAMPLED, estimate
 from workbench.study.names import matches
 from workbench.study.plan import MOST_CHECKED, plan
 from workbench.study.reading import read_study
@@ -108,3 +109,16 @@ def test_draws_are_numbered_and_only_the_first_tells_the_solvers_error(tmp_path:
     factors = [case.overrides.sample.factors["mass"] for case in cases if case.overrides.sample is not None]
     assert factors[:3] == factors[3:]
     assert len({*factors}) == 3
+
+
+def test_what_a_study_takes_is_told_from_some_of_it(tmp_path: Path) -> None:
+    """Disk: of 600 cases, against what they leave; trajectories that a figure needs are counted as often as they are."""
+    text = large(600, changed('"1 s"', '"0.1 s"').replace('"0.4 s"', '"0.05 s"'))
+    told = estimate(plan(read_study(write(tmp_path, text))))
+    out = ran(tmp_path, text)
+    left = sum((out / name).stat().st_size for name in ("results.sqlite", "results.csv", "results.parquet"))
+    assert 0.5 * left < told.disk < 2.0 * left
+    assert told.sampled <= SAMPLED
+    kept = estimate(plan(read_study(write(tmp_path, text))), keep_all=True)
+    assert kept.disk > told.disk + 600 * 1000
+    assert told.seconds > 0.0

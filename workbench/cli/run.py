@@ -22,7 +22,7 @@ def command(
     cluster: Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the results in DIR.")] = False,
     overwrite: Overwrite = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run, and what it takes.")] = False,
     keep_trajectories: Annotated[
         bool, typer.Option("--keep-trajectories", help="Keep every case's signals, not only those of figures.")
     ] = False,
@@ -43,6 +43,9 @@ def command(
     print("\n".join(description(planned)))
     print_warnings(planned.warnings)
     if dry_run:
+        from workbench.study.estimate import estimate
+
+        print(f"  {estimate(planned, jobs, keep_all=keep_trajectories)}")
         return
 
     def run(plan: "Plan", folder: Path, resume: bool, overwrite: bool) -> None:

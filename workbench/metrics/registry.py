@@ -1,6 +1,7 @@
 """The metrics by name, in the order of their columns: ours, and those that other packages bring by entry point."""
 
-from collections.abc import Collection
+import functools
+from collections.abc import Collection, Mapping
 
 from plants.axis import LINEAR, ROTARY
 from plants.plugins import Registry
@@ -43,7 +44,12 @@ def columns(axis: str = LINEAR) -> dict[str, Column]:
 
     Metrics find them under the names that they have on a straight one.
     """
-    found = [column for metric in METRICS.working().values() for column in metric.columns]
+    return dict(_columns(tuple(METRICS.working().values()), axis))
+
+
+@functools.cache
+def _columns(metrics: tuple[Metric, ...], axis: str) -> Mapping[str, Column]:
+    found = [column for metric in metrics for column in metric.columns]
     return {column.name: column for column in (item.along(axis) for item in (OUTCOME, *found, *SOLVER))}
 
 

@@ -90,10 +90,29 @@ class CaseRuns:
         trajectory = [trajectory_path(self.folder, case.index)] if kept else []
         return trajectory + ([record_path(self.folder, case)] if self.study.file.records else [])
 
+    @property
+    def file_count(self) -> int:
+        """How many files all cases leave."""
+        kept = len(self.cases) if self.trajectories is None else len(self.trajectories)
+        return kept + (len(self.cases) if self.study.file.records else 0)
+
     def unwritten(self) -> set[int]:
         """Indices of the cases of which a file is missing."""
         some = range(len(self.cases)) if self.trajectories is None or self.study.file.records else self.trajectories
         return {index for index in some if not all(path.exists() for path in self.files(self.cases[index]))}
+
+
+def case_runs(planned: Plan, folder: Path, *, keep_all: bool = False) -> CaseRuns:
+    """The work of a plan, with the trajectories that its figures need, or all."""
+    kept = None if keep_all else frozenset(needed_trajectories(planned))
+    points = points_for(sketched(planned.cases))
+    return CaseRuns(planned.study, planned.cases, planned.resolved, planned.columns, folder.resolve(), kept, points)
+
+
+def compiled(planned: Plan) -> None:
+    """Have all compiled code of a plan at hand, before processes are made that would each compile it."""
+    for item in planned.declared:
+        ready(item.setup)
 
 
 def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
@@ -148,15 +167,12 @@ def run_study(
     opened = Store.resume(folder, columns, identity) if resume else Store.create(folder, columns, identity, overwrite)
     with closing(opened) as store:
         write_study(study, folder)
-        kept = None if keep_all else frozenset(needed_trajectories(planned))
-        points = points_for(sketched(planned.cases))
-        work = CaseRuns(study, planned.cases, planned.resolved, columns, folder.resolve(), kept, points)
+        work = case_runs(planned, folder, keep_all=keep_all)
         done = store.done()
         done -= work.unwritten()
         waiting = [index for index in range(len(planned.cases)) if index not in done]
         if waiting and cluster is None:
-            for item in planned.declared:
-                ready(item.setup)
+            compiled(planned)
         count = len(done)
         with closing(in_chunks(work, waiting, jobs=jobs, cluster=cluster)) as chunks, _killed_told(planned):
             for chunk in chunks:

@@ -1,0 +1,82 @@
+"""What a study would take, told from some of its cases that are run: time on this machine, and room on the disk."""
+
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.parallel.workers import job_count
+from workbench.study.plan import Plan
+from workbench.study.runner import case_runs, compiled
+from workbench.study.sketches import sketched
+from workbench.study.store import Row
+
+SAMPLED = 24
+"""Cases that are run, at most."""
+
+LONGEST = 3.0
+"""s after which no further one is begun."""
+
+COPIES = 30.0
+"""Bytes that a number takes, in SQLite, CSV and Parquet together; a text has its length in each of them."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Time (s) and disk (bytes) that a study takes, told from so many of its cases."""
+
+    seconds: float
+    disk: float
+    sampled: int
+
+    def __str__(self) -> str:
+        cases = "one case" if self.sampled == 1 else f"{self.sampled} cases"
+        return (
+            f"about {_duration(self.seconds)} on this machine and {_size(self.disk)} on the disk, by {cases} run to see"
+        )
+
+
+def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False) -> Estimate:
+    """What running a study takes with so many `jobs`: some cases, evenly among all, are run, and stand for all.
+
+    What they leave is removed. Compiling is not counted: it is done once.
+    """
+    compiled(planned)
+    count = len(planned.cases)
+    with tempfile.TemporaryDirectory() as name:
+        work = case_runs(planned, Path(name), keep_all=keep_all)
+        took, rows, files = list[float](), list[Row](), list[int]()
+        for place in planned.cases.telling(SAMPLED):
+            began = time.perf_counter()
+            rows.append(work(place))
+            took.append(time.perf_counter() - began)
+            if sum(took) > LONGEST:
+                break
+        for row in rows:
+            files += [path.stat().st_size for path in work.files(planned.cases[row.case])]
+        sketches = [len(row.sketch) for row in rows if row.sketch is not None]
+    later = took[1:] or took  # the first finds nothing in any cache
+    disk = count * sum(map(_bytes, rows)) / len(rows)
+    disk += sketched(planned.cases) * sum(sketches) / max(len(sketches), 1)
+    disk += work.file_count * sum(files) / max(len(files), 1)
+    return Estimate(count * sum(later) / len(later) / min(job_count(jobs), count), disk, len(rows))
+
+
+def _bytes(row: Row) -> float:
+    """What a row takes, its sketch not counted."""
+    found = [value for value in row.values if value is not None]
+    return sum(3.0 * len(value) if isinstance(value, str) else COPIES for value in found)
+
+
+def _duration(seconds: float) -> str:
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+def _size(count: float) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6)):
+        if count >= size:
+            return f"{count / size:.2g} {unit}"
+    return f"{max(count / 1e3, 1.0):.0f} kB"
