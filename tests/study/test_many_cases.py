@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import STUDY, workbench, write
+from command import STUDY, changed, ran, workbench, write
 
 from workbench.study.estimate import SAMPLED, estimate
 from workbench.study.names import matches
@@ -112,7 +112,7 @@ def test_draws_are_numbered_and_only_the_first_tells_the_solvers_error(tmp_path:
 
 
 def test_what_a_study_takes_is_told_from_some_of_it(tmp_path: Path) -> None:
-    """Disk: of 600 cases, against what they leave; trajectories that a figure needs are counted as often as they are."""
+    """Disk: of 600 cases, against what they leave; trajectories that are kept are counted."""
     text = large(600, changed('"1 s"', '"0.1 s"').replace('"0.4 s"', '"0.05 s"'))
     told = estimate(plan(read_study(write(tmp_path, text))))
     out = ran(tmp_path, text)

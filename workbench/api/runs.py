@@ -13,8 +13,8 @@ from workbench.metrics.evaluate import evaluate as metrics_of
 from workbench.metrics.registry import names_along
 from workbench.simulation import simulate as engine
 from workbench.simulation.simulate import Run
+from workbench.study.case_runs import figures_of
 from workbench.study.names import units_of
-from workbench.study.runner import figures_of
 
 if TYPE_CHECKING:
     from workbench.publish.notebook import NotebookFigure

@@ -14,8 +14,8 @@ from workbench.linear.margins import Margins, Response, margins_of
 from workbench.linear.open_loop import open_loop
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import simulate
+from workbench.study.case_runs import figures_of
 from workbench.study.names import units_of
-from workbench.study.runner import figures_of
 
 SLOW = 0.01
 """m/s, or rad/s. The speed of the slide about which a loop is linearised whose reference does not move."""

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any, Generic, TypeVar
 
-from workbench.parallel.workers import job_count, workers
+from workbench.parallel.cluster import Watch, connected, finished, result_of, threads
+from workbench.parallel.workers import job_count
 
 Result = TypeVar("Result")
 
@@ -30,9 +31,6 @@ GROWTH = 8
 
 AHEAD = 2
 """Chunks that are given out for each worker: one that it works on, one that it finds when that is done."""
-
-ON_CLUSTER = 64
-"""Workers for which chunks are given out on a cluster, whose size may change while it works."""
 
 ATTEMPTS = 2
 """Times that a piece may take its process down with it; one that was stopped from outside is done again."""
@@ -67,11 +65,10 @@ def in_chunks(
 
     Raises:
         KilledError: a piece takes its process down whenever it is begun.
-        UserError: no scheduler answers at the address `cluster`.
+        UserError: no scheduler answers at the address `cluster`, or it goes away.
     """
     if cluster is not None:
-        with workers(cluster=cluster) as executor:
-            yield from _handed_out(executor, functools.partial(_chunk, work), places, ON_CLUSTER, Sizes(), {})
+        yield from _on_cluster(cluster, functools.partial(_chunk, work), places)
     elif job_count(jobs) == 1 or len(places) < 2:
         for place in places:
             yield _chunk(work, [place])
@@ -148,6 +145,25 @@ def _handed_out(
             del held[future]
             sizes.learn(chunk)
             yield chunk
+
+
+def _on_cluster(
+    address: str, work: Callable[[Sequence[int]], Chunk[Result]], places: Sequence[int]
+) -> Iterator[Chunk[Result]]:
+    """Chunks from the workers of a cluster, as many as there are now; what a lost one had begun another does."""
+    with connected(address) as client:
+        watch, sizes, held, begun = Watch(client, address), Sizes(), dict[Any, Sequence[int]](), 0
+        while begun < len(places) or held:
+            hands = threads(client)
+            while begun < len(places) and len(held) < max(AHEAD * hands, 1):
+                size = sizes.next(len(places) - begun, max(hands, 1))
+                chosen = places[begun : begun + size]
+                held[client.submit(work, chosen, pure=False)] = chosen
+                begun += size
+            for future in finished(client, held, watch):
+                chunk = result_of(future, watch, functools.partial(KilledError, held.pop(future)[0]))
+                sizes.learn(chunk)
+                yield chunk
 
 
 def _in_processes(work: Work[Result], places: Sequence[int], workers: int) -> Iterator[Chunk[Result]]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.parallel.workers import job_count
+from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
-from workbench.study.runner import case_runs, compiled
 from workbench.study.sketches import sketched
 from workbench.study.store import Row
 
@@ -31,9 +31,7 @@ class Estimate:
 
     def __str__(self) -> str:
         cases = "one case" if self.sampled == 1 else f"{self.sampled} cases"
-        return (
-            f"about {_duration(self.seconds)} on this machine and {_size(self.disk)} on the disk, by {cases} run to see"
-        )
+        return f"about {_duration(self.seconds)} on this machine and {_size(self.disk)} on the disk, told from {cases}"
 
 
 def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False) -> Estimate:

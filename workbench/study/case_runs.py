@@ -1,0 +1,122 @@
+"""A case of a study, run: its row of results, and the files that it leaves."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.errors import MetricError
+from workbench.metrics.evaluate import rms_error
+from workbench.metrics.registry import SOLVER, names_along
+from workbench.simulation.run import Run
+from workbench.simulation.simulate import finer, largest_distance, ready, simulate
+from workbench.study.plan import Plan, needed_trajectories
+from workbench.study.probes import probe_values
+from workbench.study.resolve import Resolved
+from workbench.study.run_on import evaluated
+from workbench.study.sketches import is_sketched, points_for, sketch_of, sketched
+from workbench.study.store import RECORDS, Row, record_path, trajectory_path, write_record, write_trajectory
+from workbench.study.study import Case, Study
+from workbench.study.unfold import Cases
+
+
+@dataclass(frozen=True)
+class CaseRuns:
+    """The work of a study: what a case is run for, and where its files go. It can travel to another process.
+
+    Attributes:
+        study: the study.
+        cases: all its cases.
+        resolved: what they run.
+        columns: of its results.
+        folder: of its results, absolute.
+        trajectories: indices of the cases whose trajectories are kept; None: all.
+        points: of the sketch of a trajectory.
+    """
+
+    study: Study
+    cases: Cases
+    resolved: Sequence[Resolved]
+    columns: Sequence[str]
+    folder: Path
+    trajectories: frozenset[int] | None = frozenset()
+    points: int = 0
+
+    def __call__(self, index: int) -> Row:
+        """Run a case: its row of results. Its trajectory, and what a rig would write down, go to files of their own.
+
+        Raises:
+            MetricError: a metric of a plug-in fails.
+            UserError: a mistake in a case that was not among those checked before.
+        """
+        case, resolved = self.cases[index], self.resolved[index]
+        run = simulate(resolved.setup)
+        try:
+            figures = figures_of(resolved, run, solver_error=case.tells_solver_error)
+        except MetricError as error:
+            raise MetricError(f"{case.label}: {error}") from error.__cause__
+        values: dict[str, object] = {**case.columns, **figures}
+        values |= probe_values(run, self.study.file.probes, resolved.transient, case.name)
+        sketch = sketch_of(run, self.points) if is_sketched(self.cases, index) else None
+        for path in self.files(case):
+            if path.parent.name == RECORDS:
+                write_record(run, self.study.file.records, case.rpm, path)
+            else:
+                write_trajectory(run, path)
+        return Row(index, [_storable(values.get(column)) for column in self.columns], sketch)
+
+    def files(self, case: Case) -> list[Path]:
+        """The files that a case leaves beside its row."""
+        kept = self.trajectories is None or case.index in self.trajectories
+        trajectory = [trajectory_path(self.folder, case.index)] if kept else []
+        return trajectory + ([record_path(self.folder, case)] if self.study.file.records else [])
+
+    @property
+    def file_count(self) -> int:
+        """How many files all cases leave."""
+        kept = len(self.cases) if self.trajectories is None else len(self.trajectories)
+        return kept + (len(self.cases) if self.study.file.records else 0)
+
+    def unwritten(self) -> set[int]:
+        """Indices of the cases of which a file is missing."""
+        some = range(len(self.cases)) if self.trajectories is None or self.study.file.records else self.trajectories
+        return {index for index in some if not all(path.exists() for path in self.files(self.cases[index]))}
+
+
+def case_runs(planned: Plan, folder: Path, *, keep_all: bool = False) -> CaseRuns:
+    """The work of a plan, with the trajectories that its figures need, or all."""
+    kept = None if keep_all else frozenset(needed_trajectories(planned))
+    points = points_for(sketched(planned.cases))
+    return CaseRuns(planned.study, planned.cases, planned.resolved, planned.columns, folder.resolve(), kept, points)
+
+
+def compiled(planned: Plan) -> None:
+    """Have all compiled code of a plan at hand, before processes are made that would each compile it."""
+    for item in planned.declared:
+        ready(item.setup)
+
+
+def _storable(value: object) -> object:
+    """A value as SQLite keeps it; a list or a table of a dotted axis as JSON."""
+    return json.dumps(value) if isinstance(value, list | dict) else value
+
+
+def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
+    """All of the `columns` of a case's run, in their order; None where a figure does not apply.
+
+    `solver_error`: whether those of `SOLVER` are found too, which takes a second, finer run.
+    """
+    figures = evaluated(resolved, run)
+    rms = figures["rms_error_m"]
+    errors = _solver_errors(resolved, run, rms if isinstance(rms, float) else None) if solver_error else {}
+    whole = {**figures, **dict.fromkeys(column.name for column in SOLVER), **errors}
+    called = names_along(run.plant.axis)
+    return {called[name]: value for name, value in whole.items()}
+
+
+def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:
+    """What a finer integration changes: positions at most, and the rms error where there is one."""
+    other = finer(resolved.setup)
+    known = rms_error(other, resolved.signal, resolved.transient)
+    change = abs(known - rms) if known is not None and rms is not None else None
+    return dict(zip((column.name for column in SOLVER), (largest_distance(run, other), change), strict=True))

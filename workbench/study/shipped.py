@@ -1,0 +1,55 @@
+"""Cases that are run on another machine: their rows come back with the files that they leave."""
+
+import functools
+import platform
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+from plants.equation import source_hash
+from workbench.errors import UserError
+from workbench.publish.folders import write_whole
+from workbench.study.case_runs import CaseRuns
+from workbench.study.plan import PROGRAM_FOLDERS
+from workbench.study.store import Row
+
+
+class Shipped(NamedTuple):
+    """A row from another machine, with the files that the case leaves, by their place in the folder of results."""
+
+    row: Row
+    files: Mapping[str, bytes]
+
+
+@dataclass(frozen=True)
+class ShippedRuns:
+    """The same work on another machine, which need not see the folder of results; it needs the same `version`."""
+
+    work: CaseRuns
+    version: str
+
+    def __call__(self, index: int) -> Shipped:
+        """Raises UserError where the other machine's program is of another version."""
+        if source_hash(PROGRAM_FOLDERS) != self.version:
+            raise UserError(
+                f"worker {platform.node()}: has another version of this program; install the same one there"
+            )
+        with tempfile.TemporaryDirectory() as name:
+            here = Path(name)
+            row = replace(self.work, folder=here)(index)
+            files = {str(path.relative_to(here)): path.read_bytes() for path in here.rglob("*") if path.is_file()}
+        return Shipped(row, files)
+
+
+def unpacked(results: Sequence[Row | Shipped], folder: Path) -> list[Row]:
+    """Rows, the files that came with them written."""
+    rows = []
+    for result in results:
+        if isinstance(result, Shipped):
+            for name, content in result.files.items():
+                (folder / name).parent.mkdir(exist_ok=True)
+                write_whole(folder / name, functools.partial(Path.write_bytes, data=content))
+        rows.append(result.row if isinstance(result, Shipped) else result)
+    return rows
