@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any, Generic, TypeVar
 
-from workbench.parallel.cluster import Watch, connected, finished, result_of, threads
+from workbench.parallel.cluster import Watch, connected, finished, result_of
 from workbench.parallel.workers import job_count
 
 Result = TypeVar("Result")
@@ -154,7 +154,7 @@ def _on_cluster(
     with connected(address) as client:
         watch, sizes, held, begun = Watch(client, address), Sizes(), dict[Any, Sequence[int]](), 0
         while begun < len(places) or held:
-            hands = threads(client)
+            hands = watch.hands()
             while begun < len(places) and len(held) < max(AHEAD * hands, 1):
                 size = sizes.next(len(places) - begun, max(hands, 1))
                 chosen = places[begun : begun + size]

@@ -1,5 +1,6 @@
 """Work done by the workers of a dask cluster: who answers, what has ended, and who has gone."""
 
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,9 @@ GONE = 5.0
 WITHOUT = 60.0
 """s in which a first worker has to come, or another where all have gone."""
 
+CHATTER = ("distributed", "asyncio", "tornado")
+"""Loggers of dask that write of every lost connection, some with a traceback."""
+
 RESUME = "what is finished is kept: go on with --resume"
 
 
@@ -36,8 +40,10 @@ def connected(address: str) -> Iterator["Client"]:
         from distributed import Client
     except ImportError:
         raise UserError('--cluster needs the extra "cluster": pip install "friction-workbench[cluster]"') from None
+    for name in CHATTER:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is told in our words
     try:
-        client = Client(address, timeout=ANSWER, set_as_default=False)
+        client = Client(address, timeout=ANSWER)
     except (OSError, ValueError) as error:
         raise UserError(f"{address}: no scheduler answers there ({error}); start one with: dask scheduler") from None
     try:
@@ -46,31 +52,36 @@ def connected(address: str) -> Iterator["Client"]:
         client.close(timeout=LOOKS)
 
 
-def threads(client: "Client") -> int:
-    """How many pieces of work its workers do at a time, all together."""
-    return sum(client.nthreads().values())
-
-
 class Watch:
-    """Whether a cluster is still there."""
+    """Whether a cluster is still there, and how many hands it has."""
 
     def __init__(self, client: "Client", address: str) -> None:
         self._client, self._address = client, address
         self._connected = self._manned = time.monotonic()
 
-    def look(self) -> None:
-        """Raises UserError where the scheduler has gone, or no worker is there for long."""
-        now = time.monotonic()
-        if self._client.status == "running":
-            self._connected = now
-            if self._client.scheduler_info()["workers"]:
-                self._manned = now
-        if now - self._connected > GONE or self._client.status == "closed":
+    def hands(self) -> int:
+        """How many pieces of work its workers do at a time, all together.
+
+        Raises:
+            UserError: the scheduler has gone, or no worker is there for long.
+        """
+        now, found = time.monotonic(), 0
+        if self._client.status == "closed" or now - self._connected > GONE:
             raise self.gone()
-        if now - self._manned > WITHOUT:
+        if self._client.status != "running":
+            return found  # it may come back
+        try:
+            found = sum(self._client.nthreads().values())
+        except OSError:
+            return found
+        self._connected = now
+        if found:
+            self._manned = now
+        elif now - self._manned > WITHOUT:
             raise UserError(
                 f"{self._address}: no worker for {WITHOUT:g} s; start one with: dask worker {self._address}; {RESUME}"
             )
+        return found
 
     def gone(self) -> UserError:
         """What is said of a scheduler that has gone."""
@@ -81,7 +92,7 @@ def finished(client: "Client", held: Mapping[Any, Sequence[int]], watch: Watch) 
     """Those of the futures that have ended; waits for the first.
 
     Raises:
-        UserError: see `Watch.look`.
+        UserError: see `Watch.hands`.
     """
     from distributed import wait
 
@@ -89,7 +100,7 @@ def finished(client: "Client", held: Mapping[Any, Sequence[int]], watch: Watch) 
         try:
             return list(wait(list(held), timeout=LOOKS, return_when="FIRST_COMPLETED").done)
         except TimeoutError:
-            watch.look()
+            watch.hands()
         except Exception as error:
             if client.status != "running":
                 raise watch.gone() from error

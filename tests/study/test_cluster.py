@@ -1,0 +1,122 @@
+"""A study on a dask cluster: the same bytes, whoever is lost, and a line where the scheduler is."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
+from pathlib import Path
+
+import pytest
+from command import PROCESS, STUDY, changed, ran, workbench, write
+
+pytest.importorskip("distributed")
+
+RECORDS = 'records = ["position"]\n'
+
+SLOW = (
+    RECORDS
+    + changed('"1 s"', '"0.3 s"')
+    .replace('"0.4 s"', '"0.1 s"')
+    .replace("[0, 460]", '[0, 460]\n"controllers.p.kp" = [100, 200, 300, 400]\n"simulation.seed" = [1, 2, 3, 4, 5]')
+    + 'method = "rk4"\nstep = "1 us"\n'
+)
+"""40 cases that take a while each, and leave a file each."""
+
+
+class Cluster:
+    """A scheduler and its workers, each a process of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._started: list[subprocess.Popen[bytes]] = []
+        with closing(socket.socket()) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{port}"
+        self.scheduler = self._begin("scheduler", "--host", "127.0.0.1", "--port", str(port))
+
+    def worker(self) -> subprocess.Popen[bytes]:
+        """One more worker, with one thread, in this process's environment."""
+        number = str(len(self._started))
+        return self._begin(
+            "worker", self.address, "--nthreads", "1", "--no-nanny", "--local-directory", str(self._folder / number)
+        )
+
+    def _begin(self, kind: str, *arguments: str) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard", *arguments]
+        log = (self._folder / f"{len(self._started)}.log").open("wb")
+        self._started.append(subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True))
+        log.close()
+        return self._started[-1]
+
+    def close(self) -> None:
+        """End all that was begun."""
+        for process in reversed(self._started):
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    with closing(Cluster(tmp_path_factory.mktemp("cluster"))) as begun:
+        yield begun
+
+
+def until(condition: Callable[[], bool]) -> None:
+    for _ in range(1200):
+        if condition():
+            return
+        time.sleep(0.05)
+    pytest.fail("waited in vain")
+
+
+def records(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "records").glob("*.parquet"))}
+
+
+def test_a_lost_worker_costs_nothing_and_a_lost_scheduler_a_line(tmp_path: Path, cluster: Cluster) -> None:
+    """One of two workers is killed, then the scheduler; resumed here, the folder is that of an undisturbed run."""
+    first, _ = cluster.worker(), cluster.worker()
+    out = tmp_path / "out"
+    arguments = ["run", write(tmp_path, SLOW), "--out", out, "--cluster", cluster.address]
+    running = subprocess.Popen([*PROCESS, *map(str, arguments)], stderr=subprocess.PIPE, text=True)
+    until(lambda: len(records(out)) > 2)
+    first.kill()
+    done = len(records(out))
+    until(lambda: len(records(out)) > done + 4)
+    cluster.scheduler.kill()
+    began = time.monotonic()
+    _, said = running.communicate(timeout=60.0)
+    assert time.monotonic() - began < 30.0, "waits for nobody who has gone"
+    assert running.returncode == 2
+    assert said.splitlines()[-1] == (
+        f"error: {cluster.address}: the scheduler has gone; what is finished is kept: go on with --resume"
+    )
+    assert "Traceback" not in said
+    assert workbench("run", tmp_path / "study.toml", "--out", out, "--resume").code == 0
+    alone = ran(tmp_path, SLOW)
+    assert (out / "results.csv").read_bytes() == (alone / "results.csv").read_bytes()
+    assert records(out) == records(alone)
+
+
+def test_no_worker_is_told(tmp_path: Path, cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("workbench.parallel.cluster.WITHOUT", 1.0)
+    answer = workbench("run", write(tmp_path, STUDY), "--out", tmp_path / "out", "--cluster", cluster.address)
+    assert (answer.code, answer.err) == (
+        2,
+        f"error: {cluster.address}: no worker for 1 s; start one with: dask worker {cluster.address}; "
+        "what is finished is kept: go on with --resume\n",
+    )
+
+
+def test_a_worker_of_another_version_is_told(tmp_path: Path, cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    cluster.worker()
+    monkeypatch.setattr("workbench.study.plan.source_hash", lambda folders: "another")
+    answer = workbench("run", write(tmp_path, STUDY), "--out", tmp_path / "out", "--cluster", cluster.address)
+    assert answer.code == 2
+    assert answer.err.endswith("has another version of this program; install the same one there\n")
