@@ -65,16 +65,17 @@ class Watch:
         Raises:
             UserError: the scheduler has gone, or no worker is there for long.
         """
-        now, found = time.monotonic(), 0
-        if self._client.status == "closed" or now - self._connected > GONE:
+        now = time.monotonic()
+        if self._client.status == "running":
+            self._connected = now
+        elif self._client.status == "closed" or now - self._connected > GONE:
             raise self.gone()
-        if self._client.status != "running":
-            return found  # it may come back
+        else:
+            return 0  # it may come back
         try:
             found = sum(self._client.nthreads().values())
         except OSError:
-            return found
-        self._connected = now
+            return 0  # busy, or gone: the next look tells
         if found:
             self._manned = now
         elif now - self._manned > WITHOUT:
