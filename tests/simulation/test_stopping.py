@@ -14,7 +14,7 @@ import pytest
 from command import PROCESS, changed, write
 from support import OSCILLATOR, start
 
-from workbench.simulation import stopping
+import workbench.stopping as stopping
 from workbench.simulation.setup import Integrator
 from workbench.simulation.simulate import simulate
 
@@ -28,7 +28,7 @@ WORKERS = """\
 import multiprocessing, sys, time
 from concurrent.futures import ProcessPoolExecutor
 from workbench.cli.progress import say_stopped, stoppable
-from workbench.simulation.stopping import in_a_worker, stopping_on_signals
+from workbench.stopping import in_a_worker, stopping_on_signals
 with stopping_on_signals(say_stopped), stoppable():
     spawning = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, spawning, initializer=in_a_worker) as pool:
@@ -41,7 +41,7 @@ with stopping_on_signals(say_stopped), stoppable():
 
 HOLDS_ON = """\
 import os, signal, sys, time
-from workbench.simulation import stopping
+import workbench.stopping as stopping
 stopping.GRACE = 0.1
 with stopping.stopping_on_signals(lambda: print("said", file=sys.stderr, flush=True)):
     try:

@@ -4,7 +4,7 @@
 def main() -> None:
     """Run the command line. A signal that stops it, while it imports too, is one line."""
     from workbench.cli.progress import AGAIN, say_stopped, stoppable
-    from workbench.simulation.stopping import stopping_on_signals
+    from workbench.stopping import stopping_on_signals
 
     with stopping_on_signals(say_stopped), stoppable(AGAIN):
         from workbench.cli.app import run

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from workbench.progress import Progress
-from workbench.simulation.stopping import exit_code
+from workbench.stopping import exit_code
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""

@@ -7,7 +7,6 @@ thread at a time. The results are the same wherever they are made; they come as 
 
 import functools
 import os
-import signal
 import sys
 import threading
 import time
@@ -20,6 +19,7 @@ from typing import Any, Generic, TypeVar
 
 from workbench.parallel.cluster import Watch, connected, finished, result_of
 from workbench.parallel.workers import job_count
+from workbench.stopping import in_a_worker
 
 Result = TypeVar("Result")
 
@@ -206,12 +206,10 @@ _work: Work[Any] | None = None
 
 
 def _begin(work: Work[Any], parent: int) -> None:
-    """Set up a forked process: it works, leaves Ctrl-C to its parent, and ends with it."""
+    """Set up a forked process: it works, and ends with its parent."""
     global _work
     _work = work
-    signal.set_wakeup_fd(-1)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    in_a_worker()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 

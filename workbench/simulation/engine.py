@@ -61,7 +61,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_integer, _integer, _number, _vector)),  # the method: `workbench.simulation.steppers.scheme`
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
     _vector,  # scratch, of `scratch_size`
-    _integer,  # address of the flag that stops it: `workbench.simulation.stopping`
+    _integer,  # address of the flag that stops it: `workbench.stopping`
 )
 
 

@@ -15,7 +15,7 @@ from plants.equation import fields, to_array
 from plants.hydraulics import Hydraulic
 from plants.interface import Measurement
 from plants.motor import Motor
-from workbench.simulation import engine, stopping
+from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
@@ -24,6 +24,7 @@ from workbench.simulation.run import COMPLETED, HARDLY_MOVES, STUCK_SPEED, TORQU
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
 from workbench.simulation.steppers import scheme
+from workbench.stopping import ADDRESS
 
 __all__ = [
     "COMPLETED",
@@ -60,7 +61,7 @@ def simulate(setup: Setup) -> Run:
     """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so.
 
     Raises:
-        KeyboardInterrupt: it was stopped, as `workbench.simulation.stopping` says.
+        KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
     """
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1
@@ -119,7 +120,7 @@ def simulate(setup: Setup) -> Run:
         scheme(method),
         log,
         np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
-        stopping.ADDRESS,
+        ADDRESS,
     )
     if ended == engine.STOPPED:
         raise KeyboardInterrupt
