@@ -174,8 +174,8 @@ def test_a_kill_while_replacing_leaves_no_report_and_can_be_repeated(
         with pytest.raises(KeyboardInterrupt):
             report_folder.write_diagnosis(diagnosis, out)
     assert not (out / "report.json").exists()
-    report_folder.check_folder(out, overwrite=False)
-    report_folder.write_diagnosis(diagnosis, out)
+    with report_folder.claimed_folder(out, overwrite=False):
+        report_folder.write_diagnosis(diagnosis, out)
     assert json.loads((out / "report.json").read_text())["verdict"] == "effect_found"
     ours = {"report.json", "report.html", "plant.toml", "contents.json", "tables"}
     assert {item.name for item in out.iterdir()} == ours | {"notes.txt"}

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -58,7 +59,7 @@ def tune(
     """
     from workbench.api.faces.tuning import ShownTuning
     from workbench.tune.prepare import prepared
-    from workbench.tune.report.folder import open_folder, write_tuning
+    from workbench.tune.report.folder import opened_folder, write_tuning
     from workbench.tune.run import tune_all
 
     asked = as_study(study)
@@ -66,12 +67,11 @@ def tune(
     ready = replace(ready, text=asked.text)
     began = time.time()
     if out is None:
-        with TemporaryDirectory() as folder:
-            database = open_folder(Path(folder), resume=resume, overwrite=overwrite)
+        with TemporaryDirectory() as folder, opened_folder(Path(folder)) as database:
             return shown_as(ShownTuning, tune_all(ready, names, database, jobs))
-    database = open_folder(Path(out), resume=resume, overwrite=overwrite)
-    tuning = tune_all(ready, names, database, jobs)
-    write_tuning(tuning, Path(out), began=began, jobs=jobs)
+    with opened_folder(Path(out), resume=resume, overwrite=overwrite) as database:
+        tuning = tune_all(ready, names, database, jobs)
+        write_tuning(tuning, Path(out), began=began, jobs=jobs)
     return shown_as(ShownTuning, tuning)
 
 
@@ -81,6 +81,7 @@ def decide(
     *,
     machine: str | None = None,
     jobs: int | None = None,
+    resume: bool = False,
     overwrite: bool = False,
 ) -> "ShownDecision":
     """Say which controllers and speeds of rotation meet an accuracy within a power, and how probably.
@@ -92,7 +93,8 @@ def decide(
         out: folder for decision.html, results, tables and figures; without one nothing is kept.
         machine: in place of the study's.
         jobs: runs at a time; default one a core.
-        overwrite: replace what is in `out`.
+        resume: go on with the runs in `out`.
+        overwrite: replace what is there.
 
     Returns:
         every run, and what suffices at each speed and spread.
@@ -114,16 +116,16 @@ def decide(
     """
     from workbench.api.faces.decision import ShownDecision
     from workbench.decide.plan import plan_decision
-    from workbench.decide.report.folder import check_folder, write_decision
+    from workbench.decide.report.folder import opened_folder, write_decision
     from workbench.decide.run import decide as decided
 
     began, asked = time.time(), as_study(study)
     checked = plan_decision(asked.content, machine)
     planned = replace(checked, study=replace(checked.study, text=asked.text))
-    if out is not None:
-        check_folder(Path(out), overwrite)
-    decision = decided(planned, jobs)
-    if out is not None:
+    if out is None:
+        return shown_as(ShownDecision, decided(planned, jobs))
+    with opened_folder(Path(out), planned, resume=resume, overwrite=overwrite) as runs:
+        decision = decided(planned, jobs, kept=runs)
         write_decision(decision, Path(out), began, jobs)
     return shown_as(ShownDecision, decision)
 
@@ -155,7 +157,7 @@ def identify(
     """
     from workbench.api.faces.identification import ShownIdentification
     from workbench.identify.identification import identify as identified
-    from workbench.identify.report.folder import check_folder, write_identification
+    from workbench.identify.report.folder import claimed_folder, write_identification
     from workbench.records.experiment import read_experiment
     from workbench.records.schema import METHODS
 
@@ -163,11 +165,10 @@ def identify(
     if method is not None and method not in METHODS:
         raise UserError(f'method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(Path(experiment))
-    if out is not None:
-        check_folder(Path(out), overwrite)
-    identification = identified(content, method)
-    if out is not None:
-        write_identification(identification, Path(out))
+    with claimed_folder(Path(out), overwrite) if out is not None else nullcontext():
+        identification = identified(content, method)
+        if out is not None:
+            write_identification(identification, Path(out))
     return shown_as(ShownIdentification, identification)
 
 
@@ -192,14 +193,13 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
     """
     from workbench.api.faces.diagnosis import ShownDiagnosis
     from workbench.diagnose.diagnose import diagnose as diagnosed
-    from workbench.diagnose.report.folder import check_folder, write_diagnosis
+    from workbench.diagnose.report.folder import claimed_folder, write_diagnosis
 
     expect(experiment, str | Path, "diagnose", AN_EXPERIMENT)
-    if out is not None:
-        check_folder(Path(out), overwrite)
-    diagnosis = diagnosed(Path(experiment))
-    if out is not None:
-        write_diagnosis(diagnosis, Path(out))
+    with claimed_folder(Path(out), overwrite) if out is not None else nullcontext():
+        diagnosis = diagnosed(Path(experiment))
+        if out is not None:
+            write_diagnosis(diagnosis, Path(out))
     return shown_as(ShownDiagnosis, diagnosis)
 
 

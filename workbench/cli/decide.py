@@ -13,6 +13,7 @@ def command(
     study: StudyFile,
     out: Out,
     jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the runs in DIR.")] = False,
     overwrite: Overwrite = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
     machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
@@ -20,7 +21,7 @@ def command(
 ) -> None:
     """Say which controllers meet an accuracy, and how probably."""
     from workbench.decide.plan import plan_decision
-    from workbench.decide.report.folder import check_folder, summary, write_decision
+    from workbench.decide.report.folder import opened_folder, summary, write_decision
     from workbench.decide.run import decide
     from workbench.decide.section import description
     from workbench.publish.page_format import figures_at
@@ -30,9 +31,14 @@ def command(
     if dry_run:
         print("\n".join(description(planned)))
         return
-    check_folder(out, overwrite)
-    with figures_at(page), stoppable(), ProgressLine() as progress:
-        decision = decide(planned, jobs, progress)
+    kept = f"finished runs are kept in {out}: go on with --resume"
+    with (
+        figures_at(page),
+        stoppable(kept),
+        ProgressLine() as progress,
+        opened_folder(out, planned, resume=resume, overwrite=overwrite) as runs,
+    ):
+        decision = decide(planned, jobs, progress, runs)
         progress("tables, figures, page", 1.0)
         write_decision(decision, out, began, jobs)
     print(summary(decision) + "\n")

@@ -7,11 +7,10 @@ from workbench.cli.progress import ProgressLine, stoppable
 def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False, page: PageFormat = None) -> None:
     """Say what the plant of an experiment lacks, and how sure that is."""
     from workbench.diagnose.diagnose import diagnose
-    from workbench.diagnose.report.folder import check_folder, summary, write_diagnosis
+    from workbench.diagnose.report.folder import claimed_folder, summary, write_diagnosis
     from workbench.publish.page_format import figures_at
 
-    check_folder(out, overwrite)
-    with figures_at(page), stoppable(), ProgressLine() as progress:
+    with figures_at(page), stoppable(), ProgressLine() as progress, claimed_folder(out, overwrite):
         diagnosis = diagnose(experiment, progress)
         progress("tables, figures, page", 0.93)
         write_diagnosis(diagnosis, out)

@@ -18,7 +18,7 @@ def command(
 ) -> None:
     """Find friction and other parameters of a plant in records."""
     from workbench.identify.identification import identify
-    from workbench.identify.report.folder import check_folder, write_identification
+    from workbench.identify.report.folder import claimed_folder, write_identification
     from workbench.publish.page_format import figures_at
     from workbench.records.experiment import read_experiment
     from workbench.records.schema import METHODS
@@ -26,8 +26,7 @@ def command(
     if method is not None and method not in METHODS:
         raise UserError(f'--method "{method}": {nearest(method, METHODS)}')
     content = read_experiment(experiment)
-    check_folder(out, overwrite)
-    with figures_at(page), stoppable(), ProgressLine() as progress:
+    with figures_at(page), stoppable(), ProgressLine() as progress, claimed_folder(out, overwrite):
         paths = write_identification(identify(content, method, progress), out)
     for path in paths:
         print(path.read_text(encoding="utf-8"))

@@ -26,13 +26,18 @@ def command(
     from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
     from workbench.tune.prepare import prepared
-    from workbench.tune.report.folder import open_folder, say_tuning, write_tuning
+    from workbench.tune.report.folder import opened_folder, say_tuning, write_tuning
     from workbench.tune.run import tune_all
 
     ready, names = prepared(read_study(study), controller or ["all"], trials)
     kept = f"finished trials are kept in {out}: go on with --resume"
-    with figures_at(page), stoppable(kept), ProgressLine() as progress:
-        database, began = open_folder(out, resume=resume, overwrite=overwrite), time.time()
+    began = time.time()
+    with (
+        figures_at(page),
+        stoppable(kept),
+        ProgressLine() as progress,
+        opened_folder(out, resume=resume, overwrite=overwrite) as database,
+    ):
         tuning = tune_all(ready, names, database, jobs, progress)
         written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
     say_tuning(written)

@@ -1,9 +1,11 @@
 """Candidates on plant samples: the runs of a decision, a row each."""
 
+import functools
 import math
-from collections.abc import Sequence
-from concurrent.futures import Future, as_completed
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import pandas as pd
 
@@ -20,6 +22,9 @@ from workbench.study.run_on import evaluated
 
 KEYS = ("controller", "rpm", "speed_m_per_s", "spread", "draw")
 """What a row is told from the others of its stage by."""
+
+Key: TypeAlias = tuple[Stage, str, float, float, float, int]
+"""What a run is told from all others by: its stage, and the values of `KEYS`."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ class Batch:
         return sum(map(len, self.speeds.values()))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SampleRun:
     """A candidate on a plant sample (number): its `error` (m) and `power` (W) as [decide] chooses them, NaN where the
     run has none, the mean power (W) of pump and of the motor's terminals, the real speed (rpm), None where there is
@@ -62,25 +67,40 @@ class SampleRun:
     hunts: bool
 
     @property
-    def columns(self) -> dict[str, object]:
-        """Its values by column of draws.parquet."""
-        return {
-            "stage": self.stage,
-            "controller": self.controller,
-            "rpm": self.rpm,
-            "speed_m_per_s": self.speed,
-            "spread": self.spread,
-            "draw": self.number,
-            "outcome": self.outcome,
-            "error_m": self.error,
-            "power_W": self.power,
-            PUMP: self.pump,
-            MOTOR: self.motor,
-            REAL_SPEED: self.real_rpm,
-            "meets_accuracy": self.accurate,
-            "meets_power": self.within_power,
-            "hunts": self.hunts,
-        }
+    def key(self) -> Key:
+        """What tells it from all others."""
+        return self.stage, self.controller, self.rpm, self.speed, self.spread, self.number
+
+
+COLUMNS = {
+    "stage": "stage",
+    "controller": "controller",
+    "rpm": "rpm",
+    "speed_m_per_s": "speed",
+    "spread": "spread",
+    "draw": "number",
+    "outcome": "outcome",
+    "error_m": "error",
+    "power_W": "power",
+    PUMP: "pump",
+    MOTOR: "motor",
+    REAL_SPEED: "real_rpm",
+    "meets_accuracy": "accurate",
+    "meets_power": "within_power",
+    "hunts": "hunts",
+}
+"""What of a run each column of draws.parquet holds."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Runs that were made before, by their key, and what is told of every new one as it ends."""
+
+    known: Mapping[Key, SampleRun]
+    keep: Callable[[SampleRun], object]
+
+
+NOTHING_KEPT = Kept({}, lambda run: None)
 
 
 def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numbers: Sequence[int]) -> list[Batch]:
@@ -96,17 +116,22 @@ def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numb
 
 
 def run_batches(
-    plan: Plan, wanted: Sequence[Batch], jobs: int | None = None, doing: str = "runs", progress: Progress = silent
+    plan: Plan,
+    wanted: Sequence[Batch],
+    jobs: int | None = None,
+    doing: str = "runs",
+    progress: Progress = silent,
+    kept: Kept = NOTHING_KEPT,
 ) -> pd.DataFrame:
-    """Run everything: a row a run, by controller, rpm, speed, spread and draw, whatever the number of `jobs`.
+    """Run everything that is not `kept`: a row a run, by controller, rpm, speed, spread and draw, whatever the number
+    of `jobs`.
 
     `progress` is told what is being done, and the share of these runs that is.
     """
     rows: list[SampleRun] = []
     runs = sum(batch.runs for batch in wanted)
     with workers(jobs) as executor:
-        futures: list[Future[list[SampleRun]]] = [executor.submit(_run, plan, batch) for batch in wanted]
-        for future in as_completed(futures):
+        for future in as_completed([executor.submit(_run, plan, batch, kept) for batch in wanted]):
             rows += future.result()
             progress(f"{doing}: {len(rows)} of {runs} runs", len(rows) / runs)
     return in_order(plan, runs_frame(rows))
@@ -114,7 +139,7 @@ def run_batches(
 
 def runs_frame(rows: Sequence[SampleRun]) -> pd.DataFrame:
     """Runs as a table."""
-    return pd.DataFrame([row.columns for row in rows])
+    return pd.DataFrame({column: [getattr(row, name) for row in rows] for column, name in COLUMNS.items()})
 
 
 def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
@@ -125,19 +150,25 @@ def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _run(plan: Plan, batch: Batch) -> list[SampleRun]:
+def _run(plan: Plan, batch: Batch, kept: Kept) -> list[SampleRun]:
     """All controllers on one plant sample, built once a speed: they differ in nothing but their loop."""
-    rows, first = [], next(iter(batch.speeds))
-    built = {
-        speed: plan.sampled((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
-        for speed in dict.fromkeys(speed for speeds in batch.speeds.values() for speed in speeds)
-    }
+    rows, first = list[SampleRun](), next(iter(batch.speeds))
+
+    @functools.cache
+    def built(speed: float) -> Resolved:
+        return plan.sampled((first, batch.rpm), speed, batch.spread, batch.number, batch.stage)
+
     for name, speeds in batch.speeds.items():
         loop, hunts = plan.loops[name, batch.rpm], None
         for speed in speeds:
-            resolved = replace(built[speed], setup=replace(built[speed].setup, loop=loop))
-            hunts = _hunts(plan, resolved) if hunts is None else hunts
-            rows.append(_measured(plan, batch, name, speed, resolved, hunts))
+            run = kept.known.get((batch.stage, name, batch.rpm, speed, batch.spread, batch.number))
+            if run is None:
+                resolved = replace(built(speed), setup=replace(built(speed).setup, loop=loop))
+                hunts = _hunts(plan, resolved) if hunts is None else hunts
+                run = _measured(plan, batch, name, speed, resolved, hunts)
+                kept.keep(run)
+            hunts = run.hunts
+            rows.append(run)
     return rows
 
 

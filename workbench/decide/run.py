@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from workbench.decide.batches import batches, in_order, run_batches
+from workbench.decide.batches import NOTHING_KEPT, Kept, batches, in_order, run_batches
 from workbench.decide.candidate import CandidateResult, candidate_results
 from workbench.decide.plan import Plan
 from workbench.decide.result import Cell, Decision
@@ -28,8 +28,9 @@ FRESH_SHARE = 0.9
 """Of the share that is left: a round of fresh samples never says that all is done, since another may follow."""
 
 
-def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent) -> Decision:
-    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`.
+def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent, kept: Kept = NOTHING_KEPT) -> Decision:
+    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`, and
+    whatever runs of it are `kept`.
 
     `progress` is told what is being done, and how far all is.
     """
@@ -42,6 +43,7 @@ def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent) -> 
         jobs,
         "search",
         part_of(progress, 0.0, SEARCH_SHARE),
+        kept,
     )
     rows = candidate_results(searched, plan.table)
     cells = [
@@ -50,11 +52,13 @@ def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent) -> 
         for spread in plan.spreads
     ]
     fresh_part = part_of(progress, SEARCH_SHARE, FRESH_SHARE * (1.0 - SEARCH_SHARE))
-    cells, fresh = confirm(plan, cells, jobs, fresh_part)
+    cells, fresh = confirm(plan, cells, jobs, fresh_part, kept)
     return Decision(plan, pd.concat([searched, fresh], ignore_index=True) if len(fresh) else searched, cells)
 
 
-def confirm(plan: Plan, cells: Sequence[Cell], jobs: int | None, progress: Progress) -> tuple[list[Cell], pd.DataFrame]:
+def confirm(
+    plan: Plan, cells: Sequence[Cell], jobs: int | None, progress: Progress, kept: Kept
+) -> tuple[list[Cell], pd.DataFrame]:
     """The cells with what is needed measured in each, and the runs. Without draws the search has said everything.
 
     In each round the next contender of every cell runs that has no sure answer yet; then, where it was asked, the first
@@ -65,12 +69,12 @@ def confirm(plan: Plan, cells: Sequence[Cell], jobs: int | None, progress: Progr
         return [cell.with_measured(rows) for cell, rows in zip(cells, meets, strict=True)], pd.DataFrame()
     measured, frames = list(cells), list[pd.DataFrame]()
     while wanted := {i: row for i, cell in enumerate(measured) if (row := cell.next()) is not None}:
-        frames.append(_measure(plan, measured, wanted, jobs, progress, len(frames) + 1))
+        frames.append(_measure(plan, measured, wanted, jobs, progress, len(frames) + 1, kept))
     asked = next(
         i for i, cell in enumerate(cells) if (cell.speed, cell.spread) == (plan.table.speed, plan.table.spread)
     )
     while (row := measured[asked].next_to_compare()) is not None:
-        frames.append(_measure(plan, measured, {asked: row}, jobs, progress, len(frames) + 1))
+        frames.append(_measure(plan, measured, {asked: row}, jobs, progress, len(frames) + 1, kept))
     return measured, in_order(plan, pd.concat(frames)) if frames else pd.DataFrame()
 
 
@@ -81,6 +85,7 @@ def _measure(
     jobs: int | None,
     progress: Progress,
     number: int,
+    kept: Kept,
 ) -> pd.DataFrame:
     """Run one contender of each of these `cells`, which are renewed with what the fresh samples say of it."""
     candidates = [(row.candidate, cells[i].speed, cells[i].spread) for i, row in wanted.items()]
@@ -90,6 +95,7 @@ def _measure(
         jobs,
         f"fresh draws, round {number}",
         progress,
+        kept,
     )
     for i, row in wanted.items():
         own = frame[

@@ -2,15 +2,20 @@
 
 import os
 import shutil
-from collections.abc import Callable, Sequence
+import sqlite3
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TypeVar
 
 from workbench.errors import UserError
+from workbench.publish.locks import alone
 
 T = TypeVar("T")
+
+LOCK = ".lock"
+"""The file by which a command has a folder for itself, while it is at work."""
 
 
 def remove(path: Path) -> None:
@@ -24,9 +29,12 @@ def remove(path: Path) -> None:
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` make a file beside `path`, then move it there: whenever this is stopped, `path` is whole."""
     temporary = path.with_name(f".{path.name}.part")
-    temporary.unlink(missing_ok=True)  # it may be a link that leads elsewhere
-    write(temporary)
-    os.replace(temporary, path)
+    temporary.unlink(missing_ok=True)  # it may be a link that leads elsewhere, or what a kill left
+    try:
+        write(temporary)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def held(folder: Path, names: Sequence[str]) -> str:
@@ -37,6 +45,35 @@ def held(folder: Path, names: Sequence[str]) -> str:
 def unwritable(folder: Path, error: Exception) -> UserError:
     """The error for a folder in which nothing can be made."""
     return UserError(f"{folder}: cannot be written ({error}); choose another folder with --out")
+
+
+@contextmanager
+def faults_told(folder: Path, kept: str) -> Iterator[None]:
+    """What the disk or a database refuses while work goes into `folder`, in one line that says what is `kept`.
+
+    Raises:
+        UserError: a full disk, a folder that is gone or cannot be written, a database that another program holds.
+    """
+    try:
+        yield
+    except (OSError, sqlite3.Error) as error:
+        place, why = folder, str(error)
+        if isinstance(error, OSError) and error.strerror:
+            place, why = Path(error.filename or folder), error.strerror
+        raise UserError(f"{place}: {why}; {kept}") from error
+
+
+@contextmanager
+def _alone_in(folder: Path, lock: Path) -> Iterator[None]:
+    """The folder for this process alone, with a `lock` in it or, where nothing may be there yet, beside it."""
+    busy = f"{folder}: another command is at work there; wait for it, or choose another --out"
+    with ExitStack() as stack:
+        try:
+            lock.parent.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(alone(lock, busy))
+        except OSError as error:
+            raise unwritable(folder, error) from None
+        yield
 
 
 @dataclass(frozen=True)
@@ -51,6 +88,22 @@ class GrowingFolder:
     content: str
     names: tuple[str, ...]
     kept: tuple[str, ...] = ()
+
+    @contextmanager
+    def opened(self, folder: Path, *, resume: bool = False, overwrite: bool = False) -> Iterator[Path]:
+        """The folder for this process alone, made if need be; yields the path of the mark.
+
+        With `resume` earlier results stay, where there are any; else it is without any.
+
+        Raises:
+            UserError: as `begun`; another command is at work there; or the disk fails while the block is.
+        """
+        if resume and overwrite:
+            raise UserError("--resume and --overwrite: choose one")
+        kept = f"what is finished is kept in {folder}: mend that, then go on with --resume"
+        with _alone_in(folder, folder / LOCK), faults_told(folder, kept):
+            mark = folder / self.names[-1]
+            yield mark if resume and mark.exists() else self.begun(folder, overwrite)
 
     def begun(self, folder: Path, overwrite: bool) -> Path:
         """Make the folder, without earlier results; returns the path of the mark.
@@ -97,6 +150,21 @@ class ResultFolder:
     names: tuple[str, ...]
     is_ours: Callable[[Path], bool] = Path.exists
 
+    @contextmanager
+    def claimed(self, folder: Path, overwrite: bool) -> Iterator[None]:
+        """The folder, or the place for it, for this process alone, and without what a kill has left beside it.
+
+        Raises:
+            UserError: as `check`; another command is at work there; or the disk fails while the block is.
+        """
+        folder = Path(os.path.abspath(folder))
+        self.check(folder, overwrite)
+        lock = folder / LOCK if folder.exists() else folder.with_name(f".{folder.name}{LOCK}")
+        with _alone_in(folder, lock), faults_told(folder, "nothing is written: mend that and run it again"):
+            for path in self._places(folder):
+                remove(path)
+            yield
+
     def check(self, folder: Path, overwrite: bool) -> None:
         """Whether they may be written there; nothing is changed.
 
@@ -114,21 +182,29 @@ class ResultFolder:
             raise UserError(f"{folder}: holds {foreign} that no {self.noun} wrote; choose another --out")
 
     def write(self, folder: Path, write: Callable[[Path], T]) -> T:
-        """Let `write` fill an empty folder beside, then move all to `folder`; returns what `write` returns.
+        """Let `write` fill an empty folder of its own, then move all to `folder`; returns what `write` returns.
 
         Whenever this is stopped, the mark is whole, and all others with it, or is not there.
         """
         folder = Path(os.path.abspath(folder))
         folder.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
-            written = Path(temporary) / "written"
+        within, beside = self._places(folder)
+        written = within if folder.exists() else beside  # the folder may be a disk of its own
+        remove(written)
+        try:
             written.mkdir()
             returned = write(written)
             if folder.exists():
                 self._replace(written, folder)
             else:
                 os.rename(written, folder)
+        finally:
+            remove(written)
         return returned
+
+    def _places(self, folder: Path) -> tuple[Path, Path]:
+        """Where files are until they are whole: in the folder if it is there, or beside it."""
+        return folder / f".{self.noun}.part", folder.with_name(f".{folder.name}.part")
 
     def _replace(self, written: Path, folder: Path) -> None:
         self._unfinished(folder).touch()

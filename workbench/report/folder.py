@@ -54,10 +54,9 @@ def write_report(
     if not folders:
         raise UserError("report: got no folder, expected one or more with results")
     asked = None if page is None else page_format(page)
-    FOLDER.check(out, overwrite)
     if pdf:
         check_latex()
-    with ExitStack() as stack:
+    with FOLDER.claimed(out, overwrite), ExitStack() as stack:
         parts = {name: stack.enter_context(read_part(folder, page)) for name, folder in _named(folders).items()}
         width = text_width(asked)
 

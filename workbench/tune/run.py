@@ -9,17 +9,18 @@ from pathlib import Path
 
 from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
+from workbench.study.resolve import parse_case
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
 from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, objective_at
 from workbench.tune.objective import Objective
-from workbench.tune.prepare import task_for, tasks_for
+from workbench.tune.prepare import cases_for, task_for, tasks_for
 from workbench.tune.result import ClassicTuning, ControllerTuning, Quantile, Tuning, interval
-from workbench.tune.schema import TuneTable, tune_table
+from workbench.tune.schema import TuneTable, reference_controller, tune_table
 from workbench.tune.search import Search
 from workbench.tune.space import Point
 from workbench.tune.starts import classic_points, has_pid_gains, starts_of
-from workbench.tune.trials import Trial, TrialStore, identity_of, trials_in
+from workbench.tune.trials import Trial, TrialStore, kept_identity, trials_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,7 @@ class _Unit:
     evaluator: Evaluator
     starts: Sequence[Point]
     seed: int
+    identity: Mapping[str, object]
 
 
 def tune_all(
@@ -48,6 +50,11 @@ def tune_all(
     places = {repr(task.at): task.at for task in tasks}
     objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
     evaluators = [Evaluator(task, objectives[repr(task.at)]) for task in tasks]
+    name = reference_controller(study)
+    references = {
+        key: [parse_case(study, case) for case in cases_for(study, cases, name, at)] for key, at in places.items()
+    }
+    identities = [kept_identity(task, references[repr(task.at)]) for task in tasks]
     with trials_in(database) as store, workers(jobs) as executor:
         work = _Work(store, table, len(tasks), progress)
         try:
@@ -55,8 +62,8 @@ def tune_all(
             points = list(executor.map(lambda task: classic_points(task, task.start), pids.values()))
             classic = dict(zip(pids, points, strict=True))
             units = [
-                _Unit(evaluator, starts_of(evaluator.task, classic.get(repr(evaluator.task.at), ())), seed)
-                for evaluator in evaluators
+                _Unit(evaluator, starts_of(evaluator.task, classic.get(repr(evaluator.task.at), ())), seed, identity)
+                for evaluator, identity in zip(evaluators, identities, strict=True)
                 for seed in range(table.seed, table.seed + table.seeds)
             ]
             searches = list(executor.map(work.search, units))
@@ -133,7 +140,7 @@ class _Work:
         """One search, whose trials are kept under its name."""
         task = unit.evaluator.task
         name = f"{task.label}, seed {unit.seed}"
-        known = self._store.known(name, identity_of(task.study, [task.name]))
+        known = self._store.known(name, unit.identity)
         keep = partial(self._store.keep, name)
         return Search(unit.evaluator, unit.seed, known, keep, lambda: self._made(task.label)).run(unit.starts)
 

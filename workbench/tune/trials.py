@@ -1,8 +1,6 @@
 """Trials of a search, and the file that keeps them: a killed tuning finds again what it has run."""
 
 import json
-import sqlite3
-import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
@@ -10,10 +8,14 @@ from pathlib import Path
 
 from plants.equation import source_hash
 from workbench.errors import UserError
+from workbench.publish.database import Database, damaged, database_at
+from workbench.study.identity import led_to
 from workbench.study.plan import PROGRAM_FOLDERS
+from workbench.study.resolve import ParsedCase
 from workbench.study.study import Study
 from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Point
+from workbench.tune.task import Task
 
 ON_DRAWS = "limit cycle on draws"
 """The constraint that is judged on plant samples, and of points alone that would be the best."""
@@ -55,8 +57,8 @@ def key_of(point: Point, draws: int, level: str) -> str:
 
 
 def identity_of(study: Study, names: Sequence[str]) -> dict[str, object]:
-    """What stored trials of these controllers must agree in: the study but for controllers that do not matter, [tune]
-    without the number of trials and of seeds, draws, code.
+    """What trials of these controllers must agree in: the study but for controllers that do not matter, [tune] without
+    the number of trials and of seeds, draws, code.
     """
     table, uncertainty, controllers = tune_table(study), study.file.uncertainty, study.file.controllers
     own = {name: controllers[name] for name in (*names, reference_controller(study))}
@@ -69,39 +71,54 @@ def identity_of(study: Study, names: Sequence[str]) -> dict[str, object]:
     }
 
 
+def kept_identity(task: Task, reference: Sequence[ParsedCase]) -> dict[str, object]:
+    """What kept trials of a task must agree in: the same, and what the study's files lead to in its cases and in those
+    of the reference controller.
+    """
+    own = (task.name, reference_controller(task.study))
+    cases = [_with_controllers(each, own) for each in (*task.cases, *reference)]
+    return {**identity_of(task.study, [task.name]), **led_to(task.study, cases)}
+
+
+def _with_controllers(parsed: ParsedCase, names: Sequence[str]) -> ParsedCase:
+    """A case that knows of no controllers but these."""
+    tables = parsed.case.tables
+    known = {name: table for name, table in tables["controllers"].items() if name in names}
+    return replace(parsed, case=replace(parsed.case, tables={**tables, "controllers": known}))
+
+
 class TrialStore:
     """The file of trials. Several searches may write at a time."""
 
-    def __init__(self, connection: sqlite3.Connection, folder: Path) -> None:
-        self._connection, self._folder = connection, folder
-        self._lock = threading.Lock()
+    def __init__(self, database: Database, path: Path) -> None:
+        self._database, self._path = database, path
 
     def known(self, search: str, identity: Mapping[str, object]) -> dict[str, Trial]:
         """The trials of a search, by `key_of`; empty for a new one.
 
         Raises:
-            UserError: they are of another study.
+            UserError: they are of another study, or damaged.
         """
         text = json.dumps(identity, sort_keys=True)
-        with self._lock:
-            self._connection.execute("INSERT OR IGNORE INTO searches VALUES (?, ?)", (search, text))
-            self._connection.commit()
-            query = "SELECT identity FROM searches WHERE name = ?"
-            (own,) = self._connection.execute(query, (search,)).fetchone()
-            rows = self._connection.execute("SELECT key, trial FROM trials WHERE search = ?", (search,)).fetchall()
+        self._database.write("INSERT OR IGNORE INTO searches VALUES (?, ?)", (search, text))
+        ((own,),) = self._database.read("SELECT identity FROM searches WHERE name = ?", (search,))
+        rows = self._database.read("SELECT key, trial FROM trials WHERE search = ?", (search,))
+        try:
+            differing = [key for key, value in json.loads(own).items() if value != identity.get(key)]
+            trials = {key: Trial(**json.loads(trial)) for key, trial in rows}
+        except (AttributeError, TypeError, ValueError) as error:
+            raise damaged(self._path, error) from error
         if own != text:
             raise UserError(
-                f"{self._folder}: its trials of {search} are of another study or version of the program; start "
-                "anew with --overwrite, or choose another --out"
+                f"{self._path.parent}: its trials of {search} are of another study or version of the program "
+                f"({', '.join(differing)}); start anew with --overwrite, or choose another --out"
             )
-        return {key: Trial(**json.loads(trial)) for key, trial in rows}
+        return trials
 
     def keep(self, search: str, key: str, trial: Trial) -> None:
         """Store a trial."""
-        with self._lock:
-            values = (search, key, json.dumps(asdict(trial)))
-            self._connection.execute("INSERT OR REPLACE INTO trials VALUES (?, ?, ?)", values)
-            self._connection.commit()
+        values = (search, key, json.dumps(asdict(trial)))
+        self._database.write("INSERT OR REPLACE INTO trials VALUES (?, ?, ?)", values)
 
 
 @contextmanager
@@ -109,17 +126,10 @@ def trials_in(database: Path) -> Iterator[TrialStore]:
     """The trials that `database` keeps; made where there is none.
 
     Raises:
-        UserError: a file that holds something else.
+        UserError: a file that holds something else, or is damaged.
     """
-    connection = sqlite3.connect(database, check_same_thread=False)
-    try:
-        connection.execute("PRAGMA synchronous = OFF")  # a killed process loses nothing; only a lost machine would
-        connection.executescript(_TABLES)
-        columns = {row[1] for row in connection.execute("PRAGMA table_info(trials)")}
+    with database_at(database, _TABLES) as rows:
+        columns = {name for (name,) in rows.read("SELECT name FROM pragma_table_info('trials')")}
         if not {"search", "key", "trial"} <= columns:
             raise UserError(f"{database.parent}: its trials are of another version of the program; use --overwrite")
-        yield TrialStore(connection, database.parent)
-    except sqlite3.DatabaseError as error:
-        raise UserError(f"{database}: holds no trials ({error}); start anew with --overwrite") from None
-    finally:
-        connection.close()
+        yield TrialStore(rows, database)

@@ -1,8 +1,13 @@
 """A decision as files: decision.html, results, draws, tables, figures, and how it was made."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from plants.equation import source_hash
+from workbench.decide.batches import Kept
+from workbench.decide.kept import DATABASE, PROGRAM, kept_runs
+from workbench.decide.plan import Plan
 from workbench.decide.report.answer import paragraph
 from workbench.decide.report.figures import write_figures
 from workbench.decide.report.map import map_table
@@ -13,11 +18,10 @@ from workbench.decide.report.tables import candidate_table, short_table
 from workbench.decide.report.words import assumptions, price, question
 from workbench.decide.result import Decision
 from workbench.publish.contents import CONTENTS, Contents, write_contents
-from workbench.publish.folders import ResultFolder
+from workbench.publish.folders import GrowingFolder, ResultFolder
 from workbench.publish.run_record import ran_on
 from workbench.publish.tables import Table, write_frame
 from workbench.study.layers import LAYERS
-from workbench.study.plan import PROGRAM_FOLDERS
 from workbench.study.store import STUDY_COPY, export, write_json, write_study
 
 PAGE = "decision.html"
@@ -30,11 +34,27 @@ FOLDER = ResultFolder(
         *(layer.section for layer in LAYERS.values()),
     ),
 )
-check_folder = FOLDER.check
+RUNS = GrowingFolder("decision", "runs", (DATABASE,))
+"""What is there before there is an answer."""
+
+
+@contextmanager
+def opened_folder(folder: Path, plan: Plan, *, resume: bool = False, overwrite: bool = False) -> Iterator[Kept]:
+    """The folder of a decision, for this process alone, and the runs that are kept in it.
+
+    With `resume` they stay, where there are any; an answer is replaced when there is another.
+
+    Raises:
+        UserError: it holds a decision or runs already, or of another study or version of the program, or files of the
+            same names that no decision wrote; another command is at work there; or the disk fails.
+    """
+    FOLDER.check(folder, overwrite or (resume and (folder / DATABASE).exists()))
+    with RUNS.opened(folder, resume=resume, overwrite=overwrite) as database, kept_runs(database, plan) as kept:
+        yield kept
 
 
 def write_decision(decision: Decision, folder: Path, began: float, jobs: int | None) -> None:
-    """Write everything; `began` is when the work did (s since the epoch). Stopped, nothing is written."""
+    """Write everything; `began` is when the work did (s since the epoch). Stopped, no answer is written."""
     FOLDER.write(folder, lambda beside: _write(decision, beside, began, jobs))
 
 
@@ -87,6 +107,6 @@ def summary(decision: Decision) -> str:
 def _record(decision: Decision, began: float, jobs: int | None) -> dict[str, object]:
     return {
         **decision.provenance,
-        "version of the program": source_hash((*PROGRAM_FOLDERS, "workbench/decide")),
+        "version of the program": source_hash(PROGRAM),
         **ran_on(began, jobs),
     }

@@ -39,7 +39,7 @@ def _is_diagnosis(path: Path) -> bool:
 
 
 FOLDER = ResultFolder("diagnosis", (RESULT, PAGE, PLANT, "tables", "figures", CONTENTS), _is_diagnosis)
-check_folder = FOLDER.check
+claimed_folder = FOLDER.claimed
 
 
 def write_diagnosis(diagnosis: Diagnosis, folder: Path) -> None:

@@ -32,7 +32,7 @@ RESULT = "identified.json"
 PLANT = "plant.toml"
 PAGE = "identified.html"
 FOLDER = ResultFolder("identification", (RESULT, PAGE, PLANT, "tables", "figures", CONTENTS))
-check_folder = FOLDER.check
+claimed_folder = FOLDER.claimed
 DIGITS = 4
 
 STAYS = " and stays as declared"

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.errors import UserError
 from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
 from workbench.publish.contents import CONTENTS, Contents, write_contents
@@ -44,23 +43,15 @@ GAINS, RESULTS, TRIALS, PAGE, RECORD = "tuned", "results.csv", "trials.csv", "tu
 MOST_DRAWN = 24
 """Tunings of which figures are drawn."""
 
-LAST = (PAGE, RECORD)
+LAST = (PAGE, CONTENTS, RECORD)
 """What is there only where all is."""
 
 SHOWN = (GAINS, RESULTS, TRIALS, "tables", "figures")
-FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SHOWN, CONTENTS, *LAST, DATABASE))
+FOLDER = GrowingFolder("tuning", "trials", (STUDY_COPY, *SHOWN, *LAST, DATABASE))
 """What a tuning may write, and replace; the database, which marks the folder as its own, last."""
 
 
-def open_folder(folder: Path, *, resume: bool, overwrite: bool) -> Path:
-    """Make the folder ready; returns where the trials go.
-
-    Raises:
-        UserError: it holds trials already, or files of the same names that are not of a tuning.
-    """
-    if resume and overwrite:
-        raise UserError("--resume and --overwrite: choose one")
-    return FOLDER.resumed(folder) if resume else FOLDER.begun(folder, overwrite)
+opened_folder = FOLDER.opened
 
 
 @dataclass(frozen=True, eq=False)
