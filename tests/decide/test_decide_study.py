@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from command import STUDIES, changed, fails, workbench, write
+from kill_studies import DECIDE as STUDY
 
 from workbench.decide.batches import batches, run_batches
 from workbench.decide.candidate import candidate_results
@@ -17,37 +18,6 @@ from workbench.decide.report.words import assumptions, price, question
 from workbench.decide.result import Decision
 from workbench.decide.run import decide
 from workbench.study.reading import read_study
-
-STUDY = """\
-title = "a decision, for tests"
-[plant]
-model = "by_rpm"
-bristle = "isotropic"
-parameters = "owen2001_simulation"
-motor_limits = false
-[simulation]
-seed = 1
-[controllers.feed]
-type = "pid"
-kp = "500 V/m"
-feedforward = 1
-[controllers.lugre]
-type = "lugre"
-law = "valve_inversion"
-[uncertainty]
-scale.mass = { min = 0.8, max = 1.5 }
-noise.position = { max = "2 um" }
-[decide]
-accuracy = "1 mm"
-speed = "20 mm/s"
-amplitude = "1 mm"
-power = "2 kW"
-draws = 3
-rpm = [0, 125]
-plain = ["feed"]
-fresh_draws = 60
-hold_duration = "1 s"
-"""
 
 
 def planned(folder: Path, text: str = STUDY) -> Plan:

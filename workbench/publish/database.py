@@ -49,7 +49,7 @@ class Database:
             self._connection.commit()
 
     def commit_until_ended(self) -> None:
-        """Commit again and again. What fails for good is told by the next write; who holds the file may let go of it."""
+        """Commit again and again. What fails for good is told by the next write; who holds the file may let it go."""
         while not self._ended.wait(COMMIT_INTERVAL):
             try:
                 self.commit()
