@@ -18,6 +18,13 @@ STUDIES = ROOT / "studies"
 PROCESS = (sys.executable, "-c", "from workbench.cli import main; main()")
 """The command in a process of its own."""
 
+PIPED = """\
+from workbench.cli import main, progress
+progress.INTERVAL = {interval}
+main()
+"""
+"""The same as code, which says how far it is every so many seconds."""
+
 STUDY = """\
 title = "a study for tests"
 [plant]

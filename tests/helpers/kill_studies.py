@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from command import STUDY, changed, write
+from command import changed, write
 from deadband import make_experiment
 from tuned_study import STUDY as TUNED
 
@@ -49,8 +49,8 @@ hold_duration = "1 s"
 class Command:
     """What is run on what `make` puts into a folder; what it is given to go on.
 
-    It keeps what it has finished in a `table` of a `database`, if it does, and tells of each piece in a line of progress
-    that begins as `finished` says.
+    It keeps what it has finished in a `table` of a `database`, if it does, and tells of each piece in a line
+    of progress that begins as `finished` says.
     """
 
     words: tuple[str, ...]

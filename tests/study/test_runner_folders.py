@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from command import PROCESS, STUDY, changed, killed, ran, workbench, write
+from command import PIPED, PROCESS, STUDY, changed, killed, ran, workbench, write
 
 from workbench.study.store import Row, Store, export_frames
 
