@@ -12,6 +12,9 @@ from workbench.errors import UserError
 COMMIT_INTERVAL = 0.25
 """Seconds between two commits, each of which waits for the disk: with that, less than half a second is at stake."""
 
+PATIENCE = 5.0
+"""Seconds to wait for another program that holds the file."""
+
 DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
 
@@ -74,11 +77,11 @@ def database_at(path: Path, tables: str) -> Iterator[Database]:
         sqlite3.Error: it cannot be read or written.
     """
     try:
-        with closing(sqlite3.connect(path, check_same_thread=False)) as connection:
+        with closing(sqlite3.connect(path, timeout=PATIENCE, check_same_thread=False)) as connection:
             connection.text_factory = bytes.decode
             (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
-                raise damaged(path, found)
+                raise damaged(path, found.splitlines()[-1])
             connection.executescript(tables)
             database = Database(connection)
             committing = threading.Thread(target=database.commit_until_ended, daemon=True)

@@ -120,7 +120,7 @@ class GrowingFolder:
             raise UserError(f"{folder}: holds {foreign} that no {self.noun} wrote; choose another folder with --out")
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            for name in self.names:
+            for name in (*self.names, f"{self.names[-1]}-journal"):
                 remove(folder / name)
         except OSError as error:
             raise unwritable(folder, error) from None

@@ -13,12 +13,13 @@ PACKAGES = ("numpy", "numba", "scipy", "pandas", "control", "casadi")
 
 
 def ran_on(began: float, jobs: int | str | None, packages: Sequence[str] = PACKAGES) -> dict[str, object]:
-    """How long it took since `began` (s since the epoch), on what, and with which versions of `packages`.
+    """How long it took since `began` (s since the epoch; 0 by a clock that was set back meanwhile), on what, and with
+    which versions of `packages`.
 
     `jobs` is how many ran at a time (None: one a core), or the address of a cluster.
     """
     return {
-        "wall_seconds": round(time.time() - began, 3),
+        "wall_seconds": round(max(time.time() - began, 0.0), 3),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began)),
         "jobs": jobs if isinstance(jobs, str) else job_count(jobs),
         "versions": versions(packages),
