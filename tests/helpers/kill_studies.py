@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from command import changed, write
+from command import PIPED, changed, write
 from deadband import make_experiment
 from tuned_study import STUDY as TUNED
 
@@ -50,7 +50,7 @@ class Command:
     """What is run on what `make` puts into a folder; what it is given to go on.
 
     It keeps what it has finished in a `table` of a `database`, if it does, and tells of each piece in a line
-    of progress that begins as `finished` says.
+    of progress that begins as `finished` says. `code` is what Python runs.
     """
 
     words: tuple[str, ...]
@@ -60,6 +60,7 @@ class Command:
     table: str = ""
     finished: str = r".+"
     jobs: bool = True
+    code: str = PIPED.format(interval="0.0")
 
     def arguments(self, folder: Path, jobs: int) -> list[str]:
         """The command on what lies in a folder, without where its results go."""

@@ -3,9 +3,9 @@
     PYTHONPATH=tests/helpers python -m kills --command decide --rounds 100 --seed 1 --jobs 2 [--signal SIGKILL ...]
 
 A first undisturbed run says what the results are and how long they take. In each round the command gets a signal at a
-random moment, imports included, and is repeated, now and then stopped again, until it ends by itself. Wrong is a
-traceback, an exit code that is none of the signal's, finished work that is not there afterwards, a file that differs,
-and anything left behind.
+random moment, from the first line of its code on, imports included, and is repeated, now and then stopped again, until
+it ends by itself. Wrong is a traceback, an exit code that is none of the signal's, finished work that is not there
+afterwards, a file that differs, and anything left behind.
 """
 
 import argparse
@@ -25,7 +25,6 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from command import PIPED
 from kill_studies import COMMANDS, Command
 
 AT_STAKE = 0.5
@@ -33,6 +32,10 @@ AT_STAKE = 0.5
 
 AGAIN = 0.3
 """How often a repeated command is stopped too."""
+
+BEGUN = "begun\n"
+BEGIN = f"import sys; print({BEGUN.strip()!r}, file=sys.stderr, flush=True)\n"
+"""What a process says first: before, it is Python that starts, and a signal to it is not the command's to answer."""
 
 CODES = {signal.SIGKILL: -signal.SIGKILL, signal.SIGINT: 130, signal.SIGTERM: 143}
 
@@ -68,35 +71,34 @@ class Tally:
     wrong: list[str] = field(default_factory=list)
 
 
-def live(arguments: list[str], finished: str, stop: signal.Signals | None = None, moment: float = 0.0) -> Life:
+def live(command: Command, arguments: list[str], stop: signal.Signals | None = None, moment: float = 0.0) -> Life:
     """Run a command in a process of its own, which tells of all that it does; `stop` it at that moment (s)."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", PIPED.format(interval="0.0"), *arguments],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
     said, moments = list[str](), list[float]()
-
-    def listen() -> None:
-        assert process.stderr is not None
-        for line in process.stderr:
-            said.append(line)
-            if re.match(finished, line):
-                moments.append(time.monotonic())
-
-    listener = threading.Thread(target=listen)
-    listener.start()
     signalled = ended = 0.0
-    try:
-        process.wait(moment if stop else None)
-    except subprocess.TimeoutExpired:
-        signalled = time.monotonic()
-        process.send_signal(stop)
-        process.wait()
-        ended = time.monotonic()
-    listener.join()
-    complaints = "".join(line for line in said if not re.match(finished, line))
+    line = [sys.executable, "-c", BEGIN + command.code, *arguments]
+    with subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        errors = process.stderr
+
+        assert errors.readline() == BEGUN
+
+        def listen() -> None:
+            for line in errors:
+                said.append(line)
+                if re.match(command.finished, line):
+                    moments.append(time.monotonic())
+
+        listener = threading.Thread(target=listen)
+        listener.start()
+        try:
+            process.wait(moment if stop else None)
+        except subprocess.TimeoutExpired:
+            signalled = time.monotonic()
+            process.send_signal(stop or signal.SIGKILL)
+            process.wait()
+            ended = time.monotonic()
+        listener.join()
+    complaints = "".join(line for line in said if not re.match(command.finished, line))
     return Life(process.returncode, complaints, moments, signalled, ended - signalled)
 
 
@@ -139,7 +141,7 @@ def play(
         place = f"{stop.name} at {', '.join(f'{each:.3f}' for each in moments[: number + 1])} s"
         before = rows(command, out)
         options = command.again if number else []
-        life = live([*fresh, *options], command.finished, stop if moment is not None else None, moment or 0.0)
+        life = live(command, [*fresh, *options], stop if moment is not None else None, moment or 0.0)
         if "Traceback" in life.complaints:
             tally.wrong.append(f"{place}: traceback: {life.complaints[-2000:]}")
         if not life.signalled:
@@ -167,30 +169,25 @@ def play(
     return tally
 
 
-def rounds(
-    name: str, count: int, seed: int, jobs: int, signals: list[signal.Signals], *, tell: bool = True
-) -> list[Tally]:
-    """So many rounds of a command; what each has shown."""
+def rounds(name: str, count: int, seed: int, jobs: int, signals: list[signal.Signals]) -> list[Tally]:
+    """So many rounds of a command; what each has shown, and a line of each that went wrong."""
     command, generator = COMMANDS[name], random.Random(seed)
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder)
         command.make(home)
         began = time.monotonic()
-        whole = live([*command.arguments(home, jobs), "--out", str(home / "out")], command.finished)
+        whole = live(command, [*command.arguments(home, jobs), "--out", str(home / "out")])
         assert whole.code == 0, whole.complaints
         lifetime, expected = time.monotonic() - began, contents(home / "out")
         shutil.rmtree(home / "out")
-        if tell:
-            print(
-                f"{name}, {jobs} jobs: {len(whole.finished)} pieces of work, {lifetime:.1f} s undisturbed", flush=True
-            )
+        print(f"{name}, {jobs} jobs: {len(whole.finished)} pieces of work, {lifetime:.1f} s undisturbed", flush=True)
         tallies = []
         for number in range(count):
             moments = [generator.uniform(0.0, lifetime)]
             while generator.random() < AGAIN:
                 moments.append(generator.uniform(0.0, lifetime))
             tallies.append(play(command, home, signals[number % len(signals)], moments, expected, jobs))
-            for line in tallies[-1].wrong if tell else ():
+            for line in tallies[-1].wrong:
                 print(f"  round {number}: {line}", flush=True)
     return tallies
 
