@@ -225,13 +225,6 @@ def test_results_in_several_frames_are_those_of_one(tmp_path: Path) -> None:
     assert [str(kind) for kind in one.dtypes[1:3]] == ["int64", "float64"]
 
 
-PIPED = """\
-from workbench.cli import main, progress
-progress.INTERVAL = {interval}
-main()
-"""
-
-
 def piped(folder: Path, interval: str) -> subprocess.CompletedProcess[str]:
     """A run of six short cases, one at a time, with its output in pipes."""
     study = write(folder, changed("rpm = [0, 460]", "rpm = [0, 50, 100, 150, 200, 250]"))
