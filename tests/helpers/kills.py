@@ -107,7 +107,7 @@ def rows(command: Command, out: Path) -> int:
     database = out / command.database
     if not command.database or not database.exists():
         return 0
-    with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
+    with closing(sqlite3.connect(database)) as connection:  # not read-only: a commit that was cut off is taken back
         if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (command.table,)).fetchone():
             return 0
         return int(connection.execute(f"SELECT COUNT(*) FROM {command.table}").fetchone()[0])

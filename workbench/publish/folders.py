@@ -56,7 +56,7 @@ def faults_told(folder: Path, kept: str) -> Iterator[None]:
     """
     try:
         yield
-    except (OSError, sqlite3.Error) as error:
+    except (OSError, sqlite3.OperationalError) as error:
         place, why = folder, str(error)
         if isinstance(error, OSError) and error.strerror:
             place, why = Path(error.filename or folder), error.strerror
@@ -159,7 +159,7 @@ class ResultFolder:
         """
         folder = Path(os.path.abspath(folder))
         self.check(folder, overwrite)
-        lock = folder / LOCK if folder.exists() else folder.with_name(f".{folder.name}{LOCK}")
+        lock = folder / LOCK if folder.exists() else folder.parent / f".{folder.name}{LOCK}"
         with _alone_in(folder, lock), faults_told(folder, "nothing is written: mend that and run it again"):
             for path in self._places(folder):
                 remove(path)
@@ -204,7 +204,7 @@ class ResultFolder:
 
     def _places(self, folder: Path) -> tuple[Path, Path]:
         """Where files are until they are whole: in the folder if it is there, or beside it."""
-        return folder / f".{self.noun}.part", folder.with_name(f".{folder.name}.part")
+        return folder / f".{self.noun}.part", folder.parent / f".{folder.name}.part"
 
     def _replace(self, written: Path, folder: Path) -> None:
         self._unfinished(folder).touch()
