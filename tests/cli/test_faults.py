@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command import changed, workbench, write
+from command import STUDIES, changed, workbench, write
 from kill_studies import DECIDE
 from tuned_study import STUDY
 
@@ -174,3 +174,22 @@ def test_damaged_runs_are_not_taken(
     assert code == 2
     assert said.startswith(f"error: @/{subject.database}: is damaged (")
     assert said.endswith("); start anew with --overwrite, or choose another --out\n")
+
+
+@pytest.mark.parametrize("command", ["identify", "diagnose"])
+def test_a_second_command_of_all_or_nothing_is_told_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """And the first, on a disk that fills up, leaves nothing."""
+    work = {"identify": "identify.identification.identify", "diagnose": "diagnose.diagnose.diagnose"}
+    experiment, out = STUDIES / "closed_loop" / "experiment.toml", tmp_path / "out"
+    busy = f"error: {out}: another command is at work there; wait for it, or choose another --out\n"
+
+    def meanwhile(*_: object) -> None:
+        assert workbench(command, experiment, "--out", out) == (2, "", busy)
+        full()
+
+    monkeypatch.setattr(f"workbench.{work[command]}", meanwhile)
+    told = f"error: {out}: No space left on device; nothing is written: mend that and run it again\n"
+    assert workbench(command, experiment, "--out", out) == (2, "", told)
+    assert list(tmp_path.iterdir()) == []
