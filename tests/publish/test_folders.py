@@ -245,6 +245,16 @@ def test_a_damaged_database_is_told_and_left_alone(tmp_path: Path, harm: str) ->
     assert path.read_bytes() == before
 
 
+def test_damaged_text_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "marks.sqlite"
+    with database_at(path, TABLES) as database:
+        mark(database, "a mark that is long enough to be found")
+    path.write_bytes(path.read_bytes().replace(b"long enough", b"long \xff\xfe\xff\xfegh"))
+    with database_at(path, TABLES) as database, pytest.raises(UserError) as error:
+        database.read("SELECT mark FROM marks")
+    assert said(error, path).startswith("@: is damaged ('utf-8' codec can't decode byte 0xff")
+
+
 def test_a_database_that_another_program_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("workbench.publish.database.PATIENCE", 0.01)
     path = tmp_path / "marks.sqlite"

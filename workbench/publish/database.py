@@ -21,15 +21,22 @@ DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 class Database:
     """Rows of finished work. Several threads may use it; what one writes is committed within `COMMIT_INTERVAL`."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._connection, self._lock = connection, threading.Lock()
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection, self._path, self._lock = connection, path, threading.Lock()
         self._ended = threading.Event()
         self._failed: sqlite3.Error | None = None
 
     def read(self, query: str, values: Sequence[object] = ()) -> list[Any]:
-        """The rows that a query finds, as tuples; those not yet committed are among them."""
-        with self._lock:
-            return self._connection.execute(query, values).fetchall()
+        """The rows that a query finds, as tuples; those not yet committed are among them.
+
+        Raises:
+            UserError: text in them is damaged.
+        """
+        try:
+            with self._lock:
+                return self._connection.execute(query, values).fetchall()
+        except UnicodeDecodeError as error:
+            raise damaged(self._path, error) from error
 
     def write(self, statement: str, *rows: Sequence[object]) -> None:
         """Change rows: all of these, or none.
@@ -57,7 +64,7 @@ class Database:
             try:
                 self.commit()
             except sqlite3.Error as error:
-                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+                if _kind(error) != sqlite3.SQLITE_BUSY:
                     self._failed = error
                     return
 
@@ -83,7 +90,7 @@ def database_at(path: Path, tables: str) -> Iterator[Database]:
             if found != "ok":
                 raise damaged(path, found.splitlines()[-1])
             connection.executescript(tables)
-            database = Database(connection)
+            database = Database(connection, path)
             committing = threading.Thread(target=database.commit_until_ended, daemon=True)
             committing.start()
             try:
@@ -93,9 +100,14 @@ def database_at(path: Path, tables: str) -> Iterator[Database]:
                 committing.join()
                 database.commit()
     except sqlite3.DatabaseError as error:
-        if error.sqlite_errorcode not in DAMAGE:
+        if _kind(error) not in DAMAGE:
             raise
         raise damaged(path, error) from error
+
+
+def _kind(error: sqlite3.Error) -> int:
+    """The first byte of SQLite's code, which says what is wrong; the rest says where. 0 of what is not SQLite's."""
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF
 
 
 def damaged(path: Path, why: object) -> UserError:
