@@ -6,6 +6,8 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import pandas as pd
 import pytest
 from command import PIPED, PROCESS, STUDY, changed, killed, ran, workbench, write
 
-from workbench.study.store import Row, Store, export_frames
+from workbench.study.store import Row, export_frames, open_store
 
 NOISE = '[sensors.position]\nnoise = "10 um"\n'
 
@@ -194,30 +196,37 @@ def test_resume_runs_only_what_is_missing(tmp_path: Path) -> None:
 
 def test_rows_are_committed_as_they_come(tmp_path: Path) -> None:
     """A second connection sees them while the first is open."""
-    store = Store.create(tmp_path / "out", ["rpm", "outcome"], {"study": "a"}, overwrite=False)
-    store.add([Row(1, [460, "completed"]), Row(2, [460, "stuck"])])
-    assert rows(tmp_path / "out") == 2
-    store.add([Row(0, [None, "diverged"])])
-    assert store.done() == {0, 1, 2}
-    (frame,) = store.frames()
+    out = tmp_path / "out"
+    with open_store(out, ["rpm", "outcome"], {"study": "a"}) as store:
+        store.add([Row(1, [460, "completed"]), Row(2, [460, "stuck"])])
+        until(lambda: rows(out) == 2)
+        store.add([Row(0, [None, "diverged"])])
+        assert store.done() == {0, 1, 2}
+        (frame,) = store.frames()
     assert frame["outcome"].tolist() == ["diverged", "completed", "stuck"]
-    store.close()
+
+
+def until(condition: Callable[[], bool]) -> None:
+    for _ in range(200):
+        if condition():
+            return
+        time.sleep(0.05)
+    pytest.fail("waited in vain")
 
 
 def test_results_in_several_frames_are_those_of_one(tmp_path: Path) -> None:
     """What a column holds shows in some frames alone: numbers in one, a name in another, nothing in a third."""
-    store = Store.create(tmp_path / "out", ["mixed", "whole", "real", "none", "word"], {"study": "a"}, overwrite=False)
     rows = [
         [1, 3, 2.0, None, None],
         [0.5, 4, None, None, None],
         ["a", 5, 3, None, "b"],
         [None, 6, 0.1 + 0.2, None, None],
     ]
-    store.add([Row(i, row) for i, row in enumerate(rows)])
-    for name, count in (("one", 4), ("several", 1)):
-        (tmp_path / name).mkdir()
-        export_frames(functools.partial(store.frames, count), tmp_path / name)
-    store.close()
+    with open_store(tmp_path / "out", ["mixed", "whole", "real", "none", "word"], {"study": "a"}) as store:
+        store.add([Row(i, row) for i, row in enumerate(rows)])
+        for name, count in (("one", 4), ("several", 1)):
+            (tmp_path / name).mkdir()
+            export_frames(functools.partial(store.frames, count), tmp_path / name)
     assert (tmp_path / "several" / "results.csv").read_bytes() == (tmp_path / "one" / "results.csv").read_bytes()
     one, several = (pd.read_parquet(tmp_path / name / "results.parquet") for name in ("one", "several"))
     pd.testing.assert_frame_equal(one, several)

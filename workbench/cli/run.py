@@ -37,8 +37,6 @@ def command(
     from workbench.study.rounds import run_rounds
     from workbench.study.runner import run_study
 
-    if resume and overwrite:
-        raise UserError("--resume and --overwrite: choose one")
     planned = _planned(study, out, draws, fresh_draws)
     print("\n".join(description(planned)))
     print_warnings(planned.warnings)

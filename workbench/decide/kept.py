@@ -12,7 +12,7 @@ from plants.equation import source_hash
 from workbench.decide.batches import Kept, SampleRun
 from workbench.decide.plan import Plan
 from workbench.publish.database import check_identity, damaged, database_at
-from workbench.study.identity import led_to
+from workbench.study.identity import led_to_when_drawn
 from workbench.study.plan import PROGRAM_FOLDERS
 
 DATABASE = "runs.sqlite"
@@ -37,7 +37,7 @@ def identity_of(plan: Plan) -> dict[str, str]:
         "study": study.fingerprint,
         "[decide]": plan.table.model_dump_json(exclude=OF_THE_ANSWER),
         "[uncertainty]": "" if uncertainty is None else uncertainty.model_dump_json(exclude={"draws"}),
-        **led_to(study, cases),
+        **led_to_when_drawn(cases),
         "version of the program": source_hash(PROGRAM),
     }
 

@@ -96,22 +96,18 @@ class GrowingFolder:
         With `resume` earlier results stay, where there are any; else it is without any.
 
         Raises:
-            UserError: as `begun`; another command is at work there; or the disk fails while the block is.
+            UserError: it holds results already, or files of the same names that the command did not write; it cannot be
+                written; another command is at work there; or the disk fails while the block is.
         """
         if resume and overwrite:
             raise UserError("--resume and --overwrite: choose one")
         kept = f"what is finished is kept in {folder}: mend that, then go on with --resume"
         with _alone_in(folder, folder / LOCK), faults_told(folder, kept):
             mark = folder / self.names[-1]
-            yield mark if resume and mark.exists() else self.begun(folder, overwrite)
+            yield mark if resume and mark.exists() else self._begun(folder, overwrite)
 
-    def begun(self, folder: Path, overwrite: bool) -> Path:
-        """Make the folder, without earlier results; returns the path of the mark.
-
-        Raises:
-            UserError: it holds results already, or files of the same names that the command did not write, or cannot be
-                written.
-        """
+    def _begun(self, folder: Path, overwrite: bool) -> Path:
+        """Make the folder, without earlier results; returns the path of the mark."""
         mark = folder / self.names[-1]
         if mark.exists() and not overwrite:
             raise UserError(f"{folder}: holds {self.content} already; go on with --resume, start anew with --overwrite")
@@ -124,17 +120,6 @@ class GrowingFolder:
                 remove(folder / name)
         except OSError as error:
             raise unwritable(folder, error) from None
-        return mark
-
-    def resumed(self, folder: Path) -> Path:
-        """The path of the mark of earlier results.
-
-        Raises:
-            UserError: there are none.
-        """
-        mark = folder / self.names[-1]
-        if not mark.exists():
-            raise UserError(f"{folder}: holds no {self.content} to resume; leave --resume out")
         return mark
 
 

@@ -1,22 +1,85 @@
-"""What kept runs on machines that are drawn as they are needed must agree in."""
+"""What kept results must agree in, beside the file of their study: the numbers that it leads to, and the plug-ins."""
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from workbench.study.plan import Plan
-from workbench.study.resolve import ParsedCase
-from workbench.study.study import Study
+import numpy as np
+
+from controllers.registry import CONTROLLERS
+from plants.equation import to_array
+from plants.laws.registry import LAWS
+from plants.registry import PLANTS
+from workbench.metrics.registry import METRICS
+from workbench.parameters.sets import parameter_path, read_deviations
+from workbench.simulation.integrators.registry import INTEGRATORS
+from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.setup import Setup
+from workbench.study.reference_tables import REFERENCES
+from workbench.study.resolve import ParsedCase, Resolved
+from workbench.study.study import Case, Study
+from workbench.study.uncertainty import Draws
+
+INSTANTS = 1001
+"""At which a signal is compared; one that was recorded is, sample by sample, beside."""
 
 
-def led_to(study: Study, cases: Sequence[ParsedCase]) -> dict[str, str]:
-    """What the tables and the files of a study lead to in these cases: numbers, by how much machines that are drawn may
-    differ from them, plug-ins.
-    """
-    planned = Plan(study, [each.case for each in cases], list(cases), [each.resolve() for each in cases]).identity
+def led_to(cases: Sequence[Case], resolved: Sequence[Resolved]) -> dict[str, str]:
+    """What the tables and files of a study lead to in these cases: a hash of all numbers, and the plug-ins."""
+    numbers = hashlib.sha256()
+    for item in resolved:
+        for part in _numbers(item.setup):
+            numbers.update(part)
+    return {"parameters": numbers.hexdigest(), "version of the plug-ins": _plugins(cases, resolved)}
+
+
+def led_to_when_drawn(cases: Sequence[ParsedCase]) -> dict[str, str]:
+    """The same where machines are drawn from what the cases declare, with by how much these may differ from it."""
     deviations = json.dumps([dict(each.values.deviations) for each in cases], sort_keys=True)
     return {
-        "parameters": planned["parameters"],
+        **led_to([each.case for each in cases], [each.resolve() for each in cases]),
         "spread of parameters": hashlib.sha256(deviations.encode()).hexdigest(),
-        "version of the plug-ins": planned["version of the plug-ins"],
     }
+
+
+def _numbers(setup: Setup) -> Iterator[bytes]:
+    """All that a run depends on and that may come from another file."""
+    turned = (setup.rotary.gains,) if setup.rotary else ()
+    for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
+        yield to_array(values).tobytes()
+    yield repr((setup.sensors, setup.seed)).encode()
+    for signal in (setup.reference, *(feed.signal for feed in setup.feeds)):
+        if signal is not None:
+            yield signal(np.linspace(0.0, setup.duration, INSTANTS))[0].tobytes()
+            yield from _recorded(signal)
+
+
+def _recorded(signal: ReferenceSignal) -> Iterator[bytes]:
+    """The samples of a signal that was recorded."""
+    for values in vars(signal).values():
+        if isinstance(values, np.ndarray):
+            yield values.tobytes()
+
+
+def spreads(study: Study, cases: Sequence[Case], draws: Draws) -> str:
+    """All that the machines come from which a study draws, beside what it declares."""
+    sets = sorted({str(case.tables["plant"]["parameters"]) for case in cases})
+    folder = study.path.parent
+    deviations = {name: dict(read_deviations(parameter_path(name, folder), draws.axis)) for name in sets}
+    return json.dumps([draws.table.model_dump(), [*draws.numbers], deviations], default=str)
+
+
+def _plugins(cases: Sequence[Case], resolved: Sequence[Resolved]) -> str:
+    """The plug-ins that the cases name, and all metrics, each with a hash of its source; "" without any."""
+    used = {item.setup.plant for item in resolved}
+    types = {str(table.get("type")) for case in cases for table in case.tables["controllers"].values()}
+    sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
+    sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
+    sources += [(name, METRICS.source(name)) for name in METRICS.working()]
+    laws = {str(case.tables.get("plant", {}).get("friction", "")) for case in cases}
+    sources += [(name, LAWS.source(name)) for name in sorted(laws)]
+    methods = {item.setup.integrator.method for item in resolved}
+    sources += [(name, INTEGRATORS.source(name)) for name in sorted(methods)]
+    kinds = {str(table.get("kind")) for case in cases for table in case.tables["references"].values()}
+    sources += [(name, REFERENCES.source(name)) for name in sorted(kinds)]
+    return ", ".join(f"{name} {source}" for name, source in sources if source)

@@ -2,7 +2,6 @@
 
 import functools
 import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,17 +9,12 @@ from typing import overload
 
 import numpy as np
 
-from controllers.registry import CONTROLLERS
 from plants.axis import LINEAR
-from plants.equation import EQUATION_FOLDERS, source_hash, to_array
-from plants.laws.registry import LAWS
-from plants.registry import PLANTS
-from workbench.metrics.registry import METRICS, columns
-from workbench.parameters.sets import parameter_path, read_deviations
-from workbench.simulation.integrators.registry import INTEGRATORS
+from plants.equation import EQUATION_FOLDERS, source_hash
+from workbench.metrics.registry import columns
 from workbench.study.checks.checks import Checks
+from workbench.study.identity import led_to, spreads
 from workbench.study.parameter_tables import ParameterReader
-from workbench.study.reference_tables import REFERENCES
 from workbench.study.resolve import Resolved, parse_case
 from workbench.study.study import Case, Study, located
 from workbench.study.uncertainty import draws_of
@@ -69,49 +63,14 @@ class Plan:
     @cached_property
     def identity(self) -> dict[str, str]:
         """What results must agree in to be of the same study: the file, the numbers it leads to, all code."""
-        numbers = hashlib.sha256()
-        for item in self.declared:
-            setup = item.setup
-            signals = [setup.reference, *(feed.signal for feed in setup.feeds)]
-            turned = (setup.rotary.gains,) if setup.rotary else ()
-            for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
-                numbers.update(to_array(values).tobytes())
-            for signal in signals:
-                if signal is not None:
-                    numbers.update(signal(np.linspace(0.0, setup.duration, 1001))[0].tobytes())
-        if self.cases.draws is not None:
-            numbers.update(self._machines.encode())
+        led = led_to(self.checked, self.declared)
+        drawn = "" if self.cases.draws is None else spreads(self.study, self.checked, self.cases.draws)
         return {
             "study": self.study.fingerprint,
-            "parameters": numbers.hexdigest(),
+            **led,
+            "parameters": hashlib.sha256((led["parameters"] + drawn).encode()).hexdigest(),
             "version of the program": source_hash(PROGRAM_FOLDERS),
-            "version of the plug-ins": self._plugins,
         }
-
-    @property
-    def _machines(self) -> str:
-        """All that the drawn machines come from."""
-        draws, folder = self.cases.draws, self.study.path.parent
-        assert draws is not None
-        sets = sorted({str(case.tables["plant"]["parameters"]) for case in self.checked})
-        spreads = {name: dict(read_deviations(parameter_path(name, folder), self.axis)) for name in sets}
-        return json.dumps([draws.table.model_dump(), [*draws.numbers], spreads], default=str)
-
-    @property
-    def _plugins(self) -> str:
-        """The plug-ins that the cases name, and all metrics, each with a hash of its source; "" without any."""
-        used = {item.setup.plant for item in self.declared}
-        types = {str(table.get("type")) for case in self.checked for table in case.tables["controllers"].values()}
-        sources = [(name, PLANTS.source(name)) for name, plant in PLANTS.working().items() if plant in used]
-        sources += [(name, CONTROLLERS.source(name)) for name in sorted(types)]
-        sources += [(name, METRICS.source(name)) for name in METRICS.working()]
-        laws = {str(case.tables.get("plant", {}).get("friction", "")) for case in self.checked}
-        sources += [(name, LAWS.source(name)) for name in sorted(laws)]
-        methods = {item.setup.integrator.method for item in self.declared}
-        sources += [(name, INTEGRATORS.source(name)) for name in sorted(methods)]
-        kinds = {str(table.get("kind")) for case in self.checked for table in case.tables["references"].values()}
-        sources += [(name, REFERENCES.source(name)) for name in sorted(kinds)]
-        return ", ".join(f"{name} {source}" for name, source in sources if source)
 
     @property
     def simulated_seconds(self) -> float:

@@ -9,7 +9,7 @@ import pandas as pd
 from workbench.errors import UserError
 from workbench.study.plan import Plan, again
 from workbench.study.sections import sections_of
-from workbench.study.store import DATABASE, FRESH, export, read_results
+from workbench.study.store import FRESH, export, read_results
 from workbench.study.study import Study
 
 RunCases = Callable[[Plan, Path, bool, bool], None]
@@ -38,8 +38,7 @@ def run_rounds(
             measured = again(planned, more.wanted, more.draws)
             tell(f"{more.said} again, on {more.draws} fresh draws: {len(measured.cases)} cases")
             own = folder / FRESH / f"round_{next(rounds)}"
-            going_on = resume and (own / DATABASE).exists()
-            run(measured, own, going_on, not going_on)
+            run(measured, own, resume, not resume)
             fresh = pd.concat([fresh, read_results(own)], ignore_index=True)
         if fresh is not None:
             export(fresh, folder / FRESH)

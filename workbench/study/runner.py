@@ -11,7 +11,7 @@ from workbench.publish.run_record import ran_on
 from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
 from workbench.study.shipped import Shipped, ShippedRuns, unpacked
-from workbench.study.store import EXPORTS, Row, Store, export_frames, write_json, write_study
+from workbench.study.store import EXPORTS, Row, export_frames, open_store, write_json, write_study
 from workbench.study.study import in_full
 
 Progress = Callable[[int, int, str], None]
@@ -44,29 +44,26 @@ def run_study(
     Raises:
         UserError: the folder, or the cluster, does not serve.
     """
-    study, began = planned.study, time.time()
-    columns, identity = planned.columns, planned.identity
-    opened = Store.resume(folder, columns, identity) if resume else Store.create(folder, columns, identity, overwrite)
-    with closing(opened) as store:
-        write_study(study, folder)
+    began, identity, count = time.time(), planned.identity, len(planned.cases)
+    with open_store(folder, planned.columns, identity, resume=resume, overwrite=overwrite) as store:
+        write_study(planned.study, folder)
         work = case_runs(planned, folder, keep_all=keep_all)
         done = store.done()
         done -= work.unwritten()
-        waiting = [index for index in range(len(planned.cases)) if index not in done]
+        waiting = [index for index in range(count) if index not in done]
         if waiting and cluster is None:
             compiled(planned)
-        count = len(done)
         version = identity["version of the program"]
         made: Callable[[int], Row | Shipped] = work if cluster is None else ShippedRuns(work, version)
         with closing(in_chunks(made, waiting, jobs=jobs, cluster=cluster)) as chunks, _killed_told(planned):
             for chunk in chunks:
                 store.add(unpacked(chunk.results, folder))
-                count += len(chunk.results)
+                done.update(chunk.places)
                 if progress is not None:
-                    progress(count, len(planned.cases), in_full(planned.cases.columns(chunk.places[-1])))
+                    progress(len(done), count, in_full(planned.cases.columns(chunk.places[-1])))
         if waiting or not all((folder / name).exists() for name in EXPORTS):
             export_frames(store.frames, folder)
-    write_json(folder / "run.json", _record(planned, began, jobs, cluster))
+        write_json(folder / "run.json", _record(planned, began, jobs, cluster))
 
 
 @contextmanager

@@ -14,7 +14,7 @@ fresh/            the finalists of a comparison on machines not drawn before: re
 import json
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +23,8 @@ import pandas as pd
 from pandas.api.types import is_object_dtype
 
 from workbench.errors import UserError
-from workbench.publish.folders import GrowingFolder, unwritable, write_whole
+from workbench.publish.database import Database, check_identity, database_at
+from workbench.publish.folders import GrowingFolder, write_whole
 from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
 from workbench.study.study import INDEX, Case, Study
@@ -67,71 +68,24 @@ class Row(NamedTuple):
 
 
 class Store:
-    """Results by case, in SQLite. Used by one thread."""
+    """Results by case, in a database."""
 
-    def __init__(self, connection: sqlite3.Connection, folder: Path, columns: Sequence[str]) -> None:
-        self._connection = connection
-        self.folder = folder
+    def __init__(self, database: Database, columns: Sequence[str]) -> None:
+        self._database = database
         self.columns = list(columns)
-
-    @classmethod
-    def create(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str], overwrite: bool) -> "Store":
-        """A new, empty store in `folder`, which is made if need be.
-
-        Raises:
-            UserError: the folder holds results already, or files of the same names that no run wrote, or cannot be
-                written.
-        """
-        database = FOLDER.begun(folder, overwrite)
-        try:
-            connection = sqlite3.connect(database)
-            with connection:
-                connection.execute("BEGIN")
-                connection.execute("CREATE TABLE identity (key TEXT PRIMARY KEY, value TEXT)")
-                connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
-                names = ", ".join(_quoted(column) for column in columns)
-                connection.execute(f"CREATE TABLE results ({INDEX} INTEGER PRIMARY KEY, {names})")
-                connection.execute(f"CREATE TABLE sketches ({INDEX} INTEGER PRIMARY KEY, content TEXT)")
-        except sqlite3.Error as error:
-            raise unwritable(folder, error) from None
-        return cls(connection, folder, columns)
-
-    @classmethod
-    def resume(cls, folder: Path, columns: Sequence[str], identity: Mapping[str, str]) -> "Store":
-        """The store of an earlier run of the same study, to go on with; a new one where none has begun.
-
-        Raises:
-            UserError: it is of another study or another version of the equations, or damaged.
-        """
-        database = folder / DATABASE
-        if not database.exists() or database.stat().st_size == 0:  # stopped before its first word was written
-            return cls.create(folder, columns, identity, overwrite=database.exists())
-        try:
-            connection = sqlite3.connect(database)
-            stored = dict(connection.execute("SELECT key, value FROM identity"))
-        except sqlite3.Error as error:
-            raise UserError(f"{database}: not a results file of this program ({error})") from None
-        for key, value in identity.items():
-            if stored.get(key) != value:
-                what = "other parameters or draws" if key == "parameters" else f"another {key}"
-                raise UserError(
-                    f"{folder}: its results are of {what}; start anew with --overwrite, or choose another --out"
-                )
-        return cls(connection, folder, columns)
 
     def done(self) -> set[int]:
         """Indices of the finished cases."""
-        return {index for (index,) in self._connection.execute(f"SELECT {INDEX} FROM results")}
+        return {index for (index,) in self._database.read(f"SELECT {INDEX} FROM results")}
 
     def add(self, rows: Sequence[Row]) -> None:
-        """Commit finished cases, all at once."""
+        """Keep finished cases."""
         marks = ", ".join("?" * (1 + len(self.columns)))
         sketches = [(row.case, row.sketch) for row in rows if row.sketch is not None]
-        with self._connection:
-            self._connection.executemany("INSERT OR REPLACE INTO sketches VALUES (?, ?)", sketches)
-            self._connection.executemany(
-                f"INSERT OR REPLACE INTO results VALUES ({marks})", ([row.case, *row.values] for row in rows)
-            )
+        self._database.write("INSERT OR REPLACE INTO sketches VALUES (?, ?)", *sketches)
+        self._database.write(
+            f"INSERT OR REPLACE INTO results VALUES ({marks})", *([row.case, *row.values] for row in rows)
+        )
 
     def frames(self, rows: int = EXPORTED) -> Iterator[pd.DataFrame]:
         """All finished cases in order, so many at a time, each column with one type throughout; without any, one frame.
@@ -139,8 +93,8 @@ class Store:
         An axis of numbers and text, such as 0 and "460 rpm", is text.
         """
         types = {name: self._type(name) for name in self.columns}
-        cursor = self._connection.execute(f"SELECT * FROM results ORDER BY {INDEX}")
-        block = cursor.fetchmany(rows)
+        query = f"SELECT * FROM results WHERE {INDEX} > ? ORDER BY {INDEX} LIMIT {rows}"
+        block = self._database.read(query, (-1,))
         while True:
             frame = pd.DataFrame(block, columns=[INDEX, *self.columns]).drop(columns=INDEX)
             for name, kind in types.items():
@@ -149,20 +103,42 @@ class Store:
                 elif kind != "null":
                     frame[name] = frame[name].astype(np.dtype(kind))
             yield frame
-            if not (block := cursor.fetchmany(rows)):
+            if len(block) < rows or not (block := self._database.read(query, (block[-1][0],))):
                 return
 
     def _type(self, column: str) -> str:
         """What the values of a column are together: "text", "float64", "int64", or "null" without any."""
-        found = self._connection.execute(f"SELECT DISTINCT typeof({_quoted(column)}) FROM results")
+        found = self._database.read(f"SELECT DISTINCT typeof({_quoted(column)}) FROM results")
         types = {name for (name,) in found}
         if "text" in types or types <= {"null"}:
             return "text" if "text" in types else "null"
         return "int64" if types == {"integer"} else "float64"
 
-    def close(self) -> None:
-        """Release the file."""
-        self._connection.close()
+
+@contextmanager
+def open_store(
+    folder: Path,
+    columns: Sequence[str],
+    identity: Mapping[str, str],
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+) -> Iterator[Store]:
+    """The results in `folder`, for this process alone: those of an earlier run, to go on with, or none yet.
+
+    Raises:
+        UserError: the folder holds results that are neither to be gone on with nor replaced, or of another study or
+            version; another command is at work there; or the disk fails while the block is.
+    """
+    names = ", ".join(_quoted(column) for column in columns)
+    tables = f"""
+        CREATE TABLE IF NOT EXISTS identity (key TEXT PRIMARY KEY, value TEXT);
+        CREATE TABLE IF NOT EXISTS results ({INDEX} INTEGER PRIMARY KEY, {names});
+        CREATE TABLE IF NOT EXISTS sketches ({INDEX} INTEGER PRIMARY KEY, content TEXT);
+        """
+    with FOLDER.opened(folder, resume=resume, overwrite=overwrite) as path, database_at(path, tables) as database:
+        check_identity(database, identity, folder)
+        yield Store(database, columns)
 
 
 def write_study(study: Study, folder: Path) -> None:
@@ -251,7 +227,7 @@ def read_sketches(folder: Path) -> dict[int, str]:
     database = folder / DATABASE
     if not database.exists():
         return {}
-    with closing(sqlite3.connect(f"{database.resolve().as_uri()}?mode=ro", uri=True)) as connection:
+    with closing(sqlite3.connect(database)) as connection:
         if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'sketches'").fetchone():
             return {}
         rows = connection.execute(f"SELECT {INDEX}, content FROM sketches ORDER BY {INDEX}").fetchall()

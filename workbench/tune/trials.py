@@ -9,7 +9,7 @@ from pathlib import Path
 from plants.equation import source_hash
 from workbench.errors import UserError
 from workbench.publish.database import Database, damaged, database_at
-from workbench.study.identity import led_to
+from workbench.study.identity import led_to_when_drawn
 from workbench.study.plan import PROGRAM_FOLDERS
 from workbench.study.resolve import ParsedCase
 from workbench.study.study import Study
@@ -77,7 +77,7 @@ def kept_identity(task: Task, reference: Sequence[ParsedCase]) -> dict[str, obje
     """
     own = (task.name, reference_controller(task.study))
     cases = [_with_controllers(each, own) for each in (*task.cases, *reference)]
-    return {**identity_of(task.study, [task.name]), **led_to(task.study, cases)}
+    return {**identity_of(task.study, [task.name]), **led_to_when_drawn(cases)}
 
 
 def _with_controllers(parsed: ParsedCase, names: Sequence[str]) -> ParsedCase:
