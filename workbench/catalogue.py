@@ -18,7 +18,7 @@ from workbench.metrics.interface import Column
 
 
 def _plants() -> list[str]:
-    from workbench.study.resolve import MODELS
+    from workbench.study.models import MODELS
 
     return [
         f"{'model':22} {', '.join(MODELS)}",

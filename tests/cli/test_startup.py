@@ -27,6 +27,9 @@ SLOW = (
 )
 """Each takes a tenth of a second at least, numba half a second, scipy's statistics one."""
 
+RUNS = ("numba", "llvmlite", "pandas", "pyarrow", "matplotlib", "pint", "jinja2")
+"""What a run with a table and a figure takes."""
+
 SCRIPT = """\
 import sys
 from workbench.cli import main
@@ -38,9 +41,12 @@ finally:
 """
 
 
-def imported(*arguments: str, cache: Path) -> tuple[str, set[str]]:
-    """What the command prints, in a process of its own, and the modules that it has imported by its end."""
-    environment = {**os.environ, "XDG_CACHE_HOME": str(cache)}
+def imported(*arguments: str, cache: Path | None = None) -> tuple[str, set[str]]:
+    """What the command prints, in a process of its own, and the modules that it has imported by its end.
+
+    With a `cache` of its own the units that it has met before are not known.
+    """
+    environment = os.environ if cache is None else {**os.environ, "XDG_CACHE_HOME": str(cache)}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, *arguments],
         capture_output=True,
@@ -66,6 +72,7 @@ def test_a_list_imports_no_slow_library(arguments: tuple[str, ...], tmp_path: Pa
     shown, modules = imported(*arguments, cache=tmp_path)
     assert shown.startswith("plants\n")
     assert modules.isdisjoint(SLOW)
+    assert modules.isdisjoint({"workbench.study.schema", "workbench.study.resolve"}), "it reads no study"
 
 
 @pytest.mark.parametrize("file", ["studies/thesis_chapter3.toml", "plants/parameters/owen2001_simulation.toml"])
@@ -75,6 +82,31 @@ def test_a_check_imports_no_slow_library_once_its_units_are_known(file: str, tmp
     again, modules = imported("check", file, cache=tmp_path)
     assert modules.isdisjoint(SLOW)
     assert again == first
+
+
+SMALL = """\
+title = "One case"
+plant = { model = "non_rotating", parameters = "owen2001_simulation" }
+controllers = { p = { type = "pid", kp = "500 V/m" } }
+references = { sine = { kind = "sine", amplitude = "25 mm", frequency = "0.9 Hz" } }
+simulation = { duration = "2 s" }
+tables = [ { name = "errors", title = "Errors", rows = [ { result = "rms_error_m", label = "rms error", unit = "mm" } ] } ]
+
+[[figures]]
+name = "position"
+title = "Position"
+panels = [ { x_label = "time", x_unit = "s", y_label = "position", y_unit = "mm", curves = [ { y = "position", label = "run" } ] } ]
+"""
+
+
+def test_a_run_imports_what_runs_draws_and_writes_alone(tmp_path: Path) -> None:
+    study, out = tmp_path / "small.toml", tmp_path / "out"
+    study.write_text(SMALL, encoding="utf-8")
+    _, modules = imported("run", str(study), "--out", str(out), "--jobs", "1")
+    assert (out / "figures" / "position.pdf").stat().st_size > 0
+    assert {"numba", "pandas", "matplotlib"} <= modules
+    others = {*SLOW, "scipy.stats", "scipy.signal", "scipy.ndimage"} - {*RUNS, "scipy"}  # scipy.linalg is numba's
+    assert modules.isdisjoint(others), "no linearisation, no statistics, no optimiser"
 
 
 def test_a_spoilt_file_of_kept_factors_is_made_anew(tmp_path: Path) -> None:

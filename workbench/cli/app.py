@@ -1,5 +1,6 @@
 """The command line. What a command does not need it does not import: help appears at once."""
 
+import gc
 import importlib
 import io
 import os
@@ -74,6 +75,7 @@ def run() -> None:
     """
     # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(50_000)  # a start makes thousands of classes to keep: garbage is not looked for after every 700th
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
     try:

@@ -25,7 +25,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from workbench.metrics.envelope import dies
 from workbench.metrics.half_waves import FEW_CYCLES, HalfWaves, find_half_waves
@@ -119,6 +118,8 @@ def judge(
         return NONE
     band = max(band, FLOOR)
     if forced:
+        from scipy.ndimage import uniform_filter1d  # a run that nothing shakes does not wait for it
+
         error = uniform_filter1d(error, max(1, round(forced / (time[1] - time[0]))), mode="nearest")
     late, errors = time[start:], error[start:]
     waves = find_half_waves(late, errors, band) if np.ptp(errors) > 2.0 * band else None

@@ -203,7 +203,7 @@ class ExperimentFile(files.Strict):
     title: str
     source: str = ""
     plant: PlantTable
-    fit: FitTable = FitTable()
+    fit: FitTable = Field(default_factory=FitTable)
     channels: dict[str, ChannelTable]
     sensors: dict[str, Raw] = {}
     records: list[RecordTable] = Field(min_length=1)

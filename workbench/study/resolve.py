@@ -21,6 +21,7 @@ from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.setup import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
 from workbench.study.controller_tables import ControllerCase, parse_controller
+from workbench.study.models import MODELS
 from workbench.study.overrides import Overrides, overridden
 from workbench.study.parameter_tables import ParameterValues, build_belief, build_truth, read_values
 from workbench.study.registered import registered
@@ -30,12 +31,6 @@ from workbench.study.study import Case, Study, located
 from workbench.toml import reading as files
 from workbench.toml.quantities import along_axis
 from workbench.toml.reading import SchemaError
-
-MODELS = ("by_rpm", "non_rotating", "rotating", "drive")
-"""Models of [plant] that stand for several plants; any registered plant's own name serves too.
-
-`by_rpm` is the thesis's actuator whose rod turns where rpm is not 0, as any machine's does that is `turned`; that of
-`rotating` always turns."""
 
 ROTATED_BY = {
     "servo": ("motor_voltage",),

@@ -24,7 +24,7 @@ from workbench.parameters.sets import (
 from workbench.publish.words import plain_name as words_of
 from workbench.records.schema import FRICTION
 from workbench.study.layers import LAYERS
-from workbench.study.resolve import MODELS
+from workbench.study.models import MODELS
 from workbench.study.schema import PlantTable
 from workbench.toml import reading as files
 from workbench.toml.units import QuantityError, factor, unit_written

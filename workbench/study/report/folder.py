@@ -6,7 +6,6 @@ import pandas as pd
 
 from workbench.study.plan import Plan
 from workbench.study.report.figures import write_figure
-from workbench.study.report.limit_cycles import write_limit_cycles
 from workbench.study.report.page import write_results_page
 from workbench.study.report.tables import write_table
 from workbench.study.sections import overlays_of, sections_of
@@ -43,4 +42,6 @@ def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]
     """Write each limit cycle beside its describing-function prediction; none where nothing cycles."""
     if not frame["limit_cycle"].isin(["sustained", "decaying", "too_short"]).any():
         return []
+    from workbench.study.report.limit_cycles import write_limit_cycles  # a study without cycles waits for no CasADi
+
     return [write_limit_cycles(planned, frame, folder)]
