@@ -72,8 +72,10 @@ lint: $(ENVIRONMENT)/ready-for-tests
 docs: $(ENVIRONMENT)/ready-for-docs
 	$(BIN)/python -W error -m pdoc workbench.api --docformat google --no-show-source --output-directory results/reference
 
+# All that should be seen of the program's speed, written to docs/benchmarks.md: some ten minutes, with FULL=1 hours.
+FULL ?=
 benchmark: $(ENVIRONMENT)/ready-for-tests
-	$(BIN)/python benchmarks/closed_loop.py
+	$(BIN)/python benchmarks/all.py $(if $(FULL),--full)
 
 # How often diagnosis names the right effect, on machines of all kinds and sizes, beside what can be found at all. Takes
 # hours; what is done is kept. SET=reported has the seeds of the published figures; FIRST=10 takes ten cases of each kind.
