@@ -2,7 +2,8 @@
 PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# Without bytecode, which Python makes of what it uses: pip would make 190 MB.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation rotary_drive two_inertia_drive
 QUICK := --draws 2 --fresh-draws 6
 COMPARISONS := comparison friction_model_worth hunting_rotation rotation_on_demand rotary_friction

@@ -39,8 +39,8 @@ def cases(size: Size, folder: Path) -> list[Part]:
             "cases",
             "Time over cases",
             f"`workbench run STUDY --jobs 1` on studies of cases of {SECONDS:g} s, error estimates included, to the "
-            "finished folder. Start-up is in it: of few cases it is nearly all. The lines are what the simulation alone "
-            "takes, and with its error estimate; between them and the curve is all the rest.",
+            "finished folder. Start-up is in it: of few cases it is nearly all. The lines are what the simulation "
+            "alone takes, and with its error estimate; between them and the curve is all the rest.",
             ("cases", "wall time, s", "processor time, s", "processor time of a case, ms"),
             [
                 (f"{n}", f"{u.wall:.3g}", f"{u.processor:.3g}", f"{1e3 * u.processor / n:.3g}")

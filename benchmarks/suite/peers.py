@@ -1,5 +1,6 @@
 """The same closed loop by this program, by general tools and in C: `closed_loop.py`, run as a user runs it."""
 
+import math
 import re
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from suite.part import Part, Ratio, Size
 
 SCRIPT = Path(__file__).parents[1] / "closed_loop.py"
 
-ROW = re.compile(r"^(?P<name>\S.*?)\s+(?P<ms>\d+\.\d+)(?P<scaled>[* ])\s*(?P<error>\d\.\d+e[-+]\d+)\s+\d+\.\d+$")
+ROW = re.compile(r"^(?P<name>\S.*?)\s+(?P<ms>\d+\.\d+)(?P<scaled>[* ])\s*(?P<error>nan|\d\.\d+e[-+]\d+)\s+\d+\.\d+$")
 
 COMPARED = ("in C, gcc -O2", "CVODES", "python-control, restarted")
 """Parts of the names of the peers that ours is held against in the ratios: ours over C, the others over ours."""
@@ -82,9 +83,16 @@ def peers(size: Size, folder: Path) -> Part:
 
 
 def _ratio(rounds: list[list[Time]], part: str) -> list[tuple[str, Ratio]]:
-    """Of the first row, ours, and the first whose name holds `part`; nothing where there is none, as without gcc."""
+    """Of the first row, ours, and the first whose name holds `part`; nothing where there is none, as without gcc.
+
+    A peer whose error is no number solved something else, and is not compared.
+    """
     pairs = [(times[0], next((time for time in times if part in time.name), None)) for times in rounds]
-    found = [(ours.milliseconds, peer.milliseconds, peer.name) for ours, peer in pairs if peer is not None]
+    found = [
+        (ours.milliseconds, peer.milliseconds, peer.name)
+        for ours, peer in pairs
+        if peer is not None and math.isfinite(peer.error)
+    ]
     if not found:
         return []
     if part.startswith("in C"):

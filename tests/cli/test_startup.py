@@ -90,12 +90,22 @@ plant = { model = "non_rotating", parameters = "owen2001_simulation" }
 controllers = { p = { type = "pid", kp = "500 V/m" } }
 references = { sine = { kind = "sine", amplitude = "25 mm", frequency = "0.9 Hz" } }
 simulation = { duration = "2 s" }
-tables = [ { name = "errors", title = "Errors", rows = [ { result = "rms_error_m", label = "rms error", unit = "mm" } ] } ]
+
+[[tables]]
+name = "errors"
+title = "Errors"
+rows = [{ result = "rms_error_m", label = "rms error", unit = "mm" }]
 
 [[figures]]
 name = "position"
 title = "Position"
-panels = [ { x_label = "time", x_unit = "s", y_label = "position", y_unit = "mm", curves = [ { y = "position", label = "run" } ] } ]
+
+[[figures.panels]]
+x_label = "time"
+x_unit = "s"
+y_label = "position"
+y_unit = "mm"
+curves = [{ y = "position", label = "run" }]
 """
 
 
