@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from suite.command import Usage, workbench
 from suite.loops import of_a_case
-from suite.part import Part, Ratio, Size
+from suite.part import Part, Ratio, Size, shown
 from suite.studies import write_cases
 from workbench.publish.style import COLOURS, MARKERS, plain_numbers
 
@@ -43,7 +43,7 @@ def cases(size: Size, folder: Path) -> list[Part]:
             "alone takes, and with its error estimate; between them and the curve is all the rest.",
             ("cases", "wall time, s", "processor time, s", "processor time of a case, ms"),
             [
-                (f"{n}", f"{u.wall:.3g}", f"{u.processor:.3g}", f"{1e3 * u.processor / n:.3g}")
+                (f"{n}", shown(u.wall), shown(u.processor), shown(1e3 * u.processor / n))
                 for n, u in zip(size.cases, used, strict=True)
             ],
             lambda axes: _draw_time(axes, size, used, simulation, estimate),

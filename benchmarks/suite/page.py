@@ -10,7 +10,7 @@ from pathlib import Path
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from suite.part import Part, Ratio
+from suite.part import Part, Ratio, shown
 from workbench.publish.pictures import save
 from workbench.publish.style import WIDTH, figure_style
 
@@ -65,9 +65,9 @@ def ratio_rows(before: Mapping[str, Ratio], now: Mapping[str, Ratio]) -> list[tu
     return [
         (
             name,
-            f"{ratio.middle:.3g}",
-            f"{min(ratio.values):.3g} to {max(ratio.values):.3g}" if len(ratio.values) > 1 else "",
-            f"{before[name].middle:.3g}" if name in before else "",
+            shown(ratio.middle),
+            f"{shown(min(ratio.values))} to {shown(max(ratio.values))}" if len(ratio.values) > 1 else "",
+            shown(before[name].middle) if name in before else "",
         )
         for name, ratio in now.items()
     ]

@@ -6,6 +6,11 @@ from dataclasses import dataclass, field
 from matplotlib.axes import Axes
 
 
+def shown(value: float) -> str:
+    """Three digits, without a power of ten where the number is large."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
 @dataclass(frozen=True)
 class Ratio:
     """A ratio of two times, or of two sizes, that were measured side by side, once in each round."""

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
-from suite.part import Part, Ratio, Size
+from suite.part import Part, Ratio, Size, shown
+from workbench.publish.style import plain_numbers
 
 SCRIPT = Path(__file__).parents[1] / "closed_loop.py"
 
@@ -60,8 +61,9 @@ def peers(size: Size, folder: Path) -> Part:
         names = [time.name for time in best][::-1]
         values = [time.milliseconds for time in best][::-1]
         bars = axes.barh(names, values, color=["#0072B2" if name.startswith("ours") else "#bbbbbb" for name in names])
-        axes.bar_label(bars, [f" {value:.3g}" for value in values], fontsize="small")
+        axes.bar_label(bars, [f" {shown(value)}" for value in values], fontsize="small")
         axes.set_xscale("log")
+        plain_numbers(axes.xaxis)
         axes.margins(x=0.15)
         axes.set_xlabel("3 s of closed loop, ms (logarithmic; shorter is better)")
         axes.grid(axis="y", visible=False)
@@ -73,7 +75,7 @@ def peers(size: Size, folder: Path) -> Part:
         "errors are alike, is said in benchmarks/README.md.",
         ("", "ms", "position error, m", "over ours"),
         [
-            (time.name, f"{time.milliseconds:.3g}", f"{time.error:.1e}", f"{time.milliseconds / ours.milliseconds:.3g}")
+            (time.name, shown(time.milliseconds), f"{time.error:.1e}", shown(time.milliseconds / ours.milliseconds))
             for time in best
         ],
         draw,

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from suite.part import Ratio
+from suite.part import Ratio, shown
 
 LEAST = 0.05
 """Share by which a ratio has to move at least: one that was measured once has no spread of its own."""
@@ -33,5 +33,5 @@ def changes(before: Mapping[str, Ratio], now: Mapping[str, Ratio]) -> list[str]:
             continue
         apart = min(ratio.values) > max(old.values) or max(ratio.values) < min(old.values)
         if apart and abs(ratio.middle - old.middle) > LEAST * abs(old.middle):
-            lines.append(f"{name}: {ratio.middle:.3g}, was {old.middle:.3g}")
+            lines.append(f"{name}: {shown(ratio.middle)}, was {shown(old.middle)}")
     return lines

@@ -37,6 +37,7 @@ def records(size: Size, folder: Path) -> Part:
         axes.set_xlabel("length of the record, s (at 1 kHz)")
         axes.set_ylabel("processor time, s")
         axes.set_yscale("log")
+        axes.set_xticks(size.records)
         plain_numbers(axes.yaxis)
         axes.legend()
 
