@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Folder
+from workbench.cli.options import Folder, say
 from workbench.errors import UserError
 
 
@@ -20,4 +20,4 @@ def command(
     held = agreement(comparison_in(one).verdicts, comparison_in(other).verdicts)
     if not held.cells:
         raise UserError(f"{one} and {other} have no field in common: expected two comparisons of the same")
-    print("\n".join(agreement_words(held)))
+    say("\n".join(agreement_words(held)))

@@ -5,13 +5,15 @@ import importlib
 import io
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from workbench.cli.progress import AGAIN, stoppable
-from workbench.errors import UserError
+from workbench.errors import UserError, in_few_lines
 
 COMMANDS = (
     "run",
@@ -69,22 +71,16 @@ for name in COMMANDS:
     app.command(name)(importlib.import_module(f"workbench.cli.{FILES.get(name, name)}").command)
 
 
-def run() -> None:
-    """Run the command line. A user's mistake, or a file system's, or one in a plug-in's code, is one or two lines and
-    exit code 2.
-    """
-    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(50_000)  # a start makes thousands of classes to keep: garbage is not looked for after every 700th
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
+@contextmanager
+def mistakes_told() -> Iterator[None]:
+    """A user's mistake, or a file system's, or one in a plug-in's code, is one to three lines and exit code 2."""
     try:
-        app()
+        yield
     except (UserError, OSError) as error:
         if "--debug" in sys.argv:
             raise
         place = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
-        print(f"error: {place}", file=sys.stderr)
+        print(f"error: {in_few_lines(place)}", file=sys.stderr)
         sys.exit(2)
     except Exception as error:
         from workbench.cli.mistakes import of_plugin
@@ -92,5 +88,16 @@ def run() -> None:
         mistake = of_plugin(error)
         if not mistake or "--debug" in sys.argv:
             raise
-        print(f"error: {mistake} (--debug shows all of it)", file=sys.stderr)
+        print(f"error: {in_few_lines(mistake)} (--debug shows all of it)", file=sys.stderr)
         sys.exit(2)
+
+
+def run() -> None:
+    """Run the command line, with `mistakes_told`."""
+    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(50_000)  # a start makes thousands of classes to keep: garbage is not looked for after every 700th
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
+    with mistakes_told():
+        app()

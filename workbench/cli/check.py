@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.options import print_warnings
+from workbench.cli.options import print_warnings, say
 
 if TYPE_CHECKING:
     from workbench.study.layers import Layer
@@ -40,9 +40,9 @@ def _check_parameters(file: Path) -> None:
     from workbench.parameters.sets import read_parameters, serves
 
     values = read_parameters(file)
-    print(f"{file}: a parameter set of {len(values)} values, all in order")
+    say(f"{file}: a parameter set of {len(values)} values, all in order")
     for line in serves(values):
-        print(f"  {line}")
+        say(f"  {line}")
 
 
 def _check_gains(file: Path) -> None:
@@ -50,11 +50,11 @@ def _check_gains(file: Path) -> None:
     from workbench.toml.gain_file import read_gain_file
 
     found = read_gain_file(file)
-    print(f"{file}: tuned gains of {found.type}, in order")
+    say(f"{file}: tuned gains of {found.type}, in order")
     for entry in found.at:
         settings = ", ".join(f"{name} {value}" for name, value in entry.settings.items())
-        print(f"  {'any speed' if entry.rpm is None else f'{entry.rpm:g} rpm'}: {settings}")
-    print(found.source)
+        say(f"  {'any speed' if entry.rpm is None else f'{entry.rpm:g} rpm'}: {settings}")
+    say(found.source)
 
 
 def _check_layer(layer: "Layer", file: Path) -> None:
@@ -64,7 +64,7 @@ def _check_layer(layer: "Layer", file: Path) -> None:
 
     trial = plan(layer_trial(layer, file)).study
     tables = ", ".join(f"[{name}]" for name in getattr(trial.file, layer.section)[file.stem]) or "nothing"
-    print(f"{file}: a {layer.axis}, in order; it changes {tables}")
+    say(f"{file}: a {layer.axis}, in order; it changes {tables}")
 
 
 def _check_study(file: Path) -> None:
@@ -79,6 +79,6 @@ def _check_study(file: Path) -> None:
     lines = [] if planned is None else description(planned)
     for section, table in sections_of(study):
         lines += section.describe(table, study)
-    print("\n".join([f"{file}: a study, in order", *lines]))
+    say("\n".join([f"{file}: a study, in order", *lines]))
     if planned is not None:
         print_warnings(planned.warnings)

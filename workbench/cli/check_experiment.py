@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
+from workbench.cli.options import say
 from workbench.diagnose import readiness as diagnosis
 from workbench.errors import UserError
 from workbench.identify import readiness as identification
@@ -29,14 +30,14 @@ def check_experiment(file: Path) -> None:
     whole = all(records)
     absent = "its records are not there yet" if not there else "some of its records are not there yet"
     order = "an experiment, in order" if whole else f"an experiment; {absent}"
-    print(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
-    print(content.title + (f" ({content.source})" if content.source else ""))
+    say(f"{file}: {order}" + ("" if len(serves) > 1 else f"; for {serves[0]} alone"))
+    say(content.title + (f" ({content.source})" if content.source else ""))
     names = [channel.called for channel in content.channels.values()]
-    print(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
-    print(f"  free: {content.freed}")
-    print("\n".join(f"  {line}" for line in lines))
+    say(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
+    say(f"  free: {content.freed}")
+    say("\n".join(f"  {line}" for line in lines))
     for spec, pieces in zip(content.records, records, strict=True):
-        print(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")
+        say(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")
 
 
 def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], list[str]]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, PageFormat, StudyFile, print_contents
+from workbench.cli.options import Out, Overwrite, PageFormat, StudyFile, print_contents, say
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -29,7 +29,7 @@ def command(
 
     began, planned = time.time(), plan_decision(read_study(study), machine)
     if dry_run:
-        print("\n".join(description(planned)))
+        say("\n".join(description(planned)))
         return
     kept = f"finished runs are kept in {out}: go on with --resume"
     with (
@@ -41,5 +41,5 @@ def command(
         decision = decide(planned, jobs, progress, runs)
         progress("tables, figures, page", 1.0)
         write_decision(decision, out, began, jobs)
-    print(summary(decision) + "\n")
+    say(summary(decision) + "\n")
     print_contents(out)

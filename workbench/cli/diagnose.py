@@ -1,6 +1,6 @@
 """workbench diagnose: what a plant lacks, by its records."""
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents
+from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents, say
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -14,5 +14,5 @@ def command(experiment: ExperimentFile, out: Out, overwrite: Overwrite = False, 
         diagnosis = diagnose(experiment, progress)
         progress("tables, figures, page", 0.93)
         write_diagnosis(diagnosis, out)
-    print(summary(diagnosis) + "\n")
+    say(summary(diagnosis) + "\n")
     print_contents(out)

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents
+from workbench.cli.options import ExperimentFile, Out, Overwrite, PageFormat, print_contents, say
 from workbench.cli.progress import ProgressLine, stoppable
 from workbench.errors import UserError, nearest
 
@@ -29,5 +29,5 @@ def command(
     with figures_at(page), stoppable(), ProgressLine() as progress, claimed_folder(out, overwrite):
         paths = write_identification(identify(content, method, progress), out)
     for path in paths:
-        print(path.read_text(encoding="utf-8"))
+        say(path.read_text(encoding="utf-8"))
     print_contents(out)

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from workbench.cli.options import say
 from workbench.errors import UserError
 
 
@@ -33,7 +34,7 @@ def command(
     out.write_text(text_of(proposal, out.parent), encoding="utf-8")
     left = len(proposal.questions)
     asked = f"{left} question{'s' * (left != 1)} in it (# ?)" if left else "no question is left"
-    print(f"wrote {out}: plant {proposal.plant.values['']}, {asked}; next: workbench check {out}")
+    say(f"wrote {out}: plant {proposal.plant.values['']}, {asked}; next: workbench check {out}")
 
 
 def _prompt(question: str, guess: str) -> str:

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from workbench.cli.options import say
+
 
 def command(
     folder: Annotated[Path, typer.Argument(help="A folder that holds folders of results.", metavar="[DIR]")] = Path(
@@ -15,4 +17,4 @@ def command(
     from workbench.publish.page.index import write_index
 
     path, count = write_index(folder)
-    print(f"wrote {path}: {count} result{'s' * (count != 1)}")
+    say(f"wrote {path}: {count} result{'s' * (count != 1)}")

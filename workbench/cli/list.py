@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from workbench.cli.options import say
 from workbench.errors import UserError, nearest
 
 
@@ -22,5 +23,5 @@ def command(
     if kind is not None and kind not in CATALOGUE:
         raise UserError(f'nothing called "{kind}" to list; {nearest(kind, CATALOGUE)}')
     for name in CATALOGUE if kind is None else (kind,):
-        print(name)
-        print("\n".join(f"  {line}" for line in CATALOGUE[name]()))
+        say(name)
+        say("\n".join(f"  {line}" for line in CATALOGUE[name]()))

@@ -3,11 +3,11 @@
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
 import typer
 
-from workbench.errors import UserError
+from workbench.errors import UserError, in_one_line, visible
 
 LONGEST = 150
 """Lines of a table that is printed."""
@@ -43,19 +43,24 @@ def conditions(where: list[str] | None) -> dict[str, str]:
     return found
 
 
+def say(text: object = "", file: TextIO | None = None) -> None:
+    """Print text of any origin, titles, names and headers of files, so that nothing in it steers the terminal."""
+    print(visible(str(text)), file=file, flush=True)
+
+
 def print_tables(paths: list[Path]) -> None:
     """Print tables; of one that nobody would read on a terminal only where it lies."""
     for path in paths:
         text = path.read_text(encoding="utf-8")
-        print(f"\n{text}" if text.count("\n") <= LONGEST else f"wrote {path} ({text.count(chr(10))} lines)")
+        say(f"\n{text}" if text.count("\n") <= LONGEST else f"wrote {path} ({text.count(chr(10))} lines)")
 
 
 def print_warnings(lines: Iterable[str]) -> None:
     """Print warnings to standard error."""
     for line in lines:
-        print(f"warning: {line}", file=sys.stderr)
+        say(f"warning: {in_one_line(line)}", file=sys.stderr)
 
 
 def print_contents(folder: Path) -> None:
     """Say what a folder of results holds."""
-    print(f"results in {folder}: {', '.join(sorted(item.name for item in folder.iterdir()))}")
+    say(f"results in {folder}: {', '.join(sorted(item.name for item in folder.iterdir()))}")

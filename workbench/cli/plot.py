@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Folder, PageFormat, Where, conditions
+from workbench.cli.options import Folder, PageFormat, Where, conditions, say
 from workbench.errors import UserError
 
 
@@ -29,8 +29,8 @@ def command(
         with figures_at(page):
             path, left_out = quick_plot(folder, frame, x, y, conditions(where), out)
         if left_out:
-            print(f"left out: {'; '.join(left_out)}")
-        print(f"wrote {path}")
+            say(f"left out: {'; '.join(left_out)}")
+        say(f"wrote {path}")
         return
     study = read_study(folder / STUDY_COPY)
     with figures_at(page):
@@ -38,4 +38,4 @@ def command(
     if not figures and not pages:
         raise UserError(f"{folder}: its study asks for no figures; say what to draw with --y")
     for paths in [*figures, *([page] for page in pages)]:
-        print("wrote " + ", ".join(str(path) for path in paths))
+        say("wrote " + ", ".join(str(path) for path in paths))

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, PageFormat, print_warnings
+from workbench.cli.options import Out, Overwrite, PageFormat, print_warnings, say
 
 
 def command(
@@ -20,4 +20,4 @@ def command(
 
     report = write_report(folders, out, page, pdf=pdf, overwrite=overwrite)
     print_warnings(report.remarks)
-    print("wrote " + " and ".join(str(path) for path in (report.tex, report.pdf) if path is not None))
+    say("wrote " + " and ".join(str(path) for path in (report.tex, report.pdf) if path is not None))

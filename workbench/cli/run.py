@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, StudyFile, print_tables, print_warnings
+from workbench.cli.options import Out, Overwrite, StudyFile, print_tables, print_warnings, say
 from workbench.errors import UserError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def command(
     from workbench.study.runner import run_study
 
     planned = _planned(study, out, draws, fresh_draws)
-    print("\n".join(description(planned)))
+    say("\n".join(description(planned)))
     print_warnings(planned.warnings)
     if dry_run:
         from workbench.study.estimate import estimate
@@ -60,7 +60,7 @@ def command(
             )
 
     with stoppable(f"finished cases are kept in {out}: go on with --resume"):
-        run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=print)
+        run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=say)
         _report(planned, out)
 
 
@@ -97,7 +97,7 @@ def _report(planned: "Plan", folder: Path) -> None:
     print_tables(write_tables(study, frame, folder) + write_cycles(planned, frame, folder))
     write_figures(study, frame, folder)
     for page in write_pages(study, frame, folder):
-        print(f"wrote {page}")
+        say(f"wrote {page}")
     for line in unusual(frame, frame):
-        print(line)
-    print(f"results in {folder}: {', '.join(name for name in MADE if (folder / name).exists())}")
+        say(line)
+    say(f"results in {folder}: {', '.join(name for name in MADE if (folder / name).exists())}")

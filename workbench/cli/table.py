@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Folder, Where, conditions, print_tables
+from workbench.cli.options import Folder, Where, conditions, print_tables, say
 from workbench.errors import UserError
 
 
@@ -23,7 +23,7 @@ def command(
 
     frame = read_results(folder)
     if column or where:
-        print(columns_of(frame, column or [], conditions(where)).to_markdown(index=False, floatfmt=".6g"))
+        say(columns_of(frame, column or [], conditions(where)).to_markdown(index=False, floatfmt=".6g"))
         return
     study = read_study(folder / STUDY_COPY)
     tables, pages = write_tables(study, frame, folder), write_answers(study, frame, folder)
@@ -31,4 +31,4 @@ def command(
         raise UserError(f"{folder}: its study asks for no tables; choose columns with --column")
     print_tables(tables)
     for page in pages:
-        print(f"wrote {page}")
+        say(f"wrote {page}")

@@ -8,6 +8,7 @@ from html import escape
 import pandas as pd
 from matplotlib.figure import Figure
 
+from workbench.publish.figure_text import drawable
 from workbench.publish.style import figure_style
 
 DOTS_PER_INCH = 80
@@ -30,7 +31,7 @@ class NotebookFigure(Figure):
 def png_of(figure: Figure) -> bytes:
     """The picture as PNG."""
     buffer = io.BytesIO()
-    with figure_style():
+    with drawable(figure), figure_style():
         figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
     return buffer.getvalue()
 

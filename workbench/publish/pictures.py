@@ -7,6 +7,9 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from workbench.errors import visible
+from workbench.publish.figure_text import drawable
+from workbench.publish.folders import anew, made
 from workbench.publish.page_format import asked_format
 from workbench.publish.refit import refit
 from workbench.publish.style import figure_style
@@ -51,16 +54,16 @@ def save(
 
     Its caption goes into the files: without one its title.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    caption = caption or figure.get_suptitle()
-    _lay_out(figure)
+    made(folder)
+    caption = visible(caption or figure.get_suptitle())
     said: dict[str, dict[str, Any]] = {
         "pdf": {"CreationDate": None, "Subject": caption},
         "svg": {"Date": None, "Description": caption},
         "png": {"Description": caption},
     }
-    paths = [folder / f"{name}.{ending}" for ending in formats]
-    with figure_style(), mpl.rc_context(NOT_ANEW):
+    paths = [anew(folder / f"{name}.{ending}") for ending in formats]
+    with drawable(figure), figure_style(), mpl.rc_context(NOT_ANEW):
+        _lay_out(figure)
         for path, ending in zip(paths, formats, strict=True):
             figure.savefig(path, metadata=said[ending])
     return paths

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from workbench.publish.folders import anew, made
 from workbench.publish.latex.table import latex_table
+from workbench.publish.markdown import in_cell, in_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,8 +68,7 @@ def with_unit(label: str, unit: str) -> str:
 
 def write_frame(name: str, table: Table, folder: Path) -> list[Path]:
     """Write a table, with its notes, as NAME.csv, NAME.md and NAME.tex; returns the paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{name}.{ending}" for ending in ("csv", "md", "tex")]
+    paths = [anew(made(folder) / f"{name}.{ending}") for ending in ("csv", "md", "tex")]
     table.cells.to_csv(paths[0], index=False, lineterminator="\n")
     paths[1].write_text(_markdown(table), encoding="utf-8")
     paths[2].write_text(_latex(name, table), encoding="utf-8")
@@ -77,14 +78,10 @@ def write_frame(name: str, table: Table, folder: Path) -> list[Path]:
 def _markdown(table: Table) -> str:
     numeric = [name not in WORDS for name in table.cells.columns]
     align = ["right" if right else "left" for right in numeric]
-    shown = table.cells.rename(columns=_piped).map(_piped)
+    shown = table.cells.rename(columns=lambda name: in_cell(str(name))).map(lambda cell: in_cell(str(cell)))
     body = shown.to_markdown(index=False, colalign=align, disable_numparse=True)
     sources = [f"{name[:1].upper()}{name[1:]}: {source}." for name, source in table.sources.items()]
-    return "\n\n".join([f"**{table.title}**", body, *sources, *table.notes]) + "\n"
-
-
-def _piped(text: str) -> str:
-    return str(text).replace("|", r"\|")
+    return "\n\n".join([f"**{in_line(table.title)}**", body, *map(in_line, (*sources, *table.notes))]) + "\n"
 
 
 def _latex(name: str, table: Table) -> str:

@@ -2,10 +2,14 @@
 
 from collections.abc import Sequence
 
+from workbench.errors import few_of
 from workbench.study.plan import Plan
 
 MOST_VALUES, ENDS = 30, 3
 """Values of an axis that are all said, and how many of more are, at either end."""
+
+LONGEST = 2000
+"""Characters of the values of an axis that are told."""
 
 
 def description(planned: Plan) -> list[str]:
@@ -22,5 +26,5 @@ def _said(values: Sequence[object]) -> str:
     """The values of an axis, of many the first and the last."""
     words = [str(value) for value in values]
     if len(words) <= MOST_VALUES:
-        return ", ".join(words)
-    return f"{', '.join(words[:ENDS])}, ... {', '.join(words[-ENDS:])} ({len(words)} values)"
+        return few_of(words, LONGEST)
+    return f"{few_of(words[:ENDS])}, ... {few_of(words[-ENDS:])} ({len(words)} values)"

@@ -11,6 +11,7 @@ from workbench.compare.result import Comparison
 from workbench.publish.pictures import Picture, save
 from workbench.publish.style import figure_style
 from workbench.publish.words import plain_name
+from workbench.toml.file_names import file_name
 
 FORMATS = ("pdf", "png")
 """In which a comparison has its figures."""
@@ -33,9 +34,9 @@ def pictures_of(comparison: Comparison) -> dict[str, Picture]:
         own = {cell: candidates for cell, candidates in cells.items() if cell.scenario == scenario}
         name = plain_name(scenario).capitalize()
         figure = speed_figure(comparison.table, own, f"{name}: error against real speed of rotation")
-        drawn[f"error_against_rpm_{scenario}"] = Picture(figure, _speed_caption(comparison, name))
+        drawn[f"error_against_rpm_{file_name(scenario)}"] = Picture(figure, _speed_caption(comparison, name))
         figure = power_figure(comparison.table, own, comparison.verdicts, f"{name}: error against paid power")
-        drawn[f"error_against_power_{scenario}"] = Picture(figure, _power_caption(comparison, name))
+        drawn[f"error_against_power_{file_name(scenario)}"] = Picture(figure, _power_caption(comparison, name))
     hunting = hunting_picture(comparison)
     return drawn if hunting is None else {**drawn, "hunting_map": hunting}
 

@@ -26,6 +26,8 @@ from workbench.compare.report.templates import HTML, MARKDOWN
 from workbench.compare.report.words import sentences
 from workbench.compare.result import Comparison
 from workbench.compare.verdicts import COMPARISONS
+from workbench.publish.folders import anew
+from workbench.publish.markdown import in_markdown
 from workbench.publish.page.environment import page_environment
 from workbench.publish.pictures import Picture
 from workbench.publish.words import plain_name
@@ -74,13 +76,18 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     pictures, pivots = write_figures(comparison, folder / "figures"), write_tables(comparison, folder / "tables")
     content = page_of(comparison, pictures, pivots, cases_of(comparison.results, folder))
     pages = []
-    markdown, html = Environment(autoescape=False, keep_trailing_newline=True), page_environment(folder)
+    markdown, html = Environment(autoescape=False, keep_trailing_newline=True, finalize=_text), page_environment(folder)
     for name, template, environment in (("comparison.md", MARKDOWN, markdown), ("comparison.html", HTML, html)):
         environment.filters["plain"] = plain_name
         path = folder / name
-        path.write_text(environment.from_string(template).render(page=content), encoding="utf-8")
+        anew(path).write_text(environment.from_string(template).render(page=content), encoding="utf-8")
         pages.append(path)
     return pages
+
+
+def _text(value: object) -> object:
+    """What a template of Markdown shows; what is no text stays."""
+    return in_markdown(value) if isinstance(value, str) else value
 
 
 def page_of(comparison: Comparison, pictures: Mapping[str, Picture], pivots: Sequence[Pivot], cases: Cases) -> Page:

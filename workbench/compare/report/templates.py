@@ -67,7 +67,7 @@ MARKDOWN = """\
 {% endfor %}
 ## Figures
 {% for name, picture in page.pictures.items() %}
-![{{ name | plain }}](figures/{{ name }}.png)
+![{{ name | plain }}](figures/{{ name | urlencode }}.png)
 
 *{{ picture.caption }}*
 {% endfor %}

@@ -14,6 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from workbench.errors import UserError
 from workbench.metrics.registry import axis_of
+from workbench.publish.figure_text import literal
 from workbench.publish.notebook import NotebookFigure
 from workbench.publish.pictures import save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
@@ -184,7 +185,7 @@ def _draw_column(
     names = are_names(frame[panel.x].dropna().tolist())
 
     def placed(values: Sequence[float | str]) -> Sequence[float | str]:
-        return values if names else numbers(panel.x, values, x_unit)
+        return list(map(literal, map(str, values))) if names else numbers(panel.x, values, x_unit)
 
     x = placed(found[panel.x].tolist())
     marked: LineStyle = {"marker": marker(number), **style}
