@@ -5,7 +5,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from workbench.errors import UserError
+from workbench.errors import UserError, spelled
+from workbench.publish.folders import anew
+from workbench.toml.file_names import is_file_name
 
 CONTENTS = "contents.json"
 
@@ -43,7 +45,7 @@ class Contents:
 def write_contents(contents: Contents, folder: Path) -> None:
     """Write contents.json, the same bytes for the same contents."""
     text = json.dumps(asdict(contents), indent=2, ensure_ascii=False) + "\n"
-    (folder / CONTENTS).write_text(text, encoding="utf-8")
+    anew(folder / CONTENTS).write_text(text, encoding="utf-8")
 
 
 def read_contents(folder: Path) -> Contents:
@@ -63,4 +65,17 @@ def read_contents(folder: Path) -> Contents:
         raise UserError(
             f"{path}: got {got or 'nothing'}, expected {', '.join(sorted(names))}; run the command that made it again"
         )
+    if wrong := next((name for name in sorted(names) if not _serves(name, read[name])), None):
+        raise UserError(f"{path}: {wrong}: got {spelled(read[wrong])}; run the command that made it again")
     return Contents(**read)
+
+
+def _serves(name: str, value: object) -> bool:
+    """Whether a value under this name is of its kind; tables and figures are files beside, and lead nowhere else."""
+    if name == "provenance":
+        return isinstance(value, dict)
+    if name in ("tables", "figures", "details"):
+        return isinstance(value, list) and all(map(is_file_name, value))
+    if name in ("answer", "notes"):
+        return isinstance(value, list) and all(isinstance(line, str) for line in value)
+    return isinstance(value, str)

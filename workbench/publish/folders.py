@@ -26,6 +26,25 @@ def remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
+def made(folder: Path) -> Path:
+    """Make a folder of results, in which everything is written.
+
+    Raises:
+        UserError: it is a link: what is written there would lie elsewhere.
+    """
+    if folder.is_symlink():
+        raise UserError(f"{folder}: is a link that leads elsewhere, where nothing is written; remove it")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def anew(path: Path) -> Path:
+    """The path, without what was there if that is a link: what is written there does not go where it leads."""
+    if path.is_symlink():
+        path.unlink()
+    return path
+
+
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` make a file beside `path`, then move it there: whenever this is stopped, `path` is whole."""
     temporary = path.with_name(f".{path.name}.part")

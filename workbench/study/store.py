@@ -24,10 +24,11 @@ from pandas.api.types import is_object_dtype
 
 from workbench.errors import UserError
 from workbench.publish.database import Database, check_identity, database_at
-from workbench.publish.folders import GrowingFolder, write_whole
+from workbench.publish.folders import GrowingFolder, anew, made, write_whole
 from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
 from workbench.study.study import INDEX, Case, Study
+from workbench.toml.file_names import file_name
 
 DATABASE = "results.sqlite"
 
@@ -143,10 +144,9 @@ def open_store(
 
 def write_study(study: Study, folder: Path) -> None:
     """Copy a study and the files of machines and scenarios that it names, so that it can be run again from there."""
-    (folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
+    anew(folder / STUDY_COPY).write_text(study.text, encoding="utf-8")
     for (section, name), (_, text) in study.sources.items():
-        path = folder / str(section) / f"{name}.toml"
-        path.parent.mkdir(exist_ok=True)
+        path = anew(made(folder / str(section)) / f"{name}.toml")
         path.write_text(text, encoding="utf-8")
 
 
@@ -203,14 +203,18 @@ def write_trajectory(run: Run, path: Path) -> None:
 
 
 def _write_signals(signals: Mapping[str, np.ndarray], path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+    made(path.parent)
     frame = pd.DataFrame(signals)
     write_whole(path, lambda temporary: frame.to_parquet(temporary, index=False))
 
 
 def record_path(folder: Path, case: Case) -> Path:
     """Where the record of a case lies: its name, its rpm where that is an axis, and its place among all cases."""
-    parts = [case.name or "case", *([f"{case.rpm:g}_rpm"] if "rpm" in case.axes else []), f"{case.index:04d}"]
+    parts = [
+        file_name(case.name or "case"),
+        *([f"{case.rpm:g}_rpm"] if "rpm" in case.axes else []),
+        f"{case.index:04d}",
+    ]
     return folder / RECORDS / f"{'_'.join(parts)}.parquet"
 
 

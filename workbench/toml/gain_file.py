@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 
 from workbench.errors import UserError
 from workbench.toml import reading as files
+from workbench.toml.file_names import file_name
 from workbench.toml.reading import Strict
 
 KEY = "gains"
@@ -119,7 +120,7 @@ def with_gains(
     if MACHINE in name:
         if machine is None:
             raise UserError(f'"{name}" goes by machine, and this case has none; give the study an axis machine')
-        name = name.replace(MACHINE, machine)
+        name = name.replace(MACHINE, file_name(machine))
     content = read(folder / name)
     try:
         entry = entry_at(content, rpm)

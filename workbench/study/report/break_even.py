@@ -7,6 +7,7 @@ from pydantic import Field
 
 from workbench.study.sections import Checked, Section
 from workbench.study.study import Study, check_name
+from workbench.toml.file_names import FileName
 from workbench.toml.reading import Strict
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ class Account(Strict):
 class BreakEvenTable(Strict):
     """[[break_even]]: where along the axis the sum of some columns is less than at its first value, by each account."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    name: FileName
     title: str
     axis: str = "rpm"
     where: dict[str, Any] = {}

@@ -7,6 +7,7 @@ import pandas as pd
 
 from workbench.metrics.limit_cycle import HUNTING
 from workbench.metrics.registry import axis_of
+from workbench.publish.folders import anew
 from workbench.publish.page.environment import page_environment
 from workbench.publish.page.stored import stored_table
 from workbench.publish.pictures import Picture
@@ -85,7 +86,7 @@ def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
         )
     )
     path = folder / PAGE
-    path.write_text(html, encoding="utf-8")
+    anew(path).write_text(html, encoding="utf-8")
     return path
 
 

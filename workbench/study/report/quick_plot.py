@@ -18,6 +18,7 @@ from workbench.study.report.figures import draw
 from workbench.study.report.schema import Curve, FigureSpec, Panel
 from workbench.study.report.select import axes_of, rows
 from workbench.study.store import trajectory_path
+from workbench.toml.file_names import file_name
 
 
 def quick_plot(
@@ -31,7 +32,7 @@ def quick_plot(
     Raises:
         UserError: unknown names, no stored trajectory, or a picture format that is not ours.
     """
-    path = out or folder / "figures" / f"{'_'.join(names)}_over_{x}.png"
+    path = out or folder / "figures" / f"{file_name('_'.join([*names, 'over', x]))}.png"
     if path.suffix[1:] not in FORMATS:
         raise UserError(f'"{path.name}": expected a picture ending in .{", .".join(FORMATS)}')
     found = rows(frame, where)
@@ -47,7 +48,9 @@ def quick_plot(
     if not curves:
         raise UserError(f'none of these cases has both "{x}" and "{names[0]}"')
     figure = _drawn(_panel(x, names, None if over_axis else units[x], units, curves), where, frame, folder)
-    return save(figure, path.stem, path.parent, (path.suffix[1:],))[0], left_out
+    own = path.parent if out is None else out.parent.resolve()  # where a user's own link leads is what is meant
+    save(figure, path.stem, own, (path.suffix[1:],))
+    return path, left_out
 
 
 def _stored(folder: Path, found: pd.DataFrame) -> dict[int, list[str]]:

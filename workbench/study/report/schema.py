@@ -1,11 +1,52 @@
 """What a study file may ask of its results: probes, tables, figures, and pages."""
 
-from typing import Any, Literal
+import math
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
+from workbench.toml.file_names import FileName
 from workbench.toml.quantities import Second
 from workbench.toml.reading import Strict
+
+MOST_PANELS, MOST_CURVES = 40, 400
+"""Of a figure, one above the other, and of a panel: more nobody reads, and no picture can be so high."""
+
+MOST_ROWS, MOST_TABLES = 10_000, 1000
+"""Of a table, and of a study, which would write them for minutes."""
+
+LONGEST_TEXT, MOST_LINES = 400, 8
+"""Of a text in a figure: characters and lines."""
+
+MOST_DIGITS = 17
+"""Of a number: more a double does not have."""
+
+NARROWEST, FARTHEST = 1e-9, 1e30
+"""Of a range that is drawn: its width as a share of its ends, and how far these may be."""
+
+
+def _span(ends: tuple[float, float]) -> tuple[float, float]:
+    size = max(map(abs, ends))
+    if not all(map(math.isfinite, ends)) or size > FARTHEST or abs(ends[1] - ends[0]) <= NARROWEST * size:
+        raise ValueError(f"got {list(ends)}, expected two different numbers, none beyond {FARTHEST:g}")
+    return ends
+
+
+def _short(text: str) -> str:
+    if len(text) > LONGEST_TEXT or text.count("\n") >= MOST_LINES:
+        got = f"{len(text)} characters on {text.count(chr(10)) + 1} lines"
+        raise ValueError(f"has {got}, expected at most {LONGEST_TEXT} on {MOST_LINES}")
+    return text
+
+
+Words = Annotated[str, AfterValidator(_short)]
+"""Text in a figure, which has room for so much."""
+
+Span = Annotated[tuple[float, float], AfterValidator(_span)]
+"""The ends of an axis."""
+
+Digits = Annotated[int, Field(ge=1, le=MOST_DIGITS)]
+"""Significant digits of a number that is shown."""
 
 
 class Probe(Strict):
@@ -46,7 +87,7 @@ class Column(Strict):
     result: str
     label: str
     unit: str = "1"
-    digits: int = 4
+    digits: Digits = 4
     published: dict[str, float] = {}
     against: dict[str, dict[str, float]] = {}
     where: dict[str, Any] = {}
@@ -60,7 +101,7 @@ class Row(Strict):
     result: str
     label: str
     unit: str = "1"
-    digits: int = 4
+    digits: Digits = 4
     published: float | None = None
     against: dict[str, float] = {}
     remark: str = ""
@@ -78,7 +119,7 @@ class TableSpec(Strict):
     place.
     """
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    name: FileName
     title: str
     source: str = ""
     note: str = ""
@@ -89,8 +130,8 @@ class TableSpec(Strict):
     across: str | None = None
     places: bool | None = None
     where: dict[str, Any] = {}
-    columns: list[Column] = []
-    rows: list[Row] = []
+    columns: list[Column] = Field([], max_length=MOST_CURVES)
+    rows: list[Row] = Field([], max_length=MOST_ROWS)
 
     @model_validator(mode="after")
     def _one_form(self) -> "TableSpec":
@@ -117,7 +158,7 @@ class Curve(Strict):
     y: str
     x: str | None = None
     where: dict[str, Any] = {}
-    label: str = ""
+    label: Words = ""
     fit: Literal["line", "cubic"] | None = None
     published: dict[str, float] = {}
     style: Literal["line", "points", "reference"] = "line"
@@ -132,14 +173,14 @@ class Panel(Strict):
     velocity; how far each of them is off it goes to the table `validation`.
     """
 
-    title: str = ""
+    title: Words = ""
     x: str = "time"
-    x_label: str
-    y_label: str
+    x_label: Words
+    y_label: Words
     x_unit: str | None = None
     y_unit: str | None = None
-    x_range: tuple[float, float] | None = None
-    y_range: tuple[float, float] | None = None
+    x_range: Span | None = None
+    y_range: Span | None = None
     start: Second = 0.0
     end: Second | None = None
     legend: Literal[
@@ -155,10 +196,10 @@ class Panel(Strict):
         "lower right",
         "outside",
     ] = "best"
-    levels: dict[str, float] = {}
+    levels: dict[Words, float] = Field({}, max_length=MOST_CURVES)
     measured_rpm: float | None = None
-    note: str = ""
-    curves: list[Curve] = Field(min_length=1)
+    note: Words = ""
+    curves: list[Curve] = Field(min_length=1, max_length=MOST_CURVES)
 
     @model_validator(mode="after")
     def _measured_over_velocity(self) -> "Panel":
@@ -170,7 +211,7 @@ class Panel(Strict):
 class FigureSpec(Strict):
     """[[figures]]: panels one above the other."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
-    title: str
+    name: FileName
+    title: Words
     source: str = ""
-    panels: list[Panel] = Field(min_length=1)
+    panels: list[Panel] = Field(min_length=1, max_length=MOST_PANELS)

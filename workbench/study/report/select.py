@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, few_of, nearest
 from workbench.study.names import in_words, matches
 from workbench.study.store import trajectory_path
 
@@ -62,7 +62,7 @@ def trajectory(folder: Path, frame: pd.DataFrame, where: Mapping[str, object], p
         kept = [in_words(_axes(row)) for i, row in frame.iterrows() if trajectory_path(folder, int(str(i))).exists()]
         raise UserError(
             f"{purpose}: the trajectory of {in_words(where) or 'that case'} was not kept "
-            f"(kept: {'; '.join(kept) or 'none'}); run with --keep-trajectories for all"
+            f"(kept: {few_of(kept) or 'none'}); run with --keep-trajectories for all"
         )
     return pd.read_parquet(path)
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from workbench.errors import visible
 from workbench.parallel.workers import workers
 from workbench.progress import Progress, silent
 from workbench.publish.contents import CONTENTS, Contents, write_contents
@@ -23,6 +24,7 @@ from workbench.publish.pictures import save
 from workbench.publish.run_record import PACKAGES, ran_on
 from workbench.publish.tables import write_frame
 from workbench.study.store import DATABASE, STUDY_COPY, write_json
+from workbench.toml.file_names import file_name
 from workbench.toml.gain_file import gain_file_text
 from workbench.tune.report.bode import bode_picture
 from workbench.tune.report.error import error_picture
@@ -130,7 +132,7 @@ def _pictures(tuning: Tuning, jobs: int | None) -> Pictures:
         "step": step_picture(traced),
         "error": error_picture(traced),
     }
-    own = {f"bode_{tuned.task.name}": bode_picture(tuned) for tuned in tuning.tuned}
+    own = {f"bode_{file_name(tuned.task.name)}": bode_picture(tuned) for tuned in tuning.tuned}
     return Pictures(
         {name: drawn for name, drawn in shared.items() if isinstance(drawn, Picture)},
         {name: drawn for name, drawn in own.items() if isinstance(drawn, Picture)},
@@ -164,7 +166,7 @@ def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, object]
 
 def say_tuning(written: Written) -> None:
     """Print what a tuning found, and where it is."""
-    print("\n".join(written.lines))
-    print(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n")
+    print(visible("\n".join(written.lines)))
+    print(visible(f"\n{brief(written.table).to_markdown(index=False, disable_numparse=True)}\n"))
     print(f"wrote {written.folder / PAGE}")
     print(f"results in {written.folder}: {', '.join(name for name in SHOWN if (written.folder / name).exists())}")

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.linear.open_loop import open_loop
 from workbench.publish.along import SHOWN
+from workbench.toml.file_names import file_name
 from workbench.toml.gain_file import KEY, Entry, GainFile, MarginsTable
 from workbench.tune.objective import Score, margin_speed
 from workbench.tune.result import ControllerTuning
@@ -31,8 +32,8 @@ def gain_files(tunings: Sequence[ControllerTuning]) -> dict[str, GainFile]:
     by_name: dict[str, list[ControllerTuning]] = {}
     for tuned in tunings:
         if tuned.best is not None:
-            folder = f"{tuned.task.at['machine']}/" if "machine" in tuned.task.at else ""
-            by_name.setdefault(f"{folder}{tuned.task.name}.toml", []).append(tuned)
+            folder = f"{file_name(str(tuned.task.at['machine']))}/" if "machine" in tuned.task.at else ""
+            by_name.setdefault(f"{folder}{file_name(tuned.task.name)}.toml", []).append(tuned)
     return {name: gain_file(own) for name, own in by_name.items()}
 
 
