@@ -22,7 +22,7 @@ from plants.laws.registry import LAWS
 from plants.motor import LIMITS, TurningCylinder
 from plants.rated_flow import RatedFlow, flow_gain
 from plants.registry import PLANTS, plants
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, few_of, nearest, spelled
 from workbench.toml.units import QuantityError, si
 
 FLOW_SHARE = "flow_pressure_share"
@@ -223,7 +223,7 @@ def _with_flow_gain(values: dict[str, float], path: Path, text: str) -> dict[str
 def _deviation(value: object, unit: str) -> float:
     number = si(value, unit)
     if number < 0.0:
-        raise UserError(f"std: got {value!r}, expected a value that is not negative")
+        raise UserError(f"std: got {spelled(value)}, expected a value that is not negative")
     return number
 
 
@@ -254,7 +254,7 @@ def parameter_value(name: str, value: object, axis: str = LINEAR) -> float:
         raise _unknown(name, axis)
     if name in WORDS:
         if value not in WORDS[name]:
-            raise UserError(f"got {value!r}, expected {' or '.join(json.dumps(word) for word in WORDS[name])}")
+            raise UserError(f"got {spelled(value)}, expected {' or '.join(json.dumps(word) for word in WORDS[name])}")
         return WORDS[name][str(value)]
     number = si(value, units[name], infinite=name in UNBOUNDED)
     check_range(name, number, axis)
@@ -300,7 +300,7 @@ def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived
             numbers.append(number)
     if missing:
         needed = dict.fromkeys(map(plain_name, missing))
-        raise UserError(f"the parameter set lacks {', '.join(needed)}")
+        raise UserError(f"the parameter set lacks {few_of(needed)}")
     _check_together(available, [item.name for item in fields(cls)])
     return from_array(cls, numbers)
 

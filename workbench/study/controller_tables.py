@@ -12,7 +12,7 @@ from controllers.registry import CONTROLLERS
 from controllers.settings import ANY, Setting, settings_of, usable
 from plants.equation import fields
 from plants.interface import Plant
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, nearest, spelled
 from workbench.simulation.references import ReferenceSignal
 from workbench.study.reference_tables import REFERENCES
 from workbench.study.registered import registered
@@ -113,7 +113,7 @@ def _setting_value(item: Setting, value: object, plant: Plant) -> float | str:
         return number
     if not isinstance(value, str) or (item.choices != (ANY,) and value not in item.choices):
         expected = "a name" if item.choices == (ANY,) else f"one of {', '.join(item.choices)}"
-        raise QuantityError(f"got {value!r}, expected {expected}")
+        raise QuantityError(f"got {spelled(value)}, expected {expected}")
     return value
 
 

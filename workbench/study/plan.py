@@ -18,7 +18,7 @@ from workbench.study.parameter_tables import ParameterReader
 from workbench.study.resolve import Resolved, parse_case
 from workbench.study.study import Case, Study, located
 from workbench.study.uncertainty import draws_of
-from workbench.study.unfold import Cases, unfold
+from workbench.study.unfold import MOST_CASES, Cases, unfold
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
@@ -149,6 +149,9 @@ def _drawn(study: Study, cases: Cases, numbers: range | None = None) -> Plan:
     declared = [parse_case(study, case, read).resolve() for case in told]
     axis = declared[0].setup.plant.axis if declared else LINEAR
     drawn = cases.on(draws_of(study, told, numbers, axis))
+    if (count := len(drawn)) > MOST_CASES:
+        message = f"{drawn.repeats} draws make {count} cases, expected at most {MOST_CASES}"
+        raise study.error(("uncertainty", "draws"), message)
     return Plan(study, drawn, [drawn[case.index * drawn.repeats] for case in told], declared)
 
 

@@ -1,6 +1,5 @@
 """[references.NAME]: what may stand there, and the signal that it becomes."""
 
-import csv
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,12 +8,15 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
-from plants.plugins import Registry
-from workbench.errors import UserError, nearest
+from plants.plugins import Registry, reason_of
+from workbench.errors import UserError, nearest, spelled
 from workbench.simulation import references as signals
 from workbench.toml import reading as files
 from workbench.toml.quantities import Hertz, Radian, Raw, Second
 from workbench.toml.units import QuantityError, factor, si
+
+MOST_HARMONICS = 1000
+"""Of a multisine: its scale is found on 200 points of the fastest one's period, over the whole of the slowest's."""
 
 
 class ReferenceTable(files.Strict, ABC):
@@ -93,14 +95,14 @@ class TriangleTable(ReferenceTable):
         speed = quantity(self, "speed", f"{unit}/s")
         for name, number in (("amplitude", amplitude), ("speed", speed)):
             if number <= 0.0:
-                raise files.SchemaError((name,), f"got {getattr(self, name)!r}, expected a value above 0")
+                raise files.SchemaError((name,), f"got {spelled(getattr(self, name))}, expected a value above 0")
         return signals.Triangle(amplitude, speed / (4.0 * amplitude), offset)
 
 
 class MultisineTable(ReferenceTable):
     amplitude: Raw
     frequency: Hertz = Field(gt=0.0)
-    harmonics: list[Annotated[int, Field(ge=1)]] = Field(min_length=1)
+    harmonics: list[Annotated[int, Field(ge=1, le=MOST_HARMONICS)]] = Field(min_length=1, max_length=MOST_HARMONICS)
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         return signals.Multisine(quantity(self, "amplitude", unit), self.frequency, tuple(self.harmonics))
@@ -132,8 +134,8 @@ class RecordedTable(ReferenceTable):
             table = pd.read_csv(path, sep=None, engine="python")
         except FileNotFoundError:
             raise UserError(f"{path}: no such file") from None
-        except (OSError, ValueError, csv.Error) as error:
-            raise UserError(f"{path}: cannot be read as a table with a header ({error})") from None
+        except Exception as error:  # noqa: BLE001 - of a damaged file the libraries raise anything
+            raise UserError(f"{path}: cannot be read as a table with a header ({reason_of(error)})") from None
         for column in (self.time, self.value):
             if column not in table:
                 raise UserError(f'{path}: no column "{column}"; {nearest(column, map(str, table.columns))}')

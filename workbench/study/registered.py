@@ -3,7 +3,7 @@
 from typing import TypeVar
 
 from plants.plugins import Registry
-from workbench.errors import nearest
+from workbench.errors import nearest, shortened
 from workbench.toml.reading import Key, SchemaError
 
 T = TypeVar("T")
@@ -21,4 +21,4 @@ def registered(registry: Registry[T], name: str, key: Key, shorthands: tuple[str
     if name in broken:
         raise SchemaError(key, broken[name])
     hint = nearest(name, dict.fromkeys((*shorthands, *known)))
-    raise SchemaError(key, f'unknown {registry.noun} "{name}"; {hint}')
+    raise SchemaError(key, f'unknown {registry.noun} "{shortened(name)}"; {hint}')

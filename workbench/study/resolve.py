@@ -118,7 +118,7 @@ def resolve(study: Study, case: Case, overrides: Overrides | None = None) -> Res
 
 
 def _located(study: Study, case: Case, mistake: SchemaError) -> UserError:
-    return files.lines_of([located(study, case, each.key, each.message) for each in (mistake, *mistake.others)])
+    return files.lines_of((mistake, *mistake.others), lambda each: located(study, case, each.key, each.message))
 
 
 def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:

@@ -6,13 +6,22 @@ from pydantic import Field, model_validator
 
 from plants.laws.lugre import LUGRE
 from workbench.simulation.setup import DEFAULT_TOLERANCE, Integrator
-from workbench.study.report.schema import FigureSpec, Probe, TableSpec
+from workbench.study.report.schema import MOST_TABLES, FigureSpec, Probe, TableSpec
 from workbench.study.uncertainty_schema import UncertaintyTable
 from workbench.toml.quantities import AxisNumber, Hertz, Length, MetrePerSecond, Raw, Rotation, Second
 from workbench.toml.reading import Strict
 
 MOST_SAMPLES = 2e7
 """Samples of one run: more would not fit into the memory of a small machine."""
+
+MOST_STEPS = 1e10
+"""Fixed steps of one run, which take half an hour: more are a slip of the pen."""
+
+MOST_DELAY = 1e6
+"""Samples by which readings may be late."""
+
+LEAST_TOLERANCE = 1e-14
+"""Below it doubles have no digits, and no step is short enough."""
 
 
 class PlantTable(Strict):
@@ -112,7 +121,7 @@ class SimulationTable(Strict):
     seed: int = Field(0, ge=0)
     method: str = Integrator().method
     step: Second = Field(1e-4, gt=0.0)
-    tolerance: float = Field(DEFAULT_TOLERANCE, gt=0.0, le=1e-2)
+    tolerance: float = Field(DEFAULT_TOLERANCE, ge=LEAST_TOLERANCE, le=1e-2)
     hold_limit: Second = Field(120.0, ge=0.0)
 
     @model_validator(mode="after")
@@ -122,6 +131,16 @@ class SimulationTable(Strict):
         if not 1.0 <= self.duration / self.sample_time <= MOST_SAMPLES:
             raise ValueError(
                 f"duration {self.duration:g} s at a sample_time of {self.sample_time:g} s: expected between 1 and "
+                f"{MOST_SAMPLES:g} samples"
+            )
+        if "step" in self.model_fields_set and (steps := self.duration / self.step) > MOST_STEPS:
+            raise ValueError(
+                f"step {self.step:g} s: makes {steps:g} steps of the duration of {self.duration:g} s, expected at most "
+                f"{MOST_STEPS:g}"
+            )
+        if self.hold_limit / self.sample_time > MOST_SAMPLES:
+            raise ValueError(
+                f"hold_limit {self.hold_limit:g} s at a sample_time of {self.sample_time:g} s: expected at most "
                 f"{MOST_SAMPLES:g} samples"
             )
         return self
@@ -139,6 +158,14 @@ class CaseTables(Strict):
     rpm: Rotation = 0.0
     controller: str | None = None
     reference: str | None = None
+
+    @model_validator(mode="after")
+    def _delay_is_kept(self) -> "CaseTables":
+        if (samples := self.sensors.delay / self.simulation.sample_time) > MOST_DELAY:
+            raise ValueError(
+                f"sensors.delay: {samples:g} samples are kept on their way, expected at most {MOST_DELAY:g}"
+            )
+        return self
 
 
 OVERRIDES = ("plant", "belief", "sensors", "simulation", "controllers", "references", "axes")
@@ -166,6 +193,6 @@ class StudyFile(Strict):
     cases: dict[str, dict[str, Any]] = {}
     probes: dict[str, Probe] = {}
     records: list[str] = []
-    tables: list[TableSpec] = []
-    figures: list[FigureSpec] = []
+    tables: list[TableSpec] = Field([], max_length=MOST_TABLES)
+    figures: list[FigureSpec] = Field([], max_length=MOST_TABLES)
     uncertainty: UncertaintyTable | None = None

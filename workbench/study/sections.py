@@ -4,7 +4,9 @@ The package that answers the question declares the table and all that a study ha
 it has a name and a place. Another package brings its own by an entry point of the group `GROUP`.
 """
 
+import functools
 import importlib
+import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
@@ -116,7 +118,13 @@ class Section(Generic[T]):
 
 def places() -> dict[str, str]:
     """Where every section is declared, by the name of its table; ours cannot be taken by others."""
-    return {**{point.name: point.value for point in entry_points(group=GROUP)}, **OURS}
+    return {**_others(tuple(sys.path)), **OURS}
+
+
+@functools.cache
+def _others(search_path: tuple[str, ...]) -> dict[str, str]:
+    """Those of other packages: looking for them takes long."""
+    return {point.name: point.value for point in entry_points(group=GROUP)}
 
 
 def load(name: str) -> Section[Any]:

@@ -3,6 +3,7 @@
 from plants.axis import LINEAR, unit_along
 from plants.equation import fields
 from plants.interface import SENSORS, Measurement
+from workbench.errors import spelled
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.study.schema import ChannelTable, SensorsTable
 from workbench.toml.reading import SchemaError
@@ -52,5 +53,5 @@ def _value(table: ChannelTable, name: str, channel: str, unit: str, *, signed: b
     except QuantityError as error:
         raise SchemaError(key, str(error)) from None
     if number < 0.0 and not signed:
-        raise SchemaError(key, f"got {value!r}, expected a value that is not negative")
+        raise SchemaError(key, f"got {spelled(value)}, expected a value that is not negative")
     return number

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, nearest, shortened
 from workbench.metrics.registry import METRICS
 from workbench.study.layers import LAYERS
 from workbench.study.overrides import DECLARED, Overrides
@@ -165,4 +165,4 @@ def check_name(study: Study, key: files.Key, what: str, name: str, valid: Iterab
     if what in ("controller", "reference") and name in getattr(study.file, f"{what}s"):
         raise study.error(key, f'no case has the {what} "{name}"; put it on an axis, or leave it out')
     broken = METRICS.broken().values() if what in ("column", "figure") else ()
-    raise study.error(key, f'unknown {what} "{name}"; {nearest(name, names, broken)}')
+    raise study.error(key, f'unknown {what} "{shortened(name)}"; {nearest(name, names, broken)}')

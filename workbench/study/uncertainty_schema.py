@@ -7,6 +7,9 @@ from pydantic import Field, model_validator
 from workbench.toml.quantities import Raw
 from workbench.toml.reading import Strict
 
+MOST_DRAWS = 1_000_000
+"""Machines that may be met."""
+
 
 class FactorTable(Strict):
     """The range of a factor on a parameter: uniform in the factor, or in its logarithm."""
@@ -38,7 +41,7 @@ class UncertaintyTable(Strict):
     curves of their calibration errors. `draws`: on how many machines each case of `workbench run` is simulated.
     """
 
-    draws: int = Field(0, ge=0)
+    draws: int = Field(0, ge=0, le=MOST_DRAWS)
     friction: float = Field(1.0, ge=0.0)
     scale: dict[str, FactorTable] = {}
     noise: dict[str, NoiseTable] = {}

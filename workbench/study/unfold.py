@@ -11,7 +11,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, nearest, shortened, spelled
 from workbench.study.layers import LAYERS, MACHINE
 from workbench.study.names import comparable
 from workbench.study.overrides import Overrides
@@ -30,6 +30,11 @@ from workbench.toml.gain_file import KEY, GainFile, read_gain_file, with_gains
 
 NAMES = (*NAMED_AXES, CASE)
 """What chooses a whole table; other axes are numbers and settings, of which there may be very many."""
+
+MOST_CASES = 4_000_000
+"""Of a study, draws included: some gigabytes of results."""
+
+FEWER = "leave an axis out, or values of it"
 
 
 @dataclass(frozen=True)
@@ -213,7 +218,7 @@ def unfold(study: Study) -> Cases:
     Raises:
         UserError: an axis that is empty, unknown, or names something that the file does not hold.
     """
-    file = study.file
+    file, count = study.file, 0
     base = {name: getattr(file, name) for name in OVERRIDES}
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     blocks = []
@@ -221,7 +226,10 @@ def unfold(study: Study) -> Cases:
         tables = merged(base, {key: value for key, value in overrides.items() if key != "axes"})
         given = overrides.get("axes", tables.pop("axes"))
         tables.pop("axes", None)
-        blocks.append(Block(name, tables, _checked_axes(study, name, given, tables)))
+        axes = _checked_axes(study, name, given, tables)
+        blocks.append(Block(name, tables, axes))
+        if (count := sum(block.size for block in blocks)) > MOST_CASES:
+            raise study.error(axes_key(study, name), f"make {count} cases, expected at most {MOST_CASES}: {FEWER}")
     return Cases(study, blocks)
 
 
@@ -247,10 +255,10 @@ def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[
     for axis, values in axes.items():
         key = (*place, axis)
         if not isinstance(values, list):
-            raise study.error(key, f"got {values!r}, expected a list")
+            raise study.error(key, f"got {spelled(values)}, expected a list")
         if not values:
             raise study.error(key, "is empty: expected at least one value (or leave the axis out)")
-        if len({json.dumps(value, sort_keys=True) for value in values}) < len(values):
+        if len({json.dumps(value, sort_keys=True, default=str) for value in values}) < len(values):
             raise study.error(key, "holds a value twice")
         known = {
             "controller": tables["controllers"],
@@ -267,7 +275,9 @@ def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[
                     if axis in LAYERS:
                         folder = study.path.parent / LAYERS[axis].section
                         where = f" (looked in this file, {folder} and the program's own)"
-                    raise study.error(key, f'unknown {axis} "{value}"; {nearest(str(value), known[axis])}{where}')
+                    raise study.error(
+                        key, f'unknown {axis} "{shortened(str(value))}"; {nearest(str(value), known[axis])}{where}'
+                    )
         elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
             roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
             raise study.error(key, f"unknown axis; {nearest(axis, roots)} (or a dotted key of the file)")

@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import BaseModel, BeforeValidator, PlainValidator, StrictFloat
 
 from plants.axis import KINDS, LINEAR, ROTARY
+from workbench.errors import spelled
 from workbench.toml.reading import Key, SchemaError
 from workbench.toml.units import QuantityError, example, si
 
@@ -77,9 +78,9 @@ def rpm_si(value: object) -> float:
     try:
         speed = si(f"{value} rpm" if isinstance(value, int | float) and not isinstance(value, bool) else value, "rad/s")
     except QuantityError:
-        raise QuantityError(f'got {value!r}, expected a speed of rotation, such as 460 or "460 rpm"') from None
+        raise QuantityError(f'got {spelled(value)}, expected a speed of rotation, such as 460 or "460 rpm"') from None
     if speed < 0.0:
-        raise QuantityError(f"got {value!r}, expected a speed that is not negative")
+        raise QuantityError(f"got {spelled(value)}, expected a speed that is not negative")
     return speed
 
 

@@ -2,21 +2,23 @@
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from workbench.errors import UserError, nearest
+from workbench.errors import MOST_LINES, UserError, nearest, shortened, spelled
+from workbench.toml.sound import MOST_LEVELS, TOO_LONG, UnsoundError, check_sound
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 Key = tuple[str | int, ...]
 
-LONGEST = 60
-"""Characters of a wrong value that a message repeats."""
+MOST_BYTES = 64e6
+"""Of a file of text: a study with a million values on an axis has some ten million."""
+
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
@@ -33,6 +35,8 @@ def read_text(path: Path) -> str:
         UserError: no such file, or not readable as text.
     """
     try:
+        if (size := path.stat().st_size) > MOST_BYTES:
+            raise UserError(f"{path}: has {size / 1e6:.0f} MB, expected at most {MOST_BYTES / 1e6:g} MB of text")
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         siblings = sorted(p.name for p in path.parent.glob("*.toml")) if path.parent.is_dir() else []
@@ -59,9 +63,17 @@ def parse_toml(path: Path, text: str) -> dict[str, object]:
         UserError: not TOML.
     """
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
+        check_sound(data)
     except tomllib.TOMLDecodeError as error:
         raise UserError(f"{path}: not a TOML file: {error}") from None
+    except RecursionError:
+        raise UserError(f"{path}: lists or tables in each other are too deep, expected at most {MOST_LEVELS}") from None
+    except UnsoundError as error:
+        raise at(path, text, error.key, error.message) from None
+    except ValueError:  # of int, beyond the digits that Python reads
+        raise UserError(f"{path}: {TOO_LONG}") from None
+    return data
 
 
 _HEADER = re.compile(r"^\s*\[(\[)?\s*(?P<name>[^\]]+?)\s*\]")
@@ -114,13 +126,16 @@ def at(path: Path, text: str, key: Key, message: str) -> UserError:
     """The error for a mistake at `key` of a file."""
     line = line_of(text, key)
     place = f"{path}{f':{line}' if line else ''}"
-    name = ".".join(str(part) for part in key)
+    name = ".".join(shortened(str(part)) for part in key)
     return UserError(f"{place}: {name}: {message}" if name else f"{place}: {message}")
 
 
-def lines_of(errors: Sequence[UserError]) -> UserError:
-    """Several mistakes as one error, a line each."""
-    return UserError("\n".join(dict.fromkeys(str(error) for error in errors)))
+def lines_of(mistakes: "Sequence[SchemaError]", told: "Callable[[SchemaError], UserError]") -> UserError:
+    """Several mistakes as one error, a line each as `told` has it; of many the first, and how many there are more."""
+    alike = list({(each.key, each.message): each for each in mistakes}.values())
+    shown = alike if len(alike) <= MOST_LINES else alike[: MOST_LINES - 1]
+    more = [f"... and {len(alike) - len(shown)} more"] * (len(shown) < len(alike))
+    return UserError("\n".join([*(str(told(each)) for each in shown), *more]))
 
 
 class SchemaError(Exception):
@@ -180,7 +195,7 @@ def validate(model: type[ModelT], data: Mapping[str, object], path: Path, text: 
     try:
         return conform(model, data)
     except SchemaError as error:
-        raise lines_of([at(path, text, each.key, each.message) for each in (error, *error.others)]) from None
+        raise lines_of((error, *error.others), lambda each: at(path, text, each.key, each.message)) from None
 
 
 def _message(model: type[BaseModel], error: "ErrorDetails", key: Key) -> str:
@@ -192,11 +207,18 @@ def _message(model: type[BaseModel], error: "ErrorDetails", key: Key) -> str:
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     if error["type"] == "literal_error":
-        return f'got "{error["input"]}", expected {error["ctx"]["expected"]}'
+        return f"got {_quoted(error['input'])}, expected {error['ctx']['expected']}"
     if error["type"] == "too_short":
         return "is empty: expected at least one entry"
-    message, got = error["msg"], repr(error["input"])
-    return f"got {got if len(got) <= LONGEST else got[:LONGEST] + '...'}: {message[0].lower()}{message[1:]}"
+    if error["type"] == "too_long":
+        return f"has {error['ctx']['actual_length']} entries, expected at most {error['ctx']['max_length']}"
+    message = error["msg"]
+    return f"got {spelled(error['input'])}: {message[0].lower()}{message[1:]}"
+
+
+def _quoted(value: object) -> str:
+    """Text in quotes, everything else likewise."""
+    return f'"{shortened(str(value))}"'
 
 
 def _valid_keys(model: type[BaseModel] | None, key: Key) -> list[str]:

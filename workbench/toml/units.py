@@ -6,6 +6,7 @@ import re
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
+from workbench.errors import shortened, spelled
 from workbench.toml.kept import kept_with
 
 if TYPE_CHECKING:
@@ -40,24 +41,31 @@ _QUANTITY = re.compile(
 """A number and a unit; one such as 1/s stands off from its number."""
 
 
+LONGEST_UNIT = 60
+"""Characters of a unit."""
+
+_ENDLESS = re.compile(r"\d{4}|(\*\*|\^)[\s(+-]*[\d.]+[\s)]*(\*\*|\^)")
+"""Numbers in a unit that would take for ever to raise to a power."""
+
+
 @functools.cache
 def _si(text: str, unit: str) -> float:
     parts = _QUANTITY.fullmatch(text)
     if parts is None:
-        raise QuantityError(f'got "{text}", which is not a number with a unit; expected {example(unit)}')
+        raise QuantityError(f'got "{shortened(text)}", which is not a number with a unit; expected {example(unit)}')
     named, number = parts["unit"] or parts["inverse"] or "", float(parts["number"])
     try:
         scale = _si_factor(named, unit)
         return number * scale if scale is not None else float(_base(number, named).magnitude)
     except _OtherDimensionError:
-        got = f'got "{text}"'
+        got = f'got "{shortened(text)}"'
         if not named:
             got += " without a unit (write a bare number, without quotes, for SI)"
         raise QuantityError(f"{got}, expected {example(unit)}") from None
     except Exception as error:
         meant = nearest_unit(named, unit)
-        hint = f'; did you mean "{parts["number"]} {meant}"?' if meant else f"; expected {example(unit)}"
-        raise QuantityError(f'got "{text}", which is not a number with a unit{hint}') from error
+        hint = f'; did you mean "{shortened(parts["number"])} {meant}"?' if meant else f"; expected {example(unit)}"
+        raise QuantityError(f'got "{shortened(text)}", which is not a number with a unit{hint}') from error
 
 
 def _base(number: float, named: str) -> "PlainQuantity[float]":
@@ -74,6 +82,8 @@ def _si_factor(named: str, unit: str) -> float | None:
         _OtherDimensionError: the two do not measure the same.
         Exception: pint's, for what is no unit.
     """
+    if len(named) > LONGEST_UNIT or _ENDLESS.search(named):
+        raise ValueError("no unit is so long, or has such powers")
     registry, one = _registry(), _base(1.0, named)
     expected = registry.Quantity(1.0, "" if unit == "1" else unit).to_base_units().units
     if one.units not in (expected, _without_radian(expected) if named else expected):
@@ -138,7 +148,7 @@ def si(value: object, unit: str, command: str = "V", *, infinite: bool = False) 
     """
     unit = unit.replace(COMMAND, command)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise QuantityError(f"got {value!r}, expected {example(unit)}")
+        raise QuantityError(f"got {spelled(value)}, expected {example(unit)}")
     if isinstance(value, str):
         stripped = value.strip()
         number = math.inf if stripped == "inf" else _si(stripped, unit)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from controllers.interface import Controller
 from controllers.settings import Setting, Tuned, idle, settings_of
 from plants.interface import Plant
-from workbench.errors import nearest
+from workbench.errors import nearest, spelled
 from workbench.toml.reading import SchemaError
 from workbench.toml.units import QuantityError, si
 from workbench.tune.schema import BoundTable, TuneTable
@@ -102,7 +102,7 @@ def _dimension(setting: Setting, value: float, bound: BoundTable, unit: str, key
         except QuantityError as error:
             raise SchemaError((*key, side), str(error)) from None
         if not setting.about.admits(number):
-            raise SchemaError((*key, side), f"got {given!r}, expected {setting.about.expected}")
+            raise SchemaError((*key, side), f"got {spelled(given)}, expected {setting.about.expected}")
         low, high = (number, high) if side == "min" else (low, number)
     if math.isnan(low) or math.isnan(high):
         raise SchemaError(key, "has no documented range here; give it min and max")

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import BaseModel
 
 from plants.axis import LINEAR
-from workbench.errors import nearest
+from workbench.errors import nearest, shortened
 from workbench.metrics.registry import names_along
 from workbench.metrics.window import whole_periods
-from workbench.simulation.references import Steps
+from workbench.simulation.references import ReferenceSignal, Steps
 from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
 from workbench.study.checks.load import unheld
@@ -86,6 +86,7 @@ class Checks:
 
     def all(self) -> None:
         """Raise UserError for the first mistake."""
+        self._references()
         self._probes()
         for i, name in enumerate(self.study.file.records):
             self._signal(("records", i), name, [*self._known])
@@ -103,6 +104,22 @@ class Checks:
             self._along(content, key)
             section.check(content, replace(self._checked, key=key))
         check_use(self.study, self.cases, self.resolved)
+
+    def _references(self) -> None:
+        """Raise UserError where a reference, or what is fed to an input, is more than a number can hold."""
+        seen: set[str] = set()
+        for case, item in zip(self.cases, self.resolved, strict=True):
+            setup, tables = item.setup, case.tables["references"]
+            point = repr((tables, setup.duration, setup.plant.axis))
+            if point in seen:
+                continue
+            seen.add(point)
+            for signal in (setup.reference, *(feed.signal for feed in setup.feeds)):
+                if signal is not None and not _is_finite(signal, setup.duration, setup.sample_time):
+                    name = named(case, "reference")
+                    key = ("references", name) if signal is setup.reference else ("references",)
+                    message = f"grows beyond all numbers within {setup.duration:g} s; expected less, or slower"
+                    raise located(self.study, case, key, message)
 
     def _along(self, content: BaseModel, key: Key) -> None:
         """Quantities of a question along the axis of the study's plants."""
@@ -128,7 +145,7 @@ class Checks:
         if name in known:
             return
         if not name.startswith(MEMORY):
-            raise self.study.error(key, f'unknown signal "{name}"; {nearest(name, known)}')
+            raise self.study.error(key, f'unknown signal "{shortened(name)}"; {nearest(name, known)}')
         said = {}
         for i, setup in setups.items():
             controller = setup.loop.controller
@@ -137,7 +154,7 @@ class Checks:
         owners = "; ".join(f"controller {who} has {own}" for who, own in said.items())
         close = get_close_matches(name, [signal for signal in known if signal.startswith(MEMORY)], n=1, cutoff=CLOSE)
         hint = f'did you mean "{close[0]}"? ' if close else ""
-        raise self.study.error(key, f'no signal "{name}" here; {hint}{owners}')
+        raise self.study.error(key, f'no signal "{shortened(name)}" here; {hint}{owners}')
 
     def _unit(self, key: Key, unit: str, shown: str) -> None:
         try:
@@ -233,13 +250,12 @@ class Checks:
         """Raise UserError where a text of a figure has mathematics that matplotlib cannot set."""
         if not text or all(map(PLAIN.fullmatch, text.split("$")[1::2])):
             return
-        from matplotlib.mathtext import MathTextParser  # whoever has no more than indices and powers does without
+        from workbench.publish.figure_text import mathematics_fails  # whoever has indices and powers alone does without
 
-        try:
-            MathTextParser("path").parse(text)
-        except ValueError as error:
-            why = str(error).strip().splitlines()[-1]
-            message = f'got "{text}", whose mathematics between $ cannot be set ({why}); write \\$ for a dollar'
+        if why := mathematics_fails(text):
+            message = (
+                f'got "{shortened(text)}", whose mathematics between $ cannot be set ({why}); write \\$ for a dollar'
+            )
             raise self.study.error(key, message) from None
 
     def _curve_of_results(self, key: Key, panel: Panel, curve: Curve) -> None:
@@ -316,6 +332,16 @@ class Checks:
         return not tables or not asked.isdisjoint(self._windowed)
 
 
+def _is_finite(signal: ReferenceSignal, duration: float, sample_time: float) -> bool:
+    """Whether a signal and its derivatives are numbers from beginning to end."""
+    instants = np.linspace(0.0, duration, min(round(duration / sample_time) + 1, REACH_INSTANTS))
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return all(bool(np.all(np.isfinite(values))) for values in signal(instants))
+    except FloatingPointError:
+        return False
+
+
 def _reach(item: Resolved) -> float:
     """Largest magnitude (m) of a case's reference."""
     setup = item.setup
@@ -330,4 +356,5 @@ def _reach(item: Resolved) -> float:
 def _last_jump(item: Resolved) -> float | None:
     """When steps jump for the last time within a case (s)."""
     reference = item.setup.reference
-    return reference.dwells(item.setup.duration)[-1][0] if isinstance(reference, Steps) else None
+    dwells = reference.dwells(item.setup.duration) if isinstance(reference, Steps) else []
+    return dwells[-1][0] if dwells else None

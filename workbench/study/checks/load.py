@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from plants.axis import name_along, unit_along
 from plants.equation import fields, to_array
 from plants.interface import Plant
@@ -21,8 +23,11 @@ def unheld(plant: Plant, parameters: Any) -> str | None:
     body = getattr(parameters, "body", None)
     if body is None:
         return None
-    state, inputs = plant.equilibrium(parameters, 0.0)
-    rates = plant.derivatives(0.0, state, inputs, parameters)
+    with np.errstate(all="ignore"):
+        state, inputs = plant.equilibrium(parameters, 0.0)
+        rates = plant.derivatives(0.0, state, inputs, parameters)
+    if not np.all(np.isfinite(to_array(rates))):
+        return "its rates at rest are no numbers: expected nothing to be 0 that something is divided by, such as a mass"
     name, unit = name_along("load_force", plant.axis), unit_along("N", plant.axis)
     lacking = abs(body.mass * rates.velocity)
     if body.load_force and abs(rates.velocity) > STANDS and lacking > HELD * abs(body.load_force):
