@@ -3,12 +3,14 @@
 The motion of each is a sum of two sines, and its friction is Coulomb's and viscous.
 """
 
+import contextlib
 import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
+from unicodedata import category
 
 import numpy as np
 import pandas as pd
@@ -17,13 +19,14 @@ from drawn_machines import hydraulic
 from scipy.io import savemat
 
 from plants.registry import CHAMBERS, DRIVE_FORCE, PLANTS, THESIS
-from workbench.errors import UserError
+from workbench.errors import UNSEEN, UserError
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.importing.importing import proposal_for
 from workbench.records.importing.proposal import Ask
 from workbench.records.importing.words import scores
 from workbench.records.importing.writing import text_of
 from workbench.records.reading import read_records
+from workbench.records.tables import read_table
 
 TIME = 0.002 * np.arange(10_000)
 
@@ -337,3 +340,52 @@ def test_a_log_that_cannot_be_imported_is_one_line(tmp_path: Path, table: dict[s
         imported(tmp_path / "log.csv")
     assert said in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_odd_names_of_columns_and_files_make_an_experiment_that_can_be_read(tmp_path: Path) -> None:
+    """A column whose name nobody sees is named by its number."""
+    time = np.arange(0.0, 20.0, 0.01)
+    columns = {"time": time, "command_V": np.sin(time), 'position "<b>"\u202e mm': 10.0 * np.sin(time - 0.3)}
+    log = tmp_path / "log\u200b $.csv"
+    pd.DataFrame(columns).to_csv(log, index=False)
+    text = text_of(proposal_for([log], None, None, tmp_path), tmp_path)
+    assert text.isascii() or all(category(letter) not in UNSEEN for letter in text.replace("\n", ""))
+    content = tomllib.loads(text)
+    assert content["records"][0]["file"] == log.name
+    assert content["channels"]["position"]["column"] == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"position": np.where(np.arange(2000) == 7, 1e-15, 0.0)}, '"position" moves by '),
+        ({"time": 5e-324 * np.arange(2000)}, "between samples, expected 1e-07 to 1e"),
+        ({"time": 1e20 * np.arange(2000)}, "between samples, expected 1e-07 to 1e"),
+    ],
+)
+def test_logs_without_a_motion_or_a_clock_are_refused(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    time = 0.01 * np.arange(2000)
+    pd.DataFrame({"time": time, "command_V": np.sin(time), "position": np.cos(time), **change}).to_csv(
+        tmp_path / "log.csv", index=False
+    )
+    with pytest.raises(UserError, match=said):
+        proposal_for([tmp_path / "log.csv"], None, None, tmp_path)
+
+
+@pytest.mark.parametrize("ending", ["mat", "csv.gz", "parquet"])
+def test_a_damaged_file_is_refused_whatever_its_reader_raises(tmp_path: Path, ending: str) -> None:
+    path, table = tmp_path / f"log.{ending}", pd.DataFrame({"time": TIME, "position": np.sin(TIME)})
+    if ending == "mat":
+        savemat(path, {name: table[name].to_numpy() for name in table}, do_compression=True)
+    elif ending == "parquet":
+        table.to_parquet(path)
+    else:
+        table.to_csv(path, index=False)
+    whole = path.read_bytes()
+    for place in range(20, len(whole) - 1, len(whole) // 12):
+        path.write_bytes(whole[:place] + b"\xff\x00\xff" + whole[place + 3 :])
+        with contextlib.suppress(UserError):
+            read_table(path)
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(UserError, match="cannot be read as a table"):
+        read_table(path)

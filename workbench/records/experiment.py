@@ -12,7 +12,7 @@ from plants.effects.curves import acting
 from plants.equation import NEGATIVE, fields, to_array
 from plants.interface import Plant
 from plants.registry import PLANTS
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, nearest, spelled
 from workbench.parameters.sets import (
     FLOW_SHARE,
     NEUTRAL,
@@ -268,7 +268,9 @@ def _accuracies(table: Mapping[str, Raw], axis: str) -> dict[str, float]:
     found = _sensors(table, ("sensors",), axis)
     for name, number in found.items():
         if number < 0.0:
-            raise files.SchemaError(("sensors", name), f"got {table[name]!r}, expected a value that is not negative")
+            raise files.SchemaError(
+                ("sensors", name), f"got {spelled(table[name])}, expected a value that is not negative"
+            )
     return found
 
 

@@ -10,6 +10,7 @@ from plants.equation import NEGATIVE, ROTARY
 from workbench.errors import nearest
 from workbench.parameters.sets import known_units
 from workbench.toml import reading as files
+from workbench.toml.file_names import FileName
 
 Raw = StrictFloat | str
 """A quantity whose unit depends on its place."""
@@ -169,7 +170,7 @@ class PublishedTable(files.Strict):
     printed. `static` is Coulomb and Stribeck friction together.
     """
 
-    table: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    table: FileName
     title: str
     source: str = ""
     note: str = ""
@@ -191,7 +192,7 @@ class PublishedTable(files.Strict):
 class FigureTable(files.Strict):
     """[[figures]]: friction over velocity at `rpm`, or how a `parameter` depends on rpm."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    name: FileName
     title: str
     rpm: float = 0.0
     parameter: Literal[""] | Published = ""

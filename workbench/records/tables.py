@@ -1,6 +1,5 @@
 """Files of records: a table out of a file of any format, and its columns in SI."""
 
-import csv
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from plants.plugins import reason_of
 from workbench.errors import UserError, nearest
 from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
@@ -25,9 +25,13 @@ def read_table(path: Path) -> pd.DataFrame:
     if path.stat().st_size == 0:
         raise UserError(f"{path}: the file is empty; was the run that writes it stopped? Make the records again")
     try:
-        return format_of(path).read(path)
-    except (OSError, EOFError, ValueError, csv.Error, NotImplementedError) as error:
-        raise UserError(f"{path}: cannot be read as a table ({' '.join(str(error).split())})") from None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of libraries, about what of a file they leave out: the columns tell
+            return format_of(path).read(path)
+    except UserError:
+        raise
+    except Exception as error:  # noqa: BLE001 - of a damaged file the libraries raise anything
+        raise UserError(f"{path}: cannot be read as a table ({reason_of(error)})") from None
 
 
 def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> np.ndarray:

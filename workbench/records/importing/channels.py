@@ -7,10 +7,20 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import UserError, nearest
-from workbench.records.importing.columns import SECONDS, Column, Motion, correlation, time_of, time_unit, without_copies
+from workbench.records.importing.columns import (
+    SECONDS,
+    Column,
+    Motion,
+    correlation,
+    step_of,
+    time_of,
+    time_unit,
+    without_copies,
+)
 from workbench.records.importing.proposal import Ask, Question
 from workbench.records.importing.units import BY_UNIT, KINDS, unit_for
 from workbench.records.importing.words import is_reference, scores
+from workbench.records.sampling.sight import sample_time_mistake
 
 LEAST = 0.6
 """Score of a name from which it is believed."""
@@ -82,6 +92,8 @@ def channels_in(columns: Sequence[Column], path: Path) -> tuple[dict[str, Found]
     time = time_of(columns, [one for one in clocks if scores(one.name).get("time", 0.0) >= LEAST], path)
     unit, why = time_unit(time)
     found = {"time": Found("time", time, unit, 1.0, why)}
+    if wrong := sample_time_mistake(step_of(time, SECONDS[unit])):
+        raise UserError(f"{path}: {wrong}")
     motion = Motion(time, SECONDS[unit])
     wanted = _references([one for one in columns if one is not time])
     rest, copies = without_copies([one for one in columns if one is not time and one not in wanted], _is_other)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
-from workbench.errors import UserError
+from workbench.errors import UserError, visible
 from workbench.records.formats.interface import UNITS
 from workbench.records.sampling.sight import window_points
 from workbench.records.spelled import unit_named, without_unit
@@ -80,6 +80,10 @@ class Column:
         return f"{self.low:.4g} to {self.high:.4g}" + (f" {self.unit}" if self.unit else "")
 
 
+LARGEST = 1e30
+"""What no channel measures, in whatever unit."""
+
+
 def columns_of(path: Path) -> list[Column]:
     """The columns of a log that hold numbers which change, or dates.
 
@@ -94,11 +98,12 @@ def columns_of(path: Path) -> list[Column]:
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
         dated = column.dtype.kind in "mM" or (not np.isfinite(values).any() and column.dtype.kind == "O")
         values = seconds(column) if dated else values
+        values = np.where(np.abs(values) <= LARGEST, values, np.nan)
         if np.sum(np.isfinite(values)) < FEWEST or np.nanmin(values) == np.nanmax(values):
             continue
         name, unit = without_unit(header) if isinstance(header, str) else (str(header), "")
         own = unit_named(units.get(str(header).strip(), ""))
-        key = header.strip() if isinstance(header, str) else int(place)
+        key = header.strip() if isinstance(header, str) and visible(header) == header else int(place)
         found.append(Column(key, name, "s" if dated else own or unit, values))
     if len(found) < 2:
         raise UserError(f"{path}: no two columns of numbers that change, of at least {FEWEST} rows: nothing to import")
@@ -172,12 +177,18 @@ def correlation(first: np.ndarray, second: np.ndarray) -> float:
     return float(np.corrcoef(first, second)[0, 1])
 
 
+def step_of(time: Column, scale: float) -> float:
+    """The time between two rows (s), of a clock whose unit has so many seconds; its median, 0 where it stands."""
+    steps = np.diff(time.known) * scale
+    forward = steps[steps > 0.0]
+    return float(np.median(forward)) if forward.size else 0.0
+
+
 class Motion:
     """Columns smoothed alike, and slopes, over the rows of a log: a clock's jitter hardly counts there."""
 
     def __init__(self, time: Column, scale: float) -> None:
-        steps = np.diff(time.known) * scale
-        self.step = float(np.median(steps[steps > 0.0]))
+        self.step = step_of(time, scale)
         self.points = window_points(self.step)
 
     def smooth(self, column: Column) -> np.ndarray:
@@ -196,7 +207,8 @@ class Motion:
 
     def roughness(self, column: Column) -> float:
         """How much of a column is gone when it is smoothed: next to nothing of a position."""
-        return float(np.std(column.known - self.smooth(column)) / np.std(column.known))
+        spread = float(np.std(column.known))
+        return float(np.std(column.known - self.smooth(column))) / spread if spread > 0.0 else 0.0
 
 
 def rounded_up(value: float) -> float:

@@ -23,6 +23,9 @@ from workbench.toml.units import QuantityError, factor
 AXIAL = (("position", "pressure_1", "pressure_2"), ("position", "force"))
 """Channels that show friction, of which the thesis's method needs one set."""
 
+STILL = 1e-12
+"""In its own unit, by which a position at least moves."""
+
 CENTRED = 1.05
 """Share of half the stroke up to which a position is counted from its middle."""
 
@@ -44,6 +47,10 @@ def proposal_for(
     if "position" not in found:
         names = ", ".join(str(one.key) for one in columns)
         raise UserError(f"{logs[0]}: none of its columns looks like a position: {names}; write the experiment by hand")
+    way = float(np.ptp(motion.smooth(found["position"].column)))
+    if not way > STILL:
+        key = found["position"].column.key
+        raise UserError(f'{logs[0]}: the position "{key}" moves by {way:g}: nothing to import; take a log of a motion')
     found = {name: answered(one, columns, ask) for name, one in found.items()}
     own = None if parameters is None else read_parameters(parameter_path(parameters, folder))
     plant, line = plant_for(found, model, own, motion.step, ask)

@@ -3,13 +3,15 @@
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from unicodedata import category
 
+from workbench.errors import UNSEEN, visible
 from workbench.records.importing.proposal import Line, Proposal
 
 
 def text_of(proposal: Proposal, folder: Path) -> str:
     """The experiment file; its records are named relative to `folder`."""
-    return "\n".join(_lines(proposal, folder)) + "\n"
+    return "\n".join(visible(" ".join(line.splitlines())) for line in _lines(proposal, folder)) + "\n"
 
 
 def _lines(proposal: Proposal, folder: Path) -> Iterator[str]:
@@ -51,7 +53,8 @@ def _toml(value: str | float | int) -> str:
     if not isinstance(value, str):
         return f"{value:.10g}" if isinstance(value, int) or value != int(value) else f"{value:.1f}"
     escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\t", "\\t")
-    return f'"{escaped}"'
+    seen = (rf"\U{ord(letter):08X}" if category(letter) in UNSEEN else letter for letter in escaped)
+    return f'"{"".join(seen)}"'
 
 
 def _relative(path: Path, folder: Path) -> str:

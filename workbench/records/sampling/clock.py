@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import UserError
+from workbench.records.sampling.sight import sample_time_mistake
 
 FEWEST = 50
 """Samples below which there is nothing to identify."""
@@ -80,6 +81,9 @@ def stamps_of(path: Path, time: np.ndarray) -> Stamps:
     if found.size < FEWEST:
         left = f" with a time that goes on ({time.size} rows)" if found.size < time.size else ""
         raise UserError(f"{path}: holds {found.size} samples{left}, expected at least {FEWEST}")
+    steps = np.diff(time[found])
+    if wrong := sample_time_mistake(float(np.median(steps[steps > 0.0]))):
+        raise UserError(f"{path}: {wrong}")
     if starts:
         notes.append(f"the clock starts anew {len(starts)} time{'s' * (len(starts) > 1)}: cut there")
     return Stamps(found, time[found], tuple(starts), tuple(notes))

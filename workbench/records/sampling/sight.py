@@ -11,8 +11,20 @@ FEWEST = 7
 SLOW = 0.02
 """s between samples beyond which a record does not show its inputs between them, nor what a force does at once."""
 
+SHORTEST, LONGEST = 1e-7, 1e6
+"""s between samples of any record: outside, its clock is in another unit, or none."""
+
 LAG = math.sqrt(3.0) / (2.0 * math.pi)
 """Time constant, over the period that a first-order lag halves."""
+
+
+def sample_time_mistake(sample_time: float) -> str:
+    """Why a record cannot have this sample time (s), in words; "" where it can."""
+    if SHORTEST <= sample_time <= LONGEST:
+        return ""
+    return (
+        f"{sample_time:.3g} s between samples, expected {SHORTEST:g} to {LONGEST:g} s: is the unit of its time right?"
+    )
 
 
 def window_points(sample_time: float) -> int:
