@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations fuzz lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -62,6 +62,14 @@ test: lint
 # Every plant with every friction law and every controller, checked, and simulated where that is admitted.
 combinations: $(ENVIRONMENT)/ready-for-tests
 	PYTHONPATH=tests/helpers $(BIN)/python -m combinations
+
+# Mutated studies, experiments, parameters, gains and records: whatever a file holds, a command works or refuses it in at most
+# three lines. KIND=check, run or records takes one kind; a finding is printed with the command that repeats it.
+KIND ?=
+SECONDS ?= 600
+SEED ?= 1
+fuzz: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m fuzz $(KIND) --seconds $(SECONDS) --seed $(SEED)
 
 lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/ruff check .
