@@ -36,7 +36,7 @@ def _registry() -> "pint.UnitRegistry[float]":
 
 
 _QUANTITY = re.compile(
-    r"(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)(\s*(?P<unit>[^\d\s,;.+-][^,;]*)|\s+(?P<inverse>1/[^,;]*))?"
+    r"(?P<number>[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?)(\s*(?P<unit>[^\d\s,;.+-][^,;]*)|\s+(?P<inverse>1/[^,;]*))?"
 )
 """A number and a unit; one such as 1/s stands off from its number."""
 

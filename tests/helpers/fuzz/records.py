@@ -13,8 +13,8 @@ import scipy.io
 from fuzz.damage import damaged
 from fuzz.values import NUMBERS, TEXTS, odd_name, odd_value
 
-ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-32", "cp1252", "latin-1", "shift_jis", "cp037")
-SEPARATORS = (",", ";", "\t", "|", " ", "  ", ":", "\x01")
+ENCODINGS = (*("utf-8",) * 5, "utf-8-sig", "utf-16", "utf-16-le", "utf-32", "cp1252", "latin-1", "shift_jis", "cp037")
+SEPARATORS = (*(",",) * 4, ";", "\t", "|", " ", "  ", ":", "\x01")
 SAMPLES = tuple(str(one) if isinstance(one, int) and abs(one) >= 2**63 else one for one in NUMBERS)
 """Numbers, of which those are text that no array holds."""
 
@@ -30,11 +30,11 @@ COLUMNS = {
 def record(random: Random) -> tuple[str, bytes]:
     """Some mutant of some record: the name of its file, and its bytes."""
     table = _table(random)
-    for _ in range(random.choice((0, 1, 1, 2))):
+    for _ in range(random.choice((0, 0, 1, 1, 2))):
         table = random.choice(CHANGES)(table, random)
     ending = random.choice(("csv", "csv", "csv", "txt", "tsv", "csv.gz", "parquet", "mat"))
     content = WRITERS[ending](table, random)
-    if random.random() < 0.4:
+    if random.random() < 0.25:
         content = damaged(content, random)
     return f"record.{ending}", content
 
@@ -48,7 +48,8 @@ def _table(random: Random) -> "pd.DataFrame":
     }
     signals["time"] = time
     kept = ["time", "command", "position", *(name for name in ("pressure_1", "force") if random.random() < 0.4)]
-    return pd.DataFrame({random.choice(COLUMNS[name]): signals[name] for name in kept})
+    plain = random.random() < 0.6
+    return pd.DataFrame({name if plain else random.choice(COLUMNS[name]): signals[name] for name in kept})
 
 
 def _value(table: "pd.DataFrame", random: Random) -> "pd.DataFrame":

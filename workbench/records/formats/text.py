@@ -25,7 +25,7 @@ SEPARATORS = (";", "\t", ",", "|", " ")
 COMMENTS = "#%!"
 """What comments begin with; a header may be one."""
 
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
 CLOCK = re.compile(r"(\d{2,4}[-/.]\d{1,2}[-/.]\d{1,4}[T ]?)?(\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?(Z|[+-]\d\d:?\d\d)?")
 
 
