@@ -15,7 +15,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import read_experiment
 from workbench.records.formats.interface import UNITS
 from workbench.records.reading import Record, read_records
-from workbench.records.tables import read_table
+from workbench.records.tables import read_table, seconds
 
 TIME = 0.01 * np.arange(300)
 POSITION = 40.0 * np.sin(2.0 * TIME)
@@ -256,3 +256,11 @@ def test_a_field_of_very_many_digits_takes_no_time(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("time,position\n0,1\n1,2\n" + "9" * 200_000 + "x,3\n", encoding="utf-8")
     assert list(read_table(path).columns) == ["time", "position"]
+
+
+@pytest.mark.parametrize("zones", [("+01:00", "+01:00"), ("+01:00", "+02:00"), ("Z", "Z")])
+def test_dates_of_one_time_zone_or_several(zones: tuple[str, str]) -> None:
+    first, second = zones
+    hours = {"+01:00": 1.0, "+02:00": 2.0, "Z": 0.0}
+    found = seconds(pd.Series([f"2026-01-01T10:00:00{first}", f"2026-01-01T10:00:01{second}"]))
+    assert found.tolist() == pytest.approx([0.0, 1.0 - 3600.0 * (hours[second] - hours[first])])

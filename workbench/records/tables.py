@@ -51,9 +51,13 @@ def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec
 
 def seconds(column: "pd.Series[Any]") -> np.ndarray:
     """Seconds from the first of a column's dates or times of day; NaN where there is none."""
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
         warnings.simplefilter("ignore", UserWarning)  # of dates whose order of day and month is a guess
-        stamps = column if column.dtype.kind in "mM" else pd.to_datetime(column, errors="coerce", format="mixed")
+        stamps = (
+            column if column.dtype.kind in "mM" else pd.to_datetime(column, errors="coerce", format="mixed", utc=True)
+        )
+    if isinstance(stamps.dtype, pd.DatetimeTZDtype):
+        stamps = stamps.dt.tz_convert(None)
     if not stamps.notna().any():
         stamps = pd.to_timedelta(column.astype(str), errors="coerce")
     values = stamps.to_numpy()
