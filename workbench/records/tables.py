@@ -13,6 +13,9 @@ from workbench.errors import UserError, nearest
 from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
 
+LARGEST = 1e30
+"""What no channel measures, in whatever unit."""
+
 
 def read_table(path: Path) -> pd.DataFrame:
     """The table in a file, as it stands there.
@@ -46,6 +49,10 @@ def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec
         channel, numbers = replace(channel, factor=1.0), seconds(column)
     if not np.any(np.isfinite(numbers)):
         raise UserError(f'{path}: column "{channel.column}" ({name}) holds no numbers')
+    if (largest := float(np.max(np.abs(numbers[np.isfinite(numbers)])))) > LARGEST:
+        raise UserError(
+            f'{path}: column "{channel.column}" ({name}) reaches {largest:.3g}, expected at most {LARGEST:g}'
+        )
     return numbers * channel.factor + channel.offset
 
 

@@ -14,7 +14,7 @@ from workbench.errors import UserError, visible
 from workbench.records.formats.interface import UNITS
 from workbench.records.sampling.sight import window_points
 from workbench.records.spelled import unit_named, without_unit
-from workbench.records.tables import read_table, seconds
+from workbench.records.tables import LARGEST, read_table, seconds
 
 LINE = 0.99
 """Correlation below which no column is another one in other units."""
@@ -78,10 +78,6 @@ class Column:
     def said(self) -> str:
         """Its range in words."""
         return f"{self.low:.4g} to {self.high:.4g}" + (f" {self.unit}" if self.unit else "")
-
-
-LARGEST = 1e30
-"""What no channel measures, in whatever unit."""
 
 
 def columns_of(path: Path) -> list[Column]:
