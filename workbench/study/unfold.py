@@ -218,7 +218,7 @@ def unfold(study: Study) -> Cases:
     Raises:
         UserError: an axis that is empty, unknown, or names something that the file does not hold.
     """
-    file, count = study.file, 0
+    file = study.file
     base = {name: getattr(file, name) for name in OVERRIDES}
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     blocks = []
