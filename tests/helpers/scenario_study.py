@@ -4,8 +4,11 @@ from pathlib import Path
 
 from command import STUDIES
 
+from workbench.simulation.simulate import simulate
+from workbench.study.case_runs import figures_of
 from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved, resolve
+from workbench.study.study import Case, Study
 from workbench.study.unfold import unfold
 
 FOLDER = STUDIES / "scenarios"
@@ -55,3 +58,9 @@ def study_file(folder: Path, scenarios: list[str], extra: str = "", **beside: st
 def resolved(path: Path) -> list[Resolved]:
     study = read_study(path)
     return [resolve(study, case) for case in unfold(study)]
+
+
+def row_of(study: Study, case: Case) -> dict[str, float | str | None]:
+    """The figures of a case, without its solver errors."""
+    resolved = resolve(study, case)
+    return figures_of(resolved, simulate(resolved.setup), solver_error=False)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenario_study import row_of
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -13,7 +14,6 @@ from workbench.simulation.simulate import Run, simulate
 from workbench.study.plan import plan
 from workbench.study.reading import read_study
 from workbench.study.resolve import Resolved, resolve
-from workbench.study.runner import run_case
 from workbench.study.unfold import unfold
 
 RPM = 60.0 / (2.0 * np.pi)
@@ -69,7 +69,7 @@ def figures(folder: Path, content: str) -> dict[str, float]:
     path.write_text(content, encoding="utf-8")
     study = read_study(path)
     (case,) = unfold(study)
-    return run_case(study, case, None)
+    return row_of(study, case)
 
 
 def late_rpm(run: Run) -> np.ndarray:

@@ -1,6 +1,5 @@
 """Folders of results: those that do not serve, what a killed run leaves, and that it goes on to the same bytes."""
 
-import functools
 import re
 import shutil
 import sqlite3
@@ -15,7 +14,7 @@ import pandas as pd
 import pytest
 from command import PIPED, PROCESS, STUDY, changed, killed, ran, workbench, write
 
-from workbench.study.store import Row, export_frames, open_store
+from workbench.study.store import Row, open_store
 
 NOISE = '[sensors.position]\nnoise = "10 um"\n'
 
@@ -84,7 +83,10 @@ def test_what_is_no_database_cannot_be_resumed(tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
     write(tmp_path / "none", "not a database", "results.sqlite")
     said = complaint(tmp_path, "--out", tmp_path / "none", "--resume")
-    assert said.startswith("@/none/results.sqlite: not a results file of this program (")
+    assert said == (
+        "@/none/results.sqlite: is damaged (file is not a database); "
+        "start anew with --overwrite, or choose another --out"
+    )
 
 
 def test_resume_or_overwrite(tmp_path: Path) -> None:
@@ -226,7 +228,7 @@ def test_results_in_several_frames_are_those_of_one(tmp_path: Path) -> None:
         store.add([Row(i, row) for i, row in enumerate(rows)])
         for name, count in (("one", 4), ("several", 1)):
             (tmp_path / name).mkdir()
-            export_frames(functools.partial(store.frames, count), tmp_path / name)
+            store.export(tmp_path / name, count)
     assert (tmp_path / "several" / "results.csv").read_bytes() == (tmp_path / "one" / "results.csv").read_bytes()
     one, several = (pd.read_parquet(tmp_path / name / "results.parquet") for name in ("one", "several"))
     pd.testing.assert_frame_equal(one, several)

@@ -4,14 +4,13 @@ from pathlib import Path
 
 import pytest
 from command import workbench
-from scenario_study import FILE_HEAD, FOLDER, resolved, study_file
+from scenario_study import FILE_HEAD, FOLDER, resolved, row_of, study_file
 from support import registered
 
 from plants.equation import to_array
 from workbench.errors import UserError
 from workbench.study.plan import plan
 from workbench.study.reading import read_study
-from workbench.study.runner import run_case
 
 FILES = sorted(FOLDER.glob("*.toml"))
 
@@ -39,7 +38,7 @@ def test_every_scenario_runs_and_changes_the_truth_alone(tmp_path: Path) -> None
     rows = {}
     for case, item in zip(planned.cases, planned.resolved, strict=True):
         gains[case.axes["controller"]].add(to_array(item.setup.loop.gains).tobytes())
-        rows[tuple(case.axes.values())] = run_case(planned.study, case, None)
+        rows[tuple(case.axes.values())] = row_of(planned.study, case)
     assert [len(seen) for seen in gains.values()] == [1, 1]
     assert {row["outcome"] for row in rows.values()} == {"completed"}
     nominal = rows[("nominal", "p")]

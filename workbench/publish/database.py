@@ -43,10 +43,12 @@ class Database:
 
         Raises:
             sqlite3.Error: they, or those before, cannot be written.
+            FileNotFoundError: the file is there no more.
         """
         with self._lock:
             if self._failed is not None:
                 raise self._failed
+            self._path.stat()  # SQLite goes on with a file that was removed, and nobody finds what it writes
             self._connection.executemany(statement, rows)
 
     def commit(self) -> None:

@@ -24,7 +24,7 @@ PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""
 
 
-MOST_CHECKED = 1000
+MOST_CHECKED = 2000
 """Cases, draws not counted, up to which each is checked before anything runs; of more, so many that stand for all."""
 
 
@@ -152,7 +152,7 @@ def _drawn(study: Study, cases: Cases, numbers: range | None = None) -> Plan:
     if (count := len(drawn)) > MOST_CASES:
         message = f"{drawn.repeats} draws make {count} cases, expected at most {MOST_CASES}"
         raise study.error(("uncertainty", "draws"), message)
-    return Plan(study, drawn, [drawn[case.index * drawn.repeats] for case in told], declared)
+    return Plan(study, drawn, [drawn.drawn(case) for case in told], declared)
 
 
 def needed_trajectories(planned: Plan) -> set[int]:

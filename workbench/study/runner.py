@@ -11,7 +11,7 @@ from workbench.publish.run_record import ran_on
 from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
 from workbench.study.shipped import Shipped, ShippedRuns, unpacked
-from workbench.study.store import EXPORTS, Row, export_frames, open_store, write_json, write_study
+from workbench.study.store import Row, is_exported, open_store, write_json, write_study
 from workbench.study.study import in_full
 
 Progress = Callable[[int, int, str], None]
@@ -61,8 +61,8 @@ def run_study(
                 done.update(chunk.places)
                 if progress is not None:
                     progress(len(done), count, in_full(planned.cases.columns(chunk.places[-1])))
-        if waiting or not all((folder / name).exists() for name in EXPORTS):
-            export_frames(store.frames, folder)
+        if waiting or not is_exported(folder, count):
+            store.export(folder)
         write_json(folder / "run.json", _record(planned, began, jobs, cluster))
 
 

@@ -11,16 +11,16 @@ fresh/            the finalists of a comparison on machines not drawn before: re
                   rounds, and for each round a folder of the same form as this one
 """
 
+import functools
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from pandas.api.types import is_object_dtype
 
 from workbench.errors import UserError
 from workbench.publish.database import Database, check_identity, database_at
@@ -107,6 +107,11 @@ class Store:
             if len(block) < rows or not (block := self._database.read(query, (block[-1][0],))):
                 return
 
+    def export(self, folder: Path, rows: int = EXPORTED) -> None:
+        """Write results.csv and results.parquet, each whole or not at all, reading so many rows at a time."""
+        text = [name for name in self.columns if self._type(name) == "text"]
+        _export(functools.partial(self.frames, rows), folder, text)
+
     def _type(self, column: str) -> str:
         """What the values of a column are together: "text", "float64", "int64", or "null" without any."""
         found = self._database.read(f"SELECT DISTINCT typeof({_quoted(column)}) FROM results")
@@ -156,13 +161,13 @@ def _quoted(name: str) -> str:
 
 def export(frame: pd.DataFrame, folder: Path) -> None:
     """Write results.csv and results.parquet, each whole or not at all."""
-    export_frames(lambda: [frame], folder)
+    _export(lambda: [frame], folder)
 
 
-def export_frames(frames: Callable[[], Iterable[pd.DataFrame]], folder: Path) -> None:
-    """The same of results that come as several frames, whose columns agree."""
+def _export(frames: Callable[[], Iterable[pd.DataFrame]], folder: Path, text: Collection[str] = ()) -> None:
+    """The same of several frames, whose columns agree; those that hold `text` in any of them are named."""
     write_whole(folder / EXPORTS[0], lambda path: _write_csv(frames(), path))
-    write_whole(folder / EXPORTS[1], lambda path: _write_parquet(frames(), path))
+    write_whole(folder / EXPORTS[1], lambda path: _write_parquet(frames(), text, path))
 
 
 def _write_csv(frames: Iterable[pd.DataFrame], path: Path) -> None:
@@ -170,7 +175,7 @@ def _write_csv(frames: Iterable[pd.DataFrame], path: Path) -> None:
         frame.to_csv(path, index=False, lineterminator="\n", float_format="%.10g", mode="a" if i else "w", header=not i)
 
 
-def _write_parquet(frames: Iterable[pd.DataFrame], path: Path) -> None:
+def _write_parquet(frames: Iterable[pd.DataFrame], text: Collection[str], path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -178,12 +183,25 @@ def _write_parquet(frames: Iterable[pd.DataFrame], path: Path) -> None:
     for frame in frames:
         if writer is None:
             schema = pa.Schema.from_pandas(frame, preserve_index=False)
-            for i, name in enumerate(frame):
-                if is_object_dtype(frame[name]) and len(frame):
-                    schema = schema.set(i, pa.field(name, pa.string()))
+            for name in text:
+                schema = schema.set(schema.get_field_index(name), pa.field(name, pa.string()))
             writer = pq.ParquetWriter(path, schema)
         writer.write_table(pa.Table.from_pandas(frame, schema=schema, preserve_index=False))
     writer.close()
+
+
+def is_exported(folder: Path, count: int) -> bool:
+    """Whether the folder holds the exports of so many cases."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table, results = (folder / name for name in EXPORTS)
+    if not (table.exists() and results.exists()):
+        return False
+    try:
+        return int(pq.read_metadata(results).num_rows) == count
+    except (OSError, pa.ArrowInvalid):
+        return False  # damaged: they are written again
 
 
 def write_json(path: Path, content: Mapping[str, object]) -> None:

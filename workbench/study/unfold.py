@@ -4,7 +4,7 @@ import functools
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, overload
@@ -26,10 +26,13 @@ from workbench.study.study import (
     rpm_of,
 )
 from workbench.study.uncertainty import Draws
-from workbench.toml.gain_file import KEY, GainFile, read_gain_file, with_gains
+from workbench.toml.gain_file import KEY, read_gain_file, with_gains
 
 NAMES = (*NAMED_AXES, CASE)
 """What chooses a whole table; other axes are numbers and settings, of which there may be very many."""
+
+SHUFFLED = 1_000_000
+"""Cases of which some may be drawn by lot; of more, they are taken evenly."""
 
 MOST_CASES = 4_000_000
 """Of a study, draws included: some gigabytes of results."""
@@ -74,7 +77,7 @@ class Cases(Sequence[Case]):
     ) -> None:
         self._study, self._blocks, self._places, self.draws = study, blocks, places, draws
         self._ends = list(itertools.accumulate(block.size for block in blocks))
-        self._read = functools.cache(read_gain_file)
+        self._gains = _Gains()
 
     def __len__(self) -> int:
         return self.bases * self.repeats
@@ -99,14 +102,18 @@ class Cases(Sequence[Case]):
         index = range(len(self))[index]
         base, turn = divmod(index, self.repeats)
         block, point = self._at(base)
-        tables, declared = _at_point(self._study, block.name, block.tables, point, self._read)
-        case = Case(index, block.name, point, tables, declared, self._study.path.parent)
+        tables, declared = _at_point(self._study, block.name, block.tables, point, self._gains)
+        return self.drawn(Case(base, block.name, point, tables, declared, self._study.path.parent), turn)
+
+    def drawn(self, case: Case, turn: int = 0) -> Case:
+        """A case that is not drawn yet on one of the machines."""
         if self.draws is None:
             return case
         number = self.draws.numbers[turn]
         return replace(
             case,
-            axes={**point, DRAW: number},
+            index=case.index * self.repeats + turn,
+            axes={**case.axes, DRAW: number},
             overrides=Overrides(sample=self.draws.sample(number)),
             tells_solver_error=turn == 0,
         )
@@ -164,35 +171,45 @@ class Cases(Sequence[Case]):
     def telling(self, most: int) -> list[int]:
         """Places of cases that stand for all: at most so many of those on the first machine each.
 
-        All, where they are no more. Else first every combination of names, with each value of each other axis once;
-        what is left of `most` is spread evenly.
+        All, where they are no more. Else each value of each axis, then every combination of names with each value of
+        each other axis, as far as there is room; the rest are drawn by lot, the same each time.
         """
         if self.bases <= most:
             return [base * self.repeats for base in range(self.bases)]
-        found: dict[int, None] = {}
+        found = dict[int, None]()
         if self._places is None:
-            crossings = [self._crossing(block, end) for block, end in zip(self._blocks, self._ends, strict=True)]
-            found = dict.fromkeys(_spread(np.concatenate(crossings), most))
-        evenly = np.linspace(0, self.bases - 1, most, dtype=np.int64)
-        found.update(dict.fromkeys(map(int, evenly[: most - len(found)])))
+            for crossing in (self._lines, self._crossing):
+                ends = zip(self._blocks, self._ends, strict=True)
+                bases = np.concatenate([crossing(block, end) for block, end in ends]).tolist()
+                if len({*found, *bases}) <= most:
+                    found.update(dict.fromkeys(bases))
+        lot = np.random.default_rng(0).permutation(self.bases) if self.bases <= SHUFFLED else None
+        others = range(0, self.bases, self.bases // most) if lot is None else lot.tolist()
+        found.update(dict.fromkeys(itertools.islice((base for base in others if base not in found), most - len(found))))
         return sorted(base * self.repeats for base in found)
+
+    @staticmethod
+    def _lines(block: Block, end: int) -> np.ndarray:
+        """Bases of a block, which ends before `end`, where all axes but one have their first value."""
+        grid = _grid(block, end)
+        firsts = (0,) * grid.ndim
+        lines = [np.moveaxis(grid, axis, -1)[firsts[1:]] for axis in range(grid.ndim)]
+        return np.unique(np.concatenate([np.ravel(grid)[:1], *lines]))
 
     @staticmethod
     def _crossing(block: Block, end: int) -> np.ndarray:
         """Bases of a block, which ends before `end`, where names meet and at most one number is not the first."""
-        shape = tuple(map(len, block.axes.values()))
-        grid = np.arange(end - block.size, end).reshape(shape)
+        grid = _grid(block, end)
+        shape = grid.shape
         numbers = [i for i, axis in enumerate(block.axes) if axis not in NAMES]
         firsts = tuple(0 if i in numbers else slice(None) for i in range(len(shape)))
         lines = [tuple(slice(None) if i == line else firsts[i] for i in range(len(shape))) for line in numbers]
         return np.unique(np.concatenate([np.ravel(grid[at]) for at in (firsts, *lines)]))
 
 
-def _spread(places: np.ndarray, most: int) -> list[int]:
-    """At most so many of these places, evenly."""
-    return [
-        int(place) for place in places[np.unique(np.linspace(0, len(places) - 1, min(most, len(places)), dtype=int))]
-    ]
+def _grid(block: Block, end: int) -> np.ndarray:
+    """The bases of a block, which ends before `end`, an axis each."""
+    return np.arange(end - block.size, end).reshape(tuple(map(len, block.axes.values())))
 
 
 def _matching(block: Block, wanted: Mapping[str, object]) -> np.ndarray:
@@ -293,7 +310,7 @@ def _at_point(
     case: str | None,
     tables: Mapping[str, Any],
     point: Mapping[str, Any],
-    read: Callable[[Path], GainFile],
+    gains: "_Gains",
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case at one point of its axes, and the plant that is declared there."""
     result = dict(tables)
@@ -316,26 +333,45 @@ def _at_point(
                 table[part] = dict(below)  # what is shared with other cases stays as it is
                 table = table[part]
             table[last] = value
-    result["controllers"] = _with_gains(study, result, point.get(MACHINE.axis), read)
+    result["controllers"] = _with_gains(study, result, point.get(MACHINE.axis), gains)
     return result, declared
 
 
-def _with_gains(
-    study: Study, tables: Mapping[str, Any], machine: str | None, read: Callable[[Path], GainFile]
-) -> dict[str, object]:
+def _with_gains(study: Study, tables: Mapping[str, Any], machine: str | None, gains: "_Gains") -> dict[str, object]:
     """Controllers with what their gain files say for a case's speed and machine.
 
     Of controllers beside the case's own a file that has nothing for this speed is left: they have cases of their own.
     """
-    controllers = tables["controllers"]
+    controllers, rpm = tables["controllers"], rpm_of(tables)
     found: dict[str, object] = dict(controllers)
     own = tables.get("controller") or next(iter(controllers), None)
     for name, table in controllers.items():
         if not isinstance(table, dict) or KEY not in table:
             continue  # what is no table is told when the case is resolved
-        try:
-            found[name] = with_gains(table, study.path.parent, rpm_of(tables), machine, read)
-        except UserError as error:
-            if name == own:
-                raise study.error(("controllers", name, KEY), str(error)) from None
+        filled = gains(name, table, study.path.parent, rpm, machine)
+        if not isinstance(filled, UserError):
+            found[name] = filled
+        elif name == own:
+            raise study.error(("controllers", name, KEY), str(filled))
     return found
+
+
+class _Gains:
+    """Controllers with what their gain files say, or why these say nothing; each file is read once."""
+
+    def __init__(self) -> None:
+        self._read = functools.cache(read_gain_file)
+        self._known: dict[object, tuple[object, dict[str, object] | UserError]] = {}
+
+    def __call__(
+        self, name: str, table: dict[str, Any], folder: Path, rpm: float, machine: str | None
+    ) -> dict[str, object] | UserError:
+        """The table of the controller of this name, filled; cases share the tables that no axis changes."""
+        of, filled = self._known.get((name, rpm, machine), (None, {}))
+        if of is not table:
+            try:
+                filled = with_gains(table, folder, rpm, machine, self._read)
+            except UserError as error:
+                filled = error
+            self._known[name, rpm, machine] = table, filled
+        return filled

@@ -103,7 +103,8 @@ class Checks:
         for section, content, key in placed(self.study):
             self._along(content, key)
             section.check(content, replace(self._checked, key=key))
-        check_use(self.study, self.cases, self.resolved)
+        if len(self.cases) == self.every.bases:  # what is of use in none of these may be in others
+            check_use(self.study, self.cases, self.resolved)
 
     def _references(self) -> None:
         """Raise UserError where a reference, or what is fed to an input, is more than a number can hold."""
