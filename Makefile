@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations fuzz lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations fuzz kills lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -70,6 +70,13 @@ SECONDS ?= 600
 SEED ?= 1
 fuzz: $(ENVIRONMENT)/ready-for-tests
 	PYTHONPATH=tests/helpers $(BIN)/python -m fuzz $(KIND) --seconds $(SECONDS) --seed $(SEED)
+
+# A command (run, tune, decide, diagnose) stopped at random moments and repeated: nothing is lost, the bytes are the same.
+COMMAND ?= run
+ROUNDS ?= 20
+JOBS ?= 2
+kills: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m kills --command $(COMMAND) --rounds $(ROUNDS) --jobs $(JOBS) --seed $(SEED)
 
 lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/ruff check .

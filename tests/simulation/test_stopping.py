@@ -22,7 +22,8 @@ SIGNALS = pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["SIGINT", "SIGTERM"]
 )
 
-FOR_EVER = changed('transient = "0.4 s"', 'transient = "0.4 s"\nmethod = "rk4"\nstep = "1e-12 s"')
+FOR_EVER = changed('transient = "0.4 s"', 'transient = "0.4 s"\nmethod = "rk4"\nstep = "1e-10 s"')
+"""The most steps that a study may have: some minutes of one case."""
 
 WORKERS = """\
 import multiprocessing, sys, time

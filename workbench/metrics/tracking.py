@@ -67,7 +67,7 @@ def phase_lag_and_gain(
 
 def root_mean_square(signal: np.ndarray) -> float:
     """Root of the mean square, in the unit of `signal`."""
-    return math.sqrt(float(np.dot(signal, signal)) / signal.size)
+    return math.sqrt(float(np.square(signal).sum()) / signal.size)
 
 
 def steady_state_errors(

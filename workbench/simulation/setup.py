@@ -18,8 +18,13 @@ Numbers: TypeAlias = tuple[object, ...]
 DEFAULT_TOLERANCE = 1e-6
 """Of the typical magnitude of a state and its own: an estimated error of a step, well below what a rig resolves."""
 
-TIGHTER = 10.0
-"""The solver's error is found against a run with a tolerance this many times smaller (or half the step)."""
+TIGHTER = 100.0
+"""By which a tolerance is smaller (or twice, a step) where a run is to be as good as exact beside another."""
+
+COMPANION = 10.0
+"""By which the default method's tolerance is smaller in the run against which its error is found: over the cases of
+the project's own studies the distance is 0.6 to 1.4 times the error in nine of ten, at a tenth more steps (median). The
+error of methods of lower order falls less steadily; they take `TIGHTER`."""
 
 DELAY_SLACK = 1e-9
 """A delay this close (in samples) to a whole number of samples is one."""
@@ -36,9 +41,13 @@ class Integrator:
     step: float = 1e-4
     tolerance: float = DEFAULT_TOLERANCE
 
-    def finer(self) -> "Integrator":
+    def finer(self, tighter: float = TIGHTER) -> "Integrator":
+        """The same with half the step, or a smaller tolerance."""
+        return replace(self, step=self.step / 2.0, tolerance=self.tolerance / tighter)
+
+    def companion(self) -> "Integrator":
         """The integrator against which this one's error is taken."""
-        return replace(self, step=self.step / 2.0, tolerance=self.tolerance / TIGHTER)
+        return self.finer(COMPANION if self.method == DORMAND_PRINCE.name else TIGHTER)
 
 
 @dataclass(frozen=True)

@@ -239,8 +239,8 @@ def solver_error(setup: Setup, run: Run) -> float | None:
 
 
 def finer(setup: Setup) -> Run:
-    """The run of `setup` with a finer integration: half the step, or a tolerance `TIGHTER` times smaller."""
-    return simulate(replace(setup, integrator=setup.integrator.finer()))
+    """The run of `setup` with a finer integration, which tells the error of its own."""
+    return simulate(replace(setup, integrator=setup.integrator.companion()))
 
 
 def largest_distance(run: Run, other: Run) -> float | None:

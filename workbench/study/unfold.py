@@ -342,13 +342,13 @@ def _with_gains(study: Study, tables: Mapping[str, Any], machine: str | None, ga
 
     Of controllers beside the case's own a file that has nothing for this speed is left: they have cases of their own.
     """
-    controllers, rpm = tables["controllers"], rpm_of(tables)
+    controllers = tables["controllers"]
     found: dict[str, object] = dict(controllers)
     own = tables.get("controller") or next(iter(controllers), None)
     for name, table in controllers.items():
         if not isinstance(table, dict) or KEY not in table:
             continue  # what is no table is told when the case is resolved
-        filled = gains(name, table, study.path.parent, rpm, machine)
+        filled = gains(name, table, study.path.parent, rpm_of(tables), machine)
         if not isinstance(filled, UserError):
             found[name] = filled
         elif name == own:
