@@ -4,17 +4,23 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from workbench.parallel import chunks
-from workbench.parallel.chunks import CHUNK, GROWTH, Chunk, KilledError, Sizes, in_chunks
+from workbench.parallel.chunks import CHUNK, GROWTH, Chunk, KilledError, Sizes, Work, in_chunks
 
 
-def square(place: int) -> int:
-    return place**2
+def each(work: Callable[[int], Any]) -> Work[Any]:
+    """One piece after another."""
+    return lambda places: [work(place) for place in places]
+
+
+square: Work[int] = each(lambda place: place**2)
 
 
 def results(found: list[Chunk[int]]) -> dict[int, int]:
@@ -30,7 +36,7 @@ def test_every_piece_is_done_once(jobs: int) -> None:
 
 def test_threads_where_no_process_can_be_forked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunks.sys, "platform", "elsewhere")
-    assert results(list(in_chunks(lambda place: (place, os.getpid()), range(9), jobs=2))) == {
+    assert results(list(in_chunks(each(lambda place: (place, os.getpid())), range(9), jobs=2))) == {
         place: (place, os.getpid()) for place in range(9)
     }
 
@@ -57,7 +63,7 @@ def test_a_piece_whose_process_was_killed_is_done_again(tmp_path: Path) -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         return place**2
 
-    assert results(list(in_chunks(work, range(20), jobs=2))) == {place: place**2 for place in range(20)}
+    assert results(list(in_chunks(each(work), range(20), jobs=2))) == {place: place**2 for place in range(20)}
     assert (tmp_path / "killed").exists()
 
 
@@ -69,19 +75,19 @@ def test_a_piece_that_kills_its_process_is_told_and_the_others_are_done() -> Non
 
     found: list[Chunk[int]] = []
     with pytest.raises(KilledError, match="piece 7 was killed"):
-        found.extend(in_chunks(work, range(20), jobs=2))  # a list holds what came before
+        found.extend(in_chunks(each(work), range(20), jobs=2))  # a list holds what came before
     assert {*results(found)} >= {0, 1, 2}
 
 
 def test_mistakes_come_from_the_process_that_made_them() -> None:
     with pytest.raises(ZeroDivisionError):
-        list(in_chunks(lambda place: 1 // (5 - place), range(20), jobs=2))
+        list(in_chunks(each(lambda place: 1 // (5 - place)), range(20), jobs=2))
 
 
 def test_whoever_stops_waits_for_no_piece() -> None:
     """Left early, as by Ctrl-C, all processes end."""
     began = time.monotonic()
-    with closing(in_chunks(lambda place: time.sleep(0.0 if place < 2 else 60.0), range(10), jobs=2)) as found:
+    with closing(in_chunks(each(lambda place: time.sleep(0.0 if place < 2 else 60.0)), range(10), jobs=2)) as found:
         next(found)
     assert time.monotonic() - began < 30.0
     assert threading.active_count() >= 1
@@ -97,7 +103,7 @@ def test_processes_end_with_the_one_that_made_them(tmp_path: Path) -> None:
         time.sleep(60.0)
 
     if (parent := os.fork()) == 0:
-        list(in_chunks(work, range(4), jobs=2))
+        list(in_chunks(each(work), range(4), jobs=2))
         os._exit(0)
     waited_for(lambda: len(list(told.iterdir())) == 2)
     os.kill(parent, signal.SIGKILL)

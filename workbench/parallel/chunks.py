@@ -48,8 +48,8 @@ class Chunk(Generic[Result]):
     took: float
 
 
-Work = Callable[[int], Result]
-"""Makes the result of one piece, which a number tells from the others."""
+Work = Callable[[Sequence[int]], Sequence[Result]]
+"""Makes the results of some pieces, in their order; a number tells each from the others."""
 
 
 def in_chunks(
@@ -70,8 +70,7 @@ def in_chunks(
     if cluster is not None:
         yield from _on_cluster(cluster, functools.partial(_chunk, work), places)
     elif job_count(jobs) == 1 or len(places) < 2:
-        for place in places:
-            yield _chunk(work, [place])
+        yield from _one_by_one(work, places)
     else:
         apart = (
             _in_processes if sys.platform == "linux" else _in_threads
@@ -108,8 +107,18 @@ class Sizes:
 
 def _chunk(work: Work[Result], places: Sequence[int]) -> Chunk[Result]:
     began = time.perf_counter()
-    results = [work(place) for place in places]
+    results = work(places)
     return Chunk(places, results, time.perf_counter() - began)
+
+
+def _one_by_one(work: Work[Result], places: Sequence[int]) -> Iterator[Chunk[Result]]:
+    """Chunks one after another, by whoever asks."""
+    begun, sizes = 0, Sizes()
+    while begun < len(places):
+        chunk = _chunk(work, places[begun : begun + sizes.next(len(places) - begun, 1)])
+        begun += len(chunk.places)
+        sizes.learn(chunk)
+        yield chunk
 
 
 def _in_threads(work: Work[Result], places: Sequence[int], workers: int) -> Iterator[Chunk[Result]]:

@@ -46,7 +46,7 @@ def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False) 
         took, rows, files = list[float](), list[Row](), list[int]()
         for place in planned.cases.telling(SAMPLED):
             began = time.perf_counter()
-            rows.append(work(place))
+            rows += work([place])
             took.append(time.perf_counter() - began)
             if sum(took) > LONGEST:
                 break

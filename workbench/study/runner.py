@@ -1,7 +1,7 @@
 """Running a study: its cases in chunks, each chunk's results kept the moment they are there."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -54,7 +54,9 @@ def run_study(
         if waiting and cluster is None:
             compiled(planned)
         version = identity["version of the program"]
-        made: Callable[[int], Row | Shipped] = work if cluster is None else ShippedRuns(work, version)
+        made: Callable[[Sequence[int]], Sequence[Row | Shipped]] = (
+            work if cluster is None else ShippedRuns(work, version)
+        )
         with closing(in_chunks(made, waiting, jobs=jobs, cluster=cluster)) as chunks, _killed_told(planned):
             for chunk in chunks:
                 store.add(unpacked(chunk.results, folder))

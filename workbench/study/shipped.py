@@ -30,17 +30,20 @@ class ShippedRuns:
     work: CaseRuns
     version: str
 
-    def __call__(self, index: int) -> Shipped:
+    def __call__(self, indices: Sequence[int]) -> list[Shipped]:
         """Raises UserError where the other machine's program is of another version."""
         if source_hash(PROGRAM_FOLDERS) != self.version:
             raise UserError(
                 f"worker {platform.node()}: has another version of this program; install the same one there"
             )
         with tempfile.TemporaryDirectory() as name:
-            here = Path(name)
-            row = replace(self.work, folder=here)(index)
-            files = {str(path.relative_to(here)): path.read_bytes() for path in here.rglob("*") if path.is_file()}
-        return Shipped(row, files)
+            work = replace(self.work, folder=Path(name))
+            return [Shipped(row, _files(work, row)) for row in work(indices)]
+
+
+def _files(work: CaseRuns, row: Row) -> dict[str, bytes]:
+    paths = work.files(work.cases[row.case])
+    return {str(path.relative_to(work.folder)): path.read_bytes() for path in paths}
 
 
 def unpacked(results: Sequence[Row | Shipped], folder: Path) -> list[Row]:
