@@ -47,8 +47,8 @@ def test_chunks_grow_to_the_time_that_may_be_lost() -> None:
     sizes.learn(Chunk([0], [0], 0.001))
     assert sizes.next(1000, 2) == GROWTH
     sizes.learn(Chunk([*range(100)], [*range(100)], 0.1))
-    assert sizes.next(1000, 2) == pytest.approx(CHUNK / 0.001, rel=0.01)
-    assert sizes.next(8, 2) == 2, "towards the end there is work for all"
+    assert sizes.next(10_000, 2) == pytest.approx(CHUNK / 0.001, rel=0.01)
+    assert sizes.next(32, 2) == 2, "towards the end there is work for all"
     sizes.learn(Chunk([0], [0], 10.0))
     assert sizes.next(1000, 2) == 1
 

@@ -32,6 +32,9 @@ GROWTH = 8
 AHEAD = 2
 """Chunks that are given out for each worker: one that it works on, one that it finds when that is done."""
 
+PARTS = 8
+"""Chunks into which a worker's share of what is left is cut at least: at the end none waits long for another."""
+
 ATTEMPTS = 2
 """Times that a piece may take its process down with it; one that was stopped from outside is done again."""
 
@@ -102,7 +105,7 @@ class Sizes:
 
     def next(self, left: int, workers: int) -> int:
         """How many pieces the next chunk has, of so many that are left: towards the end all workers have some."""
-        return max(1, min(self._size, left // (AHEAD * workers)))
+        return max(1, min(self._size, left // (PARTS * workers)))
 
 
 def _chunk(work: Work[Result], places: Sequence[int]) -> Chunk[Result]:

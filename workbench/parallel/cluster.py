@@ -40,8 +40,9 @@ def connected(address: str) -> Iterator["Client"]:
         from distributed import Client
     except ImportError:
         raise UserError('--cluster needs the extra "cluster": pip install "friction-workbench[cluster]"') from None
-    for name in CHATTER:
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is told in our words
+    for name in (*CHATTER, *logging.root.manager.loggerDict):
+        if name.partition(".")[0] in CHATTER:
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # what is lost is told in our words
     try:
         client = Client(address, timeout=ANSWER)
     except (OSError, ValueError) as error:
