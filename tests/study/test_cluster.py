@@ -21,6 +21,7 @@ SLOW = (
     RECORDS
     + changed('"1 s"', '"0.3 s"')
     .replace('"0.4 s"', '"0.1 s"')
+    .replace("2 Hz", "20 Hz")
     .replace("[0, 460]", '[0, 460]\n"controllers.p.kp" = [100, 200, 300, 400]\n"simulation.seed" = [1, 2, 3, 4, 5]')
     + 'method = "rk4"\nstep = "1 us"\n'
 )
