@@ -5,7 +5,7 @@ from typing import Any
 
 import pint
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.toml.units import QuantityError, factor, si
@@ -44,6 +44,7 @@ def test_a_bare_number_is_si(number: float) -> None:
 REGISTRY = pint.UnitRegistry()
 
 
+@settings(deadline=None)  # the first quantity makes pint's registry
 @given(
     st.floats(-1e9, 1e9, allow_subnormal=False),
     st.sampled_from([("mm", "m"), ("psi", "Pa"), ("rpm", "rad/s"), ("l/min", "m^3/s"), ("%", "1"), ("degC", "K")]),
