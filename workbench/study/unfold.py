@@ -31,9 +31,6 @@ from workbench.toml.gain_file import KEY, read_gain_file, with_gains
 NAMES = (*NAMED_AXES, CASE)
 """What chooses a whole table; other axes are numbers and settings, of which there may be very many."""
 
-SHUFFLED = 1_000_000
-"""Cases of which some may be drawn by lot; of more, they are taken evenly."""
-
 MOST_CASES = 4_000_000
 """Of a study, draws included: some gigabytes of results."""
 
@@ -183,9 +180,8 @@ class Cases(Sequence[Case]):
                 bases = np.concatenate([crossing(block, end) for block, end in ends]).tolist()
                 if len({*found, *bases}) <= most:
                     found.update(dict.fromkeys(bases))
-        lot = np.random.default_rng(0).permutation(self.bases) if self.bases <= SHUFFLED else None
-        others = range(0, self.bases, self.bases // most) if lot is None else lot.tolist()
-        found.update(dict.fromkeys(itertools.islice((base for base in others if base not in found), most - len(found))))
+        lot = (base for base in np.random.default_rng(0).permutation(self.bases).tolist() if base not in found)
+        found.update(dict.fromkeys(itertools.islice(lot, most - len(found))))
         return sorted(base * self.repeats for base in found)
 
     @staticmethod
