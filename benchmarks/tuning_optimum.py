@@ -22,9 +22,9 @@ from scipy.optimize import NonlinearConstraint, differential_evolution
 
 from workbench.study.reading import read_study
 from workbench.study.study import Study
-from workbench.tune.evaluator import SEARCHED, Evaluator, evaluator_of
+from workbench.tune.evaluator import SEARCHED, Evaluator, evaluators_of
 from workbench.tune.objective import margins_of
-from workbench.tune.prepare import prepared, task_for
+from workbench.tune.prepare import prepared
 from workbench.tune.run import tune_all
 from workbench.tune.schema import tune_table
 
@@ -90,7 +90,7 @@ def compared(study: Study, name: str) -> str:
         tuned = tune_all(study, [name], Path(folder) / "trials.sqlite").tuned[0]
     took = time.process_time() - began
     assert tuned.score is not None
-    least, _ = evolved(evaluator_of(task_for(study, name)), TIMES * tune_table(study).trials)
+    least, _ = evolved(evaluators_of(study, [name])[0], TIMES * tune_table(study).trials)
     above = 100.0 * (tuned.score.value / least - 1.0)
     differ = 100.0 * (tuned.seeds_differ or 0.0)
     return f"| {name} | {tuned.score.value:.6g} | {least:.6g} | {above:+.2f} | {differ:.2f} | {took:.1f} |"

@@ -1,4 +1,4 @@
-"""A study on a dask cluster: the same bytes, whoever is lost, and a line where the scheduler is."""
+"""Commands on a dask cluster: the same bytes, whoever is lost, and a line where the scheduler is."""
 
 import os
 import signal
@@ -6,12 +6,14 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
+import kills
 import pytest
 from command import PROCESS, STUDY, changed, ran, workbench, write
+from kill_studies import COMMANDS
 
 pytest.importorskip("distributed")
 
@@ -68,6 +70,9 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
         yield begun
 
 
+second_cluster = cluster
+
+
 def until(condition: Callable[[], bool]) -> None:
     for _ in range(4000):
         if condition():
@@ -80,16 +85,12 @@ def records(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((folder / "records").glob("*.parquet"))}
 
 
-def test_a_lost_worker_costs_nothing_and_a_lost_scheduler_a_line(tmp_path: Path, cluster: Cluster) -> None:
-    """One of two workers is killed, then the scheduler; resumed here, the folder is that of an undisturbed run."""
-    first, _ = cluster.worker(), cluster.worker()
-    out = tmp_path / "out"
-    arguments = ["run", write(tmp_path, SLOW), "--out", out, "--cluster", cluster.address]
-    running = subprocess.Popen([*PROCESS, *map(str, arguments)], stderr=subprocess.PIPE, text=True)
-    until(lambda: len(records(out)) > 2)
-    first.kill()
-    done = len(records(out))
-    until(lambda: len(records(out)) > done + 4)
+def begun(arguments: Sequence[object]) -> subprocess.Popen[str]:
+    return subprocess.Popen([*PROCESS, *map(str, arguments)], stderr=subprocess.PIPE, text=True)
+
+
+def ends_with_its_scheduler(running: subprocess.Popen[str], cluster: Cluster) -> None:
+    """What a command that is `running` says when the scheduler is killed."""
     cluster.scheduler.kill()
     began = time.monotonic()
     _, said = running.communicate(timeout=200.0)
@@ -99,10 +100,44 @@ def test_a_lost_worker_costs_nothing_and_a_lost_scheduler_a_line(tmp_path: Path,
         f"error: {cluster.address}: the scheduler has gone; what is finished is kept: go on with --resume"
     )
     assert "Traceback" not in said
+
+
+def test_a_lost_worker_costs_nothing_and_a_lost_scheduler_a_line(tmp_path: Path, cluster: Cluster) -> None:
+    """One of two workers is killed, then the scheduler; resumed here, the folder is that of an undisturbed run."""
+    first, _ = cluster.worker(), cluster.worker()
+    out = tmp_path / "out"
+    arguments = ["run", write(tmp_path, SLOW), "--out", out, "--cluster", cluster.address]
+    running = begun(arguments)
+    until(lambda: len(records(out)) > 2)
+    first.kill()
+    done = len(records(out))
+    until(lambda: len(records(out)) > done + 4)
+    ends_with_its_scheduler(running, cluster)
     assert workbench("run", tmp_path / "study.toml", "--out", out, "--resume").code == 0
     alone = ran(tmp_path, SLOW)
     assert (out / "results.csv").read_bytes() == (alone / "results.csv").read_bytes()
     assert records(out) == records(alone)
+
+
+@pytest.mark.parametrize(("name", "results"), [("tune", "trials.csv"), ("decide", "draws.parquet")])
+def test_other_commands_go_on_on_another_cluster(
+    tmp_path: Path, cluster: Cluster, second_cluster: Cluster, name: str, results: str
+) -> None:
+    """A worker is lost, then the scheduler; another cluster ends it, and the folder is that of an undisturbed run."""
+    command, out, whole = COMMANDS[name], tmp_path / "out", tmp_path / "whole"
+    command.make(tmp_path)
+    words, first = command.arguments(tmp_path, 1), cluster.worker()
+    cluster.worker()
+    running = begun([*words, "--out", out, "--cluster", cluster.address])
+    until(lambda: kills.rows(command, out) > 2)
+    first.kill()
+    done = kills.rows(command, out)
+    until(lambda: kills.rows(command, out) > done + 2)
+    ends_with_its_scheduler(running, cluster)
+    second_cluster.worker()
+    assert workbench(*words, "--out", out, "--resume", "--cluster", second_cluster.address).code == 0
+    assert workbench(*words, "--out", whole).code == 0
+    assert (out / results).read_bytes() == (whole / results).read_bytes()
 
 
 def refused(folder: Path, cluster: Cluster, change: str) -> str:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from command import STUDY, changed, ran, workbench, write
 
+from workbench.study.cases import NAMES, Cases
 from workbench.study.estimate import SAMPLED, estimate
 from workbench.study.names import matches
 from workbench.study.plan import MOST_CHECKED, plan
 from workbench.study.reading import read_study
 from workbench.study.study import DRAW
-from workbench.study.unfold import NAMES, Cases, unfold
+from workbench.study.unfold import unfold
 
 UNCERTAIN = "[uncertainty]\ndraws = 3\nfriction = 0.0\nscale = { mass = { min = 0.5, max = 2.0 } }\n"
 

@@ -31,6 +31,7 @@ def tune(
     controllers: Sequence[str] = ("all",),
     trials: int | None = None,
     jobs: int | None = None,
+    cluster: str | None = None,
     resume: bool = False,
     overwrite: bool = False,
 ) -> "ShownTuning":
@@ -42,6 +43,7 @@ def tune(
         controllers: of the study; "all": every one, and a PD.
         trials: of each seed, in place of what [tune] says.
         jobs: searches at a time; default one a core.
+        cluster: address of a dask scheduler whose workers score the trials of all searches instead.
         resume: go on with the trials in `out`.
         overwrite: replace what is there.
 
@@ -68,10 +70,10 @@ def tune(
     began = time.time()
     if out is None:
         with TemporaryDirectory() as folder, opened_folder(Path(folder)) as database:
-            return shown_as(ShownTuning, tune_all(ready, names, database, jobs))
+            return shown_as(ShownTuning, tune_all(ready, names, database, jobs, cluster=cluster))
     with opened_folder(Path(out), resume=resume, overwrite=overwrite) as database:
-        tuning = tune_all(ready, names, database, jobs)
-        write_tuning(tuning, Path(out), began=began, jobs=jobs)
+        tuning = tune_all(ready, names, database, jobs, cluster=cluster)
+        write_tuning(tuning, Path(out), began=began, jobs=jobs, cluster=cluster)
     return shown_as(ShownTuning, tuning)
 
 
@@ -81,6 +83,7 @@ def decide(
     *,
     machine: str | None = None,
     jobs: int | None = None,
+    cluster: str | None = None,
     resume: bool = False,
     overwrite: bool = False,
 ) -> "ShownDecision":
@@ -93,6 +96,7 @@ def decide(
         out: folder for decision.html, results, tables and figures; without one nothing is kept.
         machine: in place of the study's.
         jobs: runs at a time; default one a core.
+        cluster: address of a dask scheduler to run on instead.
         resume: go on with the runs in `out`.
         overwrite: replace what is there.
 
@@ -123,10 +127,10 @@ def decide(
     checked = plan_decision(asked.content, machine)
     planned = replace(checked, study=replace(checked.study, text=asked.text))
     if out is None:
-        return shown_as(ShownDecision, decided(planned, jobs))
+        return shown_as(ShownDecision, decided(planned, jobs, cluster=cluster))
     with opened_folder(Path(out), planned, resume=resume, overwrite=overwrite) as runs:
-        decision = decided(planned, jobs, kept=runs)
-        write_decision(decision, Path(out), began, jobs)
+        decision = decided(planned, jobs, kept=runs, cluster=cluster)
+        write_decision(decision, Path(out), began, cluster or jobs)
     return shown_as(ShownDecision, decision)
 
 

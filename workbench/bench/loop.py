@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from workbench.errors import UserError
+from workbench.study.at_point import merged
 from workbench.study.layers import LAYERS
 from workbench.study.reading import study_of
 from workbench.study.resolve import ParsedCase, Resolved, parse_case
 from workbench.study.schema import OVERRIDES
 from workbench.study.study import DRAW, Case, Study, named
-from workbench.study.unfold import merged, unfold
+from workbench.study.unfold import unfold
 
 HELD = ("controllers.", "references.")
 """Axes of what the tables of a case hold already."""

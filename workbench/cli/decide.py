@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, PageFormat, StudyFile, print_contents, say
+from workbench.cli.options import Cluster, Out, Overwrite, PageFormat, StudyFile, print_contents, say
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -13,6 +13,7 @@ def command(
     study: StudyFile,
     out: Out,
     jobs: Annotated[int | None, typer.Option(min=1, help="Runs at a time; default: one a core.")] = None,
+    cluster: Cluster = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the runs in DIR.")] = False,
     overwrite: Overwrite = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
@@ -38,8 +39,8 @@ def command(
         ProgressLine() as progress,
         opened_folder(out, planned, resume=resume, overwrite=overwrite) as runs,
     ):
-        decision = decide(planned, jobs, progress, runs)
+        decision = decide(planned, jobs, progress, runs, cluster)
         progress("tables, figures, page", 1.0)
-        write_decision(decision, out, began, jobs)
+        write_decision(decision, out, began, cluster or jobs)
     say(summary(decision) + "\n")
     print_contents(out)

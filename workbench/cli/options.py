@@ -16,6 +16,7 @@ StudyFile = Annotated[Path, typer.Argument(help="A study: a TOML file.", metavar
 ExperimentFile = Annotated[Path, typer.Argument(help="An experiment: a TOML file.", metavar="EXPERIMENT.toml")]
 Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DIR")]
 Out = Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")]
+Cluster = Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.", metavar="ADDRESS")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")]
 PageFormat = Annotated[
     str | None,

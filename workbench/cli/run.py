@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.options import Out, Overwrite, StudyFile, print_tables, print_warnings, say
+from workbench.cli.options import Cluster, Out, Overwrite, StudyFile, print_tables, print_warnings, say
 from workbench.errors import UserError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ def command(
     study: StudyFile,
     out: Out,
     jobs: Annotated[int | None, typer.Option(min=1, help="Cases at a time; default: one a core.")] = None,
-    cluster: Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.")] = None,
+    cluster: Cluster = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the results in DIR.")] = False,
     overwrite: Overwrite = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run, and what it takes.")] = False,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, PageFormat, StudyFile
+from workbench.cli.options import Cluster, Out, PageFormat, StudyFile
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -18,6 +18,7 @@ def command(
     ] = None,
     trials: Annotated[int | None, typer.Option(min=1, help="Trials of each seed; default: what [tune] says.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Searches at a time; default: one a core.")] = None,
+    cluster: Cluster = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
     page: PageFormat = None,
@@ -38,8 +39,8 @@ def command(
         ProgressLine() as progress,
         opened_folder(out, resume=resume, overwrite=overwrite) as database,
     ):
-        tuning = tune_all(ready, names, database, jobs, progress)
-        written = write_tuning(tuning, out, began=began, jobs=jobs, progress=progress)
+        tuning = tune_all(ready, names, database, jobs, progress, cluster)
+        written = write_tuning(tuning, out, began=began, jobs=jobs, cluster=cluster, progress=progress)
     say_tuning(written)
     if not any(tuned.best for tuned in tuning.tuned):
         raise typer.Exit(1)

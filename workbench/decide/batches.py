@@ -3,22 +3,26 @@
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import as_completed
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import pandas as pd
 
-from workbench.decide.plan import Candidate, Plan, Stage
+from plants.equation import source_hash
+from workbench.decide.plan import PROGRAM, Candidate, Plan, Stage, plan_decision
 from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
+from workbench.errors import UserError
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.parallel.workers import workers
+from workbench.parallel.chunks import KilledError, in_chunks
+from workbench.parallel.cluster import check_version
 from workbench.progress import Progress, silent
 from workbench.simulation.simulate import COMPLETED, simulate
 from workbench.study.hold import HOLD_SHARE, held
 from workbench.study.resolve import Resolved
 from workbench.study.run_on import evaluated
+from workbench.study.study import Study
 
 KEYS = ("controller", "rpm", "speed_m_per_s", "spread", "draw")
 """What a row is told from the others of its stage by."""
@@ -115,6 +119,30 @@ def batches(stage: Stage, wanted: Sequence[tuple[Candidate, float, float]], numb
     ]
 
 
+@dataclass(frozen=True)
+class BatchRuns:
+    """The work of a decision, a batch a piece. It can travel to another machine, which plans the decision anew."""
+
+    plan: Plan
+    wanted: Sequence[Batch]
+    known: Mapping[Key, SampleRun]
+
+    def __call__(self, places: Sequence[int]) -> list[list[SampleRun]]:
+        """The runs of these batches; those that are known are not made again."""
+        return [_run(self.plan, self.wanted[place], self.known) for place in places]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        machine = self.plan.table.machine
+        return _arrived, (self.plan.study, machine, self.wanted, self.known, source_hash(PROGRAM))
+
+
+def _arrived(
+    study: Study, machine: str | None, wanted: Sequence[Batch], known: Mapping[Key, SampleRun], version: str
+) -> BatchRuns:
+    check_version(version, PROGRAM)
+    return BatchRuns(plan_decision(study, machine), wanted, known)
+
+
 def run_batches(
     plan: Plan,
     wanted: Sequence[Batch],
@@ -122,18 +150,40 @@ def run_batches(
     doing: str = "runs",
     progress: Progress = silent,
     kept: Kept = NOTHING_KEPT,
+    cluster: str | None = None,
 ) -> pd.DataFrame:
-    """Run everything that is not `kept`: a row a run, by controller, rpm, speed, spread and draw, whatever the number
-    of `jobs`.
+    """Run everything that is not `kept`: a row a run, by controller, rpm, speed, spread and draw, wherever it is made.
 
-    `progress` is told what is being done, and the share of these runs that is.
+    Args:
+        plan: the decision.
+        wanted: batches of it.
+        jobs: batches at a time on this machine; default one a core.
+        doing: what is being done, for `progress`, which is told of it and of the share of these runs that is done.
+        progress: see there.
+        kept: runs that were made before, and what is told of new ones.
+        cluster: address of a dask scheduler to work on instead.
+
+    Raises:
+        UserError: a plant sample takes its process down whenever it is run, or the cluster does not serve.
     """
     rows: list[SampleRun] = []
     runs = sum(batch.runs for batch in wanted)
-    with workers(jobs) as executor:
-        for future in as_completed([executor.submit(_run, plan, batch, kept) for batch in wanted]):
-            rows += future.result()
-            progress(f"{doing}: {len(rows)} of {runs} runs", len(rows) / runs)
+    work = BatchRuns(plan, wanted, kept.known)
+    try:
+        with closing(in_chunks(work, range(len(wanted)), jobs=jobs, cluster=cluster)) as chunks:
+            for chunk in chunks:
+                made = [run for batch in chunk.results for run in batch]
+                for run in made:
+                    if run.key not in kept.known:
+                        kept.keep(run)
+                rows += made
+                progress(f"{doing}: {len(rows)} of {runs} runs", len(rows) / runs)
+    except KilledError as error:
+        batch = wanted[error.place]
+        raise UserError(
+            f"draw {batch.number} at {batch.rpm:g} rpm: its process was killed whenever it ran, as a system does that "
+            "is out of memory; finished runs are kept: go on with --resume --jobs 1"
+        ) from None
     return in_order(plan, runs_frame(rows))
 
 
@@ -150,7 +200,7 @@ def in_order(plan: Plan, frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _run(plan: Plan, batch: Batch, kept: Kept) -> list[SampleRun]:
+def _run(plan: Plan, batch: Batch, known: Mapping[Key, SampleRun]) -> list[SampleRun]:
     """All controllers on one plant sample, built once a speed: they differ in nothing but their loop."""
     rows, first = list[SampleRun](), next(iter(batch.speeds))
 
@@ -161,12 +211,11 @@ def _run(plan: Plan, batch: Batch, kept: Kept) -> list[SampleRun]:
     for name, speeds in batch.speeds.items():
         loop, hunts = plan.loops[name, batch.rpm], None
         for speed in speeds:
-            run = kept.known.get((batch.stage, name, batch.rpm, speed, batch.spread, batch.number))
+            run = known.get((batch.stage, name, batch.rpm, speed, batch.spread, batch.number))
             if run is None:
                 resolved = replace(built(speed), setup=replace(built(speed).setup, loop=loop))
                 hunts = _hunts(plan, resolved) if hunts is None else hunts
                 run = _measured(plan, batch, name, speed, resolved, hunts)
-                kept.keep(run)
             hunts = run.hunts
             rows.append(run)
     return rows

@@ -10,15 +10,11 @@ from typing import Any
 
 from plants.equation import source_hash
 from workbench.decide.batches import Kept, SampleRun
-from workbench.decide.plan import Plan
+from workbench.decide.plan import PROGRAM, Plan
 from workbench.publish.database import check_identity, damaged, database_at
 from workbench.study.identity import led_to_when_drawn
-from workbench.study.plan import PROGRAM_FOLDERS
 
 DATABASE = "runs.sqlite"
-
-PROGRAM = (*PROGRAM_FOLDERS, "workbench/decide")
-"""Folders of the source files on which a run depends."""
 
 OF_THE_ANSWER = {"probability", "draws", "fresh_draws", "contenders", "assumptions"}
 """What of [decide] says how many runs there are and what they mean: more draws go on with those there are."""

@@ -12,6 +12,7 @@ from workbench.simulation.simulate import Loop
 from workbench.study.checks.use import check_use
 from workbench.study.layers import MACHINE
 from workbench.study.overrides import Overrides
+from workbench.study.plan import PROGRAM_FOLDERS
 from workbench.study.reading import with_files
 from workbench.study.resolve import ParsedCase, Resolved, parse_case, resolve
 from workbench.study.schema import SimulationTable
@@ -25,6 +26,9 @@ Stage = Literal["search", "fresh"]
 
 STREAMS: dict[Stage, int] = {"search": 2, "fresh": 4}
 """The streams of plant samples of decisions: none of those on which gains were tuned or studies run."""
+
+PROGRAM = (*PROGRAM_FOLDERS, "workbench/decide")
+"""Folders of the source files on which a run depends."""
 
 MOTION = "decision"
 """The name of the reference that a decision makes."""

@@ -10,7 +10,8 @@ Source: Bonferroni's inequality with unequal shares fixed before the data, as in
 2, 211); samples of their own for selection and measurement, Cox 1975 (Biometrika 62, 441).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import pandas as pd
 
@@ -20,6 +21,7 @@ from workbench.decide.plan import Plan
 from workbench.decide.result import Cell, Decision
 from workbench.metrics.statistics import SURE, deciding_counts, least_draws
 from workbench.progress import Progress, part_of, silent
+from workbench.simulation.simulate import ready
 
 SEARCH_SHARE = 0.6
 """Of the time, about, that the search takes; the rest is spent on fresh samples."""
@@ -28,23 +30,29 @@ FRESH_SHARE = 0.9
 """Of the share that is left: a round of fresh samples never says that all is done, since another may follow."""
 
 
-def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent, kept: Kept = NOTHING_KEPT) -> Decision:
-    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`, and
-    whatever runs of it are `kept`.
+def decide(
+    plan: Plan,
+    jobs: int | None = None,
+    progress: Progress = silent,
+    kept: Kept = NOTHING_KEPT,
+    cluster: str | None = None,
+) -> Decision:
+    """Look for candidates, measure those that may be chosen on fresh samples; the same for any number of `jobs`, on a
+    `cluster` (the address of a dask scheduler), and whatever runs of it are `kept`.
 
     `progress` is told what is being done, and how far all is.
+
+    Raises:
+        UserError: see `run_batches`.
     """
+    if cluster is None:
+        compiled(plan)
+    run = partial(run_batches, plan, jobs=jobs, kept=kept, cluster=cluster)
     wanted = [
         (candidate, speed, spread) for candidate in plan.candidates for speed in plan.speeds for spread in plan.spreads
     ]
-    searched = run_batches(
-        plan,
-        batches("search", wanted, range(plan.draws)),
-        jobs,
-        "search",
-        part_of(progress, 0.0, SEARCH_SHARE),
-        kept,
-    )
+    search_part = part_of(progress, 0.0, SEARCH_SHARE)
+    searched = run(batches("search", wanted, range(plan.draws)), doing="search", progress=search_part)
     rows = candidate_results(searched, plan.table)
     cells = [
         Cell(speed, spread, plan.table, [row for row in rows if (row.speed, row.spread) == (speed, spread)])
@@ -52,29 +60,33 @@ def decide(plan: Plan, jobs: int | None = None, progress: Progress = silent, kep
         for spread in plan.spreads
     ]
     fresh_part = part_of(progress, SEARCH_SHARE, FRESH_SHARE * (1.0 - SEARCH_SHARE))
-    cells, fresh = confirm(plan, cells, jobs, fresh_part, kept)
+    cells, fresh = confirm(plan, cells, partial(run, progress=fresh_part))
     return Decision(plan, pd.concat([searched, fresh], ignore_index=True) if len(fresh) else searched, cells)
 
 
-def confirm(
-    plan: Plan, cells: Sequence[Cell], jobs: int | None, progress: Progress, kept: Kept
-) -> tuple[list[Cell], pd.DataFrame]:
+def compiled(plan: Plan) -> None:
+    """Have all compiled code of a plan at hand, before processes are made that would each compile it."""
+    for case in plan.cases[plan.table.speed].values():
+        ready(case.resolve().setup)
+
+
+def confirm(plan: Plan, cells: Sequence[Cell], run: Callable[..., pd.DataFrame]) -> tuple[list[Cell], pd.DataFrame]:
     """The cells with what is needed measured in each, and the runs. Without draws the search has said everything.
 
-    In each round the next contender of every cell runs that has no sure answer yet; then, where it was asked, the first
-    of each other kind, to say by how much they differ.
+    `run` runs batches of the plan, as `run_batches` does. In each round the next contender of every cell runs that has
+    no sure answer yet; then, where it was asked, the first of each other kind, to say by how much they differ.
     """
     if not plan.several:
         meets = [[row for row in cell.search if row.standing(plan.table) == "meets"] for cell in cells]
         return [cell.with_measured(rows) for cell, rows in zip(cells, meets, strict=True)], pd.DataFrame()
     measured, frames = list(cells), list[pd.DataFrame]()
     while wanted := {i: row for i, cell in enumerate(measured) if (row := cell.next()) is not None}:
-        frames.append(_measure(plan, measured, wanted, jobs, progress, len(frames) + 1, kept))
+        frames.append(_measure(plan, measured, wanted, run, len(frames) + 1))
     asked = next(
         i for i, cell in enumerate(cells) if (cell.speed, cell.spread) == (plan.table.speed, plan.table.spread)
     )
     while (row := measured[asked].next_to_compare()) is not None:
-        frames.append(_measure(plan, measured, {asked: row}, jobs, progress, len(frames) + 1, kept))
+        frames.append(_measure(plan, measured, {asked: row}, run, len(frames) + 1))
     return measured, in_order(plan, pd.concat(frames)) if frames else pd.DataFrame()
 
 
@@ -82,21 +94,12 @@ def _measure(
     plan: Plan,
     cells: list[Cell],
     wanted: Mapping[int, CandidateResult],
-    jobs: int | None,
-    progress: Progress,
+    run: Callable[..., pd.DataFrame],
     number: int,
-    kept: Kept,
 ) -> pd.DataFrame:
     """Run one contender of each of these `cells`, which are renewed with what the fresh samples say of it."""
     candidates = [(row.candidate, cells[i].speed, cells[i].spread) for i, row in wanted.items()]
-    frame = run_batches(
-        plan,
-        batches("fresh", candidates, range(plan.fresh_draws)),
-        jobs,
-        f"fresh draws, round {number}",
-        progress,
-        kept,
-    )
+    frame = run(batches("fresh", candidates, range(plan.fresh_draws)), doing=f"fresh draws, round {number}")
     for i, row in wanted.items():
         own = frame[
             (frame["controller"] == row.controller)

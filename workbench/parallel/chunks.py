@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any, Generic, TypeVar
 
-from workbench.parallel.cluster import Watch, connected, finished, result_of
+from workbench.parallel.cluster import Watch, connected, done_there, finished, packed, result_of
 from workbench.parallel.workers import job_count
 from workbench.stopping import in_a_worker
 
@@ -165,12 +165,13 @@ def _on_cluster(
     """Chunks from the workers of a cluster, as many as there are now; what a lost one had begun another does."""
     with connected(address) as client:
         watch, sizes, held, begun = Watch(client, address), Sizes(), dict[Any, Sequence[int]](), 0
+        whole = packed(work)
         while begun < len(places) or held:
             hands = watch.hands()
             while begun < len(places) and len(held) < max(AHEAD * hands, 1):
                 size = sizes.next(len(places) - begun, max(hands, 1))
                 chosen = places[begun : begun + size]
-                held[client.submit(work, chosen, pure=False)] = chosen
+                held[client.submit(done_there, whole, chosen, pure=False)] = chosen
                 begun += size
             for future in finished(client, held, watch):
                 chunk = result_of(future, watch, functools.partial(KilledError, held.pop(future)[0]))

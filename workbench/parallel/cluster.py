@@ -1,11 +1,14 @@
 """Work done by the workers of a dask cluster: who answers, what has ended, and who has gone."""
 
+import functools
 import logging
+import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from plants.equation import source_hash
 from workbench.errors import UserError
 
 if TYPE_CHECKING:
@@ -51,6 +54,53 @@ def connected(address: str) -> Iterator["Client"]:
         yield client
     finally:
         client.close(timeout=LOOKS)
+
+
+def packed(work: Callable[..., Any]) -> bytes:
+    """Work as it travels to a worker, which unpacks it once."""
+    from distributed.protocol.pickle import dumps
+
+    return dumps(work)
+
+
+def done_there(work: bytes, *arguments: Any) -> Any:
+    """On a worker: do `packed` work with these arguments."""
+    return _unpacked(work)(*arguments)
+
+
+@functools.lru_cache(maxsize=2)
+def _unpacked(work: bytes) -> Callable[..., Any]:
+    from distributed.protocol.pickle import loads
+
+    return loads(work)  # type: ignore[no-any-return]
+
+
+def check_version(version: str, folders: Sequence[str]) -> None:
+    """Raises UserError where these folders of the program are of another version than that of whoever asks."""
+    if source_hash(folders) != version:
+        raise UserError(f"worker {platform.node()}: has another version of this program; install the same one there")
+
+
+class Asked:
+    """Work whose pieces any thread asks for, one at a time: each goes to a worker of the cluster at `address`."""
+
+    def __init__(self, client: "Client", address: str, work: Callable[..., Any]) -> None:
+        self._client, self._watch, self._work = client, Watch(client, address), packed(work)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """What the work makes of these arguments; what a lost worker had begun another does.
+
+        Raises:
+            UserError: the scheduler has gone, or no worker is there for long, or they die over it.
+        """
+        self._watch.hands()
+        future = self._client.submit(done_there, self._work, *arguments, pure=False)
+        while not finished(self._client, {future: ()}, self._watch):
+            pass
+        return result_of(future, self._watch, self._killed)
+
+    def _killed(self) -> Exception:
+        return UserError(f"its workers are killed whenever they run a part, as by a lack of memory; {RESUME}")
 
 
 class Watch:

@@ -10,6 +10,7 @@ from workbench.metrics.evaluate import rms_error
 from workbench.metrics.registry import SOLVER, names_along
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import finer, largest_distance, ready, simulate
+from workbench.study.cases import Cases
 from workbench.study.plan import Plan, needed_trajectories
 from workbench.study.probes import probe_values
 from workbench.study.resolve import Resolved
@@ -17,7 +18,6 @@ from workbench.study.run_on import evaluated
 from workbench.study.sketches import is_sketched, points_for, sketch_of, sketched
 from workbench.study.store import RECORDS, Row, record_path, trajectory_path, write_record, write_trajectory
 from workbench.study.study import Case, Study
-from workbench.study.unfold import Cases
 
 
 @dataclass(frozen=True)

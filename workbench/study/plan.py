@@ -12,13 +12,14 @@ import numpy as np
 from plants.axis import LINEAR
 from plants.equation import EQUATION_FOLDERS, source_hash
 from workbench.metrics.registry import columns
+from workbench.study.cases import Cases
 from workbench.study.checks.checks import Checks
 from workbench.study.identity import led_to, spreads
 from workbench.study.parameter_tables import ParameterReader
 from workbench.study.resolve import Resolved, parse_case
 from workbench.study.study import Case, Study, located
 from workbench.study.uncertainty import draws_of
-from workbench.study.unfold import MOST_CASES, Cases, unfold
+from workbench.study.unfold import MOST_CASES, unfold
 
 PROGRAM_FOLDERS = (*EQUATION_FOLDERS, "workbench/metrics", "workbench/study")
 """Folders of the source files on which a row of results depends."""

@@ -1,15 +1,13 @@
 """Cases that are run on another machine: their rows come back with the files that they leave."""
 
 import functools
-import platform
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from plants.equation import source_hash
-from workbench.errors import UserError
+from workbench.parallel.cluster import check_version
 from workbench.publish.folders import write_whole
 from workbench.study.case_runs import CaseRuns
 from workbench.study.plan import PROGRAM_FOLDERS
@@ -32,10 +30,7 @@ class ShippedRuns:
 
     def __call__(self, indices: Sequence[int]) -> list[Shipped]:
         """Raises UserError where the other machine's program is of another version."""
-        if source_hash(PROGRAM_FOLDERS) != self.version:
-            raise UserError(
-                f"worker {platform.node()}: has another version of this program; install the same one there"
-            )
+        check_version(self.version, PROGRAM_FOLDERS)
         with tempfile.TemporaryDirectory() as name:
             work = replace(self.work, folder=Path(name))
             return [Shipped(row, _files(work, row)) for row in work(indices)]

@@ -7,8 +7,8 @@ import numpy as np
 from workbench.publish.page.packed import shorts
 from workbench.publish.thinning import thinned
 from workbench.simulation.run import TRUE, Run
+from workbench.study.cases import Cases
 from workbench.study.names import units_of
-from workbench.study.unfold import Cases
 
 ERROR, REFERENCE, POSITION, COMMAND = "error", "reference_position", "position", "command"
 

@@ -9,7 +9,7 @@ from workbench.study.resolve import Resolved, resolve
 from workbench.study.study import Case, Study
 from workbench.study.unfold import unfold
 from workbench.tune.objective import Objective, RunMetrics, Score, hold, margins_of, run
-from workbench.tune.prepare import cases_for
+from workbench.tune.prepare import cases_for, tasks_for
 from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Point
 from workbench.tune.task import Task
@@ -82,6 +82,13 @@ def objective_at(study: Study, cases: Sequence[Case], at: Mapping[str, object]) 
     return Objective(table, [run(resolve(study, case), columns) for case in cases_for(study, cases, name, at)])
 
 
-def evaluator_of(task: Task) -> Evaluator:
-    """The evaluator of one task."""
-    return Evaluator(task, objective_at(task.study, unfold(task.study), task.at))
+def evaluators_of(study: Study, names: Sequence[str]) -> list[Evaluator]:
+    """The evaluators of all tasks of tuning these controllers of a `prepared` study.
+
+    Raises:
+        UserError: a reference controller that does not serve.
+    """
+    tasks, cases = tasks_for(study, names), unfold(study)
+    places = {repr(task.at): task.at for task in tasks}
+    objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
+    return [Evaluator(task, objectives[repr(task.at)]) for task in tasks]

@@ -12,15 +12,20 @@ from workbench.progress import Progress, silent
 from workbench.study.resolve import parse_case
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
-from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, objective_at
+from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, evaluators_of
 from workbench.tune.objective import Objective
-from workbench.tune.prepare import cases_for, task_for, tasks_for
+from workbench.tune.prepare import cases_for, task_for
+from workbench.tune.remote import on_cluster
 from workbench.tune.result import ClassicTuning, ControllerTuning, Quantile, Tuning, interval
 from workbench.tune.schema import TuneTable, reference_controller, tune_table
 from workbench.tune.search import Search
 from workbench.tune.space import Point
 from workbench.tune.starts import classic_points, has_pid_gains, starts_of
+from workbench.tune.task import Task
 from workbench.tune.trials import Trial, TrialStore, kept_identity, trials_in
+
+MOST_SEARCHES = 64
+"""Searches at a time, at most, whose points a cluster scores: each is led by a thread of this process."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,23 +44,25 @@ def tune_all(
     database: Path,
     jobs: int | None = None,
     progress: Progress = silent,
+    cluster: str | None = None,
 ) -> Tuning:
-    """Tune these controllers of a `prepared` study, at every combination that it asks for, `jobs` searches at a time;
+    """Tune these controllers of a `prepared` study, at every combination that it asks for, `jobs` searches at a time,
+    or all at a time where the workers of a `cluster` (the address of a dask scheduler) score their points.
+
     `progress` is told whose trials are being made, and how far all are.
 
     Raises:
         UserError: trials of another study in the database, or a reference controller that does not serve.
     """
-    table, tasks, cases = tune_table(study), tasks_for(study, names), unfold(study)
-    places = {repr(task.at): task.at for task in tasks}
-    objectives = {key: objective_at(study, cases, at) for key, at in places.items()}
-    evaluators = [Evaluator(task, objectives[repr(task.at)]) for task in tasks]
-    name = reference_controller(study)
-    references = {
-        key: [parse_case(study, case) for case in cases_for(study, cases, name, at)] for key, at in places.items()
-    }
-    identities = [kept_identity(task, references[repr(task.at)]) for task in tasks]
-    with trials_in(database) as store, workers(jobs) as executor:
+    table, here = tune_table(study), evaluators_of(study, names)
+    identities = _identities(study, [evaluator.task for evaluator in here])
+    at_a_time = jobs if cluster is None else min(len(here) * table.seeds, MOST_SEARCHES)
+    with (
+        trials_in(database) as store,
+        on_cluster(here, study, names, cluster) as evaluators,
+        workers(at_a_time) as executor,
+    ):
+        tasks = [evaluator.task for evaluator in evaluators]
         work = _Work(store, table, len(tasks), progress)
         try:
             pids = {repr(task.at): task for task in reversed(tasks) if has_pid_gains(task)}
@@ -75,7 +82,17 @@ def tune_all(
         except BaseException:
             work.stopped.set()
             raise
-    return Tuning(study, tuned, classic_tunings(study, next(iter(objectives.values()))))
+    return Tuning(study, tuned, classic_tunings(study, here[0].objective))
+
+
+def _identities(study: Study, tasks: Sequence[Task]) -> list[Mapping[str, object]]:
+    """What kept trials of each task must agree in."""
+    cases, name = unfold(study), reference_controller(study)
+    places = {repr(task.at): task.at for task in tasks}
+    references = {
+        key: [parse_case(study, case) for case in cases_for(study, cases, name, at)] for key, at in places.items()
+    }
+    return [kept_identity(task, references[repr(task.at)]) for task in tasks]
 
 
 def conclude(evaluator: Evaluator, searches: Mapping[int, Sequence[Trial]]) -> ControllerTuning:

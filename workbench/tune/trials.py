@@ -17,6 +17,9 @@ from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import Point
 from workbench.tune.task import Task
 
+PROGRAM = (*PROGRAM_FOLDERS, "workbench/tune")
+"""Folders of the source files on which a trial depends."""
+
 ON_DRAWS = "limit cycle on draws"
 """The constraint that is judged on plant samples, and of points alone that would be the best."""
 
@@ -64,7 +67,7 @@ def identity_of(study: Study, names: Sequence[str]) -> dict[str, object]:
     own = {name: controllers[name] for name in (*names, reference_controller(study))}
     bare = replace(study, file=study.file.model_copy(update={"controllers": own}))
     return {
-        "program": source_hash((*PROGRAM_FOLDERS, "workbench/tune")),
+        "program": source_hash(PROGRAM),
         "study": bare.fingerprint,
         "tune": table.model_dump(mode="json", exclude={"trials", "seed", "seeds", "fresh_draws"}),
         "uncertainty": None if uncertainty is None else uncertainty.model_dump(mode="json"),

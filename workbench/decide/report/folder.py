@@ -6,8 +6,8 @@ from pathlib import Path
 
 from plants.equation import source_hash
 from workbench.decide.batches import Kept
-from workbench.decide.kept import DATABASE, PROGRAM, kept_runs
-from workbench.decide.plan import Plan
+from workbench.decide.kept import DATABASE, kept_runs
+from workbench.decide.plan import PROGRAM, Plan
 from workbench.decide.report.answer import paragraph
 from workbench.decide.report.figures import write_figures
 from workbench.decide.report.map import map_table
@@ -53,12 +53,13 @@ def opened_folder(folder: Path, plan: Plan, *, resume: bool = False, overwrite: 
         yield kept
 
 
-def write_decision(decision: Decision, folder: Path, began: float, jobs: int | None) -> None:
-    """Write everything; `began` is when the work did (s since the epoch). Stopped, no answer is written."""
+def write_decision(decision: Decision, folder: Path, began: float, jobs: int | str | None) -> None:
+    """Write everything; `began` is when the work did (s since the epoch), `jobs` how many ran at a time, or the address
+    of a cluster. Stopped, no answer is written."""
     FOLDER.write(folder, lambda beside: _write(decision, beside, began, jobs))
 
 
-def _write(decision: Decision, folder: Path, began: float, jobs: int | None) -> None:
+def _write(decision: Decision, folder: Path, began: float, jobs: int | str | None) -> None:
     export(results(decision.cells), folder)
     decision.draws.to_parquet(folder / DRAWS, index=False)
     write_study(decision.plan.study, folder)
@@ -104,7 +105,7 @@ def summary(decision: Decision) -> str:
     return "\n\n".join(part for part in (question(decision), paragraph(decision), price(decision), shown) if part)
 
 
-def _record(decision: Decision, began: float, jobs: int | None) -> dict[str, object]:
+def _record(decision: Decision, began: float, jobs: int | str | None) -> dict[str, object]:
     return {
         **decision.provenance,
         "version of the program": source_hash(PROGRAM),

@@ -16,6 +16,7 @@ from workbench.metrics.window import whole_periods
 from workbench.simulation.references import ReferenceSignal, Steps
 from workbench.simulation.setup import memory_names
 from workbench.study.axis_values import are_names, shown_unit
+from workbench.study.cases import Cases
 from workbench.study.checks.load import unheld
 from workbench.study.checks.rotation import rotation_warning
 from workbench.study.checks.use import check_use
@@ -25,7 +26,6 @@ from workbench.study.report.table_layout import LayoutError, lay_out
 from workbench.study.resolve import Resolved, resolve
 from workbench.study.sections import Checked, Overlay, overlays_of, placed, sections_of
 from workbench.study.study import INDEX, Case, Study, check_name, located, named
-from workbench.study.unfold import Cases
 from workbench.toml.quantities import check_along
 from workbench.toml.reading import Key, SchemaError
 from workbench.toml.units import QuantityError

@@ -72,11 +72,13 @@ def write_tuning(
     *,
     began: float,
     jobs: int | None = None,
+    cluster: str | None = None,
     progress: Progress = silent,
 ) -> Written:
     """Write gains, results, trials, tables, figures and the page; run.json, which says that all are there, last.
 
-    `began`: when the tuning did (s since the epoch). `progress` is told what is being made, and how far all is.
+    `began`: when the tuning did (s since the epoch), with so many `jobs` or on a `cluster`. `progress` is told what is
+    being made, and how far all is.
     """
     for name in LAST:
         remove(folder / name)
@@ -95,7 +97,7 @@ def write_tuning(
         save(picture.figure, name, folder / "figures", caption=picture.caption)
     html = page(tuning, tables, pictures, folder)
     write_whole(folder / PAGE, lambda path: path.write_text(html, encoding="utf-8"))
-    record = _record(tuning, began, jobs)
+    record = _record(tuning, began, cluster or jobs)
     write_contents(_contents(tuning, tables, pictures, record), folder)
     write_json(folder / RECORD, record)
     lines = [*first_lines(tuning), *infeasible_lines(tuning)]
@@ -159,7 +161,7 @@ def _contents(
     )
 
 
-def _record(tuning: Tuning, began: float, jobs: int | None) -> dict[str, object]:
+def _record(tuning: Tuning, began: float, jobs: int | str | None) -> dict[str, object]:
     """What ran: as run.json of a study says it."""
     return {**tuning.provenance, **ran_on(began, jobs, (*PACKAGES, "optuna"))}
 
