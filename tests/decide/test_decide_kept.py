@@ -1,6 +1,9 @@
 """Runs of a decision are kept as they end: one that was killed goes on to the same bytes."""
 
+import os
+import signal
 import sqlite3
+from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -9,9 +12,10 @@ import pytest
 from command import changed, killed, workbench, write
 from kill_studies import DECIDE
 
-from workbench.decide.batches import NOTHING_KEPT, Kept, SampleRun, batches, run_batches
+from workbench.decide.batches import NOTHING_KEPT, BatchRuns, Kept, SampleRun, batches, run_batches
 from workbench.decide.kept import kept_runs
 from workbench.decide.plan import plan_decision
+from workbench.errors import UserError
 from workbench.study.reading import read_study
 
 SMALL = changed("rpm = [0, 125]", "rpm = [0]", DECIDE)
@@ -59,6 +63,23 @@ def test_what_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr("workbench.decide.batches.simulate", None)
     assert run_batches(plan, wanted, 1, kept=Kept({run.key: run for run in made}, again.append)).equals(whole)
     assert NOTHING_KEPT.known == {}
+
+
+def test_a_draw_that_takes_its_process_down_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_decision(read_study(write(tmp_path, SMALL)))
+    wanted = batches("search", [(candidate, 0.02, 1.0) for candidate in plan.candidates], [0, 1])
+    ran = BatchRuns.__call__
+
+    def dies(work: BatchRuns, places: Sequence[int]) -> list[list[SampleRun]]:
+        if 1 in places:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return ran(work, places)
+
+    monkeypatch.setattr(BatchRuns, "__call__", dies)
+    made: list[SampleRun] = []
+    with pytest.raises(UserError, match=r"^draw 1 at 0 rpm: its process was killed whenever it ran, .*--jobs 1$"):
+        run_batches(plan, wanted, 2, kept=Kept({}, made.append))
+    assert {run.number for run in made} == {0}, "what the others have brought back is kept"
 
 
 @pytest.mark.usefixtures("png_alone")

@@ -95,7 +95,9 @@ def test_the_pump_driven_cylinder_has_unequal_areas_and_no_leakage_that_shows() 
     assert tested.after.position is not None
     told = _told_by_the_ratio(diagnosis)
     assert told < 0.15 * tested.before.position
-    assert tested.after.position < 0.25 * tested.before.position + told  # a free run from what sensors show of its start
+    assert (
+        tested.after.position < 0.25 * tested.before.position + told
+    )  # a free run from what sensors show of its start
 
 
 def _told_by_the_ratio(diagnosis: Diagnosis) -> float:
