@@ -72,7 +72,7 @@ def done_there(work: bytes, *arguments: Any) -> Any:
 def _unpacked(work: bytes) -> Callable[..., Any]:
     from distributed.protocol.pickle import loads
 
-    return loads(work)  # type: ignore[no-any-return]
+    return loads(work)
 
 
 def check_version(version: str, folders: Sequence[str]) -> None:
