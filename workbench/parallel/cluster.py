@@ -162,10 +162,11 @@ def finished(client: "Client", held: Mapping[Any, Sequence[int]], watch: Watch) 
 def result_of(future: Any, watch: Watch, killed: Callable[[], Exception]) -> Any:
     """What a future holds; the exception that was raised where it was made; `killed` where its workers died over it."""
     from distributed import CancelledError, KilledWorker
+    from distributed.comm import CommClosedError
 
     try:
         return future.result()
     except KilledWorker:
         raise killed() from None
-    except CancelledError:
+    except (CancelledError, CommClosedError):
         raise watch.gone() from None
