@@ -14,7 +14,7 @@ from workbench import api
 EXPERIMENT, _, _ = experiment_text({"coulomb": 0.8, "viscous": 1.2}, ["coulomb", "viscous"]).partition("[truth]")
 
 FACES = (
-    *("run", "results", "wb.diagnose(experiment)", "identification", "tuning", "decision"),
+    *("run", "results", "diagnosis", "identification", "tuning", "decision"),
     "run.plot('axial_friction', against='velocity')",
 )
 """What the last cells of the notebook show: what earlier ones have made, and at the end a figure."""

@@ -192,7 +192,8 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
         UserError: a mistake in the file, channels that allow no balance, or a folder that does not serve.
 
     Example:
-        >>> wb.diagnose(experiment).verdict
+        >>> diagnosis = wb.diagnose(experiment)
+        >>> diagnosis.verdict
         'none_missing'
     """
     from workbench.api.faces.diagnosis import ShownDiagnosis
