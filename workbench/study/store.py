@@ -262,10 +262,13 @@ def read_results(folder: Path) -> pd.DataFrame:
     Raises:
         UserError: there are none, or the file is damaged.
     """
+    import pyarrow.parquet as pq
+
     path = folder / "results.parquet"
     if not path.exists():
         raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
     try:
-        return pd.read_parquet(path)
+        table = pq.read_table(path)
+        return table.to_pandas(split_blocks=True, self_destruct=True)  # not twice in memory
     except (OSError, ValueError) as error:
         raise UserError(f"{path}: cannot be read ({error}); run the study again with --resume") from None

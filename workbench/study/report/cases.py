@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
@@ -59,9 +60,13 @@ def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
         (name, column, words) for name, column, words in figures if column in frame and frame[column].notna().any()
     ]
     draws = frame[DRAW].nunique() if DRAW in frame else 1
-    grouped = _groups(frame, apart)
+    grouped, count = _groups(frame, apart)
     found = read_sketches(folder)
-    rows = [_row(group, apart, figures, axis, found) for group in grouped[:MOST_CASES]]
+    wanted = (*apart, OUTCOME, *(column for _, column, _ in figures))
+    columns = {name: frame[name].to_numpy() for name in wanted}
+    cells = [_cells(columns, places, apart, figures, axis) for places in grouped]
+    cases = [int(frame.index[places[0]]) for places in grouped]
+    rows = [CaseRow(own, case if case in found else None) for own, case in zip(cells, cases, strict=True)]
     shown = {row.case for row in rows}
     return Cases(
         headings=[
@@ -76,39 +81,45 @@ def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
         ],
         choices=[i for i, name in enumerate(apart) if frame[name].nunique() <= MOST_CHOICES],
         rows=rows,
-        notes=_notes(len(grouped), draws, apart, bool(found)),
+        notes=_notes(count, draws, apart, bool(found)),
         views=Markup(in_script({"views": _views(axis), "names": list(range(len(apart)))})),
         sketches={case: Markup(text) for case, text in found.items() if case in shown},
     )
 
 
-def _groups(frame: pd.DataFrame, apart: Sequence[str]) -> list[pd.DataFrame]:
-    """The cases by what tells them apart, in their order: the draws of each together."""
+def _groups(frame: pd.DataFrame, apart: Sequence[str]) -> tuple[list[list[int]], int]:
+    """The places of the cases by what tells them apart, in their order: the draws of each together; the first
+    `MOST_CASES`, and how many there are.
+    """
     if not apart:
-        return [frame]
-    return [group for _, group in frame.groupby(list(apart), sort=False, dropna=False)]
+        return [[*range(len(frame))]], 1
+    numbers = frame.groupby(list(apart), sort=False, dropna=False).ngroup().to_numpy()
+    groups: dict[int, list[int]] = {}
+    for place in np.flatnonzero(numbers < MOST_CASES).tolist():
+        groups.setdefault(int(numbers[place]), []).append(place)
+    return [*groups.values()], int(numbers.max()) + 1
 
 
-def _row(
-    group: pd.DataFrame,
+def _cells(
+    columns: Mapping[str, np.ndarray],
+    places: Sequence[int],
     apart: Sequence[str],
     figures: Sequence[tuple[str, str, str]],
     axis: str,
-    found: Mapping[int, str],
-) -> CaseRow:
-    first = group.iloc[0]
-    cells = [_axis_cell(first[name]) for name in apart]
-    cells.append(_counted([str(outcome) for outcome in group[OUTCOME]]))
+) -> list[str]:
+    """What stands in the line of the cases at these places, which are draws of one."""
+    cells = [_axis_cell(columns[name][places[0]]) for name in apart]
+    cells.append(_counted([str(columns[OUTCOME][place]) for place in places]))
     for name, column, _ in figures:
-        values = group[column].dropna()
-        if values.empty:
+        own = (columns[column][place] for place in places)
+        values = [value for value in own if value is not None and value == value]
+        if not values:
             cells.append("")
         elif name == "limit_cycle":
             cells.append(_counted([plain_name(str(value)) for value in values]))
         else:
-            cells.append(shown_figure(name, float(values.astype(float).mean()), axis, DIGITS))
-    case = int(str(group.index[0]))
-    return CaseRow(cells, case if case in found else None)
+            cells.append(shown_figure(name, float(np.mean(np.array(values, dtype=float))), axis, DIGITS))
+    return cells
 
 
 def _axis_cell(value: object) -> str:

@@ -128,12 +128,13 @@ def _span(frame: pd.DataFrame, name: str, axis: str, words: str, apart: Sequence
     sizes = pd.to_numeric(frame[column]).abs().dropna() if column in frame else pd.Series(dtype=float)
     if len(sizes) < 2 or sizes.max() == 0.0:
         return []
-    rows, order = _rows(frame.loc[sizes.index]), sizes.to_numpy().argsort(kind="stable")
-    ends = [
-        f"{shown_figure(name, float(sizes.iloc[place]), axis, DIGITS)} {unit} ({_case(rows[place], apart)})"
-        for place in (order[0], order[-1])
+    ends = sizes.iloc[sizes.to_numpy().argsort(kind="stable")[[0, -1]]]
+    cases = [_case(row, apart) for row in _rows(frame.loc[ends.index])]
+    told = [
+        f"{shown_figure(name, float(size), axis, DIGITS)} {unit} ({case})"
+        for size, case in zip(ends, cases, strict=True)
     ]
-    return [f"{words[:1].upper()}{words[1:]} from {' to '.join(ends)}"]
+    return [f"{words[:1].upper()}{words[1:]} from {' to '.join(told)}"]
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[str, object]]:

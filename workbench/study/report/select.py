@@ -4,10 +4,11 @@ from collections.abc import Iterable, Mapping
 from itertools import takewhile
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError, few_of, nearest
-from workbench.study.names import in_words, matches
+from workbench.study.names import comparable, in_words
 from workbench.study.store import trajectory_path
 
 OUTCOME = "outcome"
@@ -28,8 +29,18 @@ def rows(frame: pd.DataFrame, where: Mapping[str, object]) -> pd.DataFrame:
     for key in where:
         if key not in frame.columns:
             raise UserError(f'the results have no column "{key}"; {nearest(key, map(str, frame.columns))}')
-    keep = [matches({str(name): value for name, value in row.items()}, where) for row in frame.to_dict("records")]
+    keep = np.ones(len(frame), dtype=bool)
+    for key, value in where.items():
+        keep &= _equal(frame[key], comparable(value))
     return frame[keep]
+
+
+def _equal(column: pd.Series, asked: float | str) -> np.ndarray:
+    """Which values of a column compare equal with what is asked for; each value is looked at once, however many rows
+    have it.
+    """
+    found = [value for value in column.unique() if comparable(value) == asked]
+    return column.isin(found).to_numpy()
 
 
 def one_row(frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> pd.Series:

@@ -85,7 +85,8 @@ def _beside(
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     for column in spec.columns:
         rows(frame.head(0), {**spec.where, **column.where})  # names that the results lack are told
-    records = [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+    own = rows(frame, spec.where)
+    records = [{str(name): value for name, value in row.items()} for row in own.to_dict("records")]
     axes = axes_of(frame.columns)
     try:
         layout = lay_out(spec, records, axes)
