@@ -60,6 +60,7 @@ def tune(
         [3]
     """
     from workbench.api.faces.tuning import ShownTuning
+    from workbench.parallel.cluster import check_answer
     from workbench.tune.prepare import prepared
     from workbench.tune.report.folder import opened_folder, write_tuning
     from workbench.tune.run import tune_all
@@ -67,6 +68,7 @@ def tune(
     asked = as_study(study)
     ready, names = prepared(asked.content, list(controllers), trials)
     ready = replace(ready, text=asked.text)
+    check_answer(cluster)
     began = time.time()
     if out is None:
         with TemporaryDirectory() as folder, opened_folder(Path(folder)) as database:
@@ -122,10 +124,12 @@ def decide(
     from workbench.decide.plan import plan_decision
     from workbench.decide.report.folder import opened_folder, write_decision
     from workbench.decide.run import decide as decided
+    from workbench.parallel.cluster import check_answer
 
     began, asked = time.time(), as_study(study)
     checked = plan_decision(asked.content, machine)
     planned = replace(checked, study=replace(checked.study, text=asked.text))
+    check_answer(cluster)
     if out is None:
         return shown_as(ShownDecision, decided(planned, jobs, cluster=cluster))
     with opened_folder(Path(out), planned, resume=resume, overwrite=overwrite) as runs:

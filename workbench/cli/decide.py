@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from workbench.cli.options import Cluster, Out, Overwrite, PageFormat, StudyFile, print_contents, say
-from workbench.cli.progress import ProgressLine, stoppable
+from workbench.cli.progress import AGAIN, ProgressLine, stoppable
 
 
 def command(
@@ -25,14 +25,17 @@ def command(
     from workbench.decide.report.folder import opened_folder, summary, write_decision
     from workbench.decide.run import decide
     from workbench.decide.section import description
+    from workbench.parallel.cluster import check_answer
     from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
 
-    began, planned = time.time(), plan_decision(read_study(study), machine)
-    if dry_run:
-        say("\n".join(description(planned)))
-        return
     kept = f"finished runs are kept in {out}: go on with --resume"
+    with stoppable(kept if resume else AGAIN):
+        began, planned = time.time(), plan_decision(read_study(study), machine)
+        if dry_run:
+            say("\n".join(description(planned)))
+            return
+        check_answer(cluster)
     with (
         figures_at(page),
         stoppable(kept),

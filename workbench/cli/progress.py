@@ -11,8 +11,13 @@ from workbench.stopping import exit_code
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
-AGAIN = "the same command does all of it again"
+AGAIN = "nothing is lost: run the same command again"
 """What there is to say of a stopped command that keeps nothing, or has not begun."""
+
+BAR, BESIDE = 20, 14
+"""Signs of a bar, and of all beside it but numbers of cases and words, which have what is left of a line."""
+
+SAID = "{task.description}"
 
 _kept = [AGAIN]
 """What a stop leaves, in words: of the command that runs, innermost last."""
@@ -58,6 +63,11 @@ class Lines:
         print(f"{text}{left}", file=sys.stderr, flush=True)
 
 
+def _at_most(text: str, signs: int) -> str:
+    """The beginning of a text that is longer."""
+    return text if len(text) <= signs else f"{text[: max(signs - 1, 0)]}…"
+
+
 def _duration(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
@@ -75,11 +85,17 @@ class ProgressBar:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-        self._bar = Progress(*columns, console=Console(stderr=True))
+        columns = (BarColumn(BAR), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn(SAID, markup=False))
+        console = Console(stderr=True)
+        self._bar = Progress(*columns, console=console)
         self._bar.start()
         task = self._bar.add_task("", total=self._total)
-        return lambda count, total, case: self._bar.update(task, completed=count, description=case)
+
+        def told(count: int, total: int, case: str) -> None:
+            beside = BAR + 2 * len(str(total)) + BESIDE
+            self._bar.update(task, completed=count, description=_at_most(case, console.width - beside))
+
+        return told
 
     def _plain(self, lines: Lines) -> Callable[[int, int, str], None]:
         first: list[int] = []
@@ -111,13 +127,15 @@ class ProgressLine:
         from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Bar
 
-        columns = (SpinnerColumn(), BarColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-        self._line = Bar(*columns, console=Console(stderr=True), transient=True)
+        columns = (SpinnerColumn(), BarColumn(BAR), TimeRemainingColumn(), TextColumn(SAID, markup=False))
+        console = Console(stderr=True)
+        self._line = Bar(*columns, console=console, transient=True)
         self._line.start()
         task = self._line.add_task("", total=None)
 
         def told(doing: str, done: float | None = None, /) -> None:
-            self._line.update(task, description=doing, completed=done, total=None if done is None else 1.0)
+            text = _at_most(doing, console.width - BAR - BESIDE)
+            self._line.update(task, description=text, completed=done, total=None if done is None else 1.0)
 
         return told
 

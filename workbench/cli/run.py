@@ -32,19 +32,19 @@ def command(
     ] = None,
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
-    from workbench.cli.progress import ProgressBar, stoppable
+    from workbench.cli.progress import AGAIN, ProgressBar, stoppable
     from workbench.study.description import description
     from workbench.study.rounds import run_rounds
     from workbench.study.runner import run_study
 
-    planned = _planned(study, out, draws, fresh_draws)
-    say("\n".join(description(planned)))
-    print_warnings(planned.warnings)
-    if dry_run:
-        from workbench.study.estimate import estimate
-
-        print(f"  {estimate(planned, jobs, keep_all=keep_trajectories)}")
-        return
+    kept = f"finished cases are kept in {out}: go on with --resume"
+    with stoppable(kept if resume else AGAIN):
+        planned = _planned(study, out, draws, fresh_draws)
+        say("\n".join(description(planned)))
+        print_warnings(planned.warnings)
+        if dry_run:
+            _say_estimate(planned, out if resume else None, jobs, keep_trajectories)
+            return
 
     def run(plan: "Plan", folder: Path, resume: bool, overwrite: bool) -> None:
         with ProgressBar(len(plan.cases)) as progress:
@@ -59,9 +59,21 @@ def command(
                 progress=progress,
             )
 
-    with stoppable(f"finished cases are kept in {out}: go on with --resume"):
+    with stoppable(kept):
         run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=say)
         _report(planned, out)
+
+
+def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all: bool) -> None:
+    """Say what running a study would take: of one that goes on in the folder `out`, what is left of it."""
+    from workbench.study.estimate import estimate
+    from workbench.study.store import finished_in
+
+    count, done = len(planned.cases), 0 if out is None else finished_in(out)
+    if done:
+        say(f"  {done} of {count} cases are finished in {out}")
+    if done < count:
+        print(f"  {estimate(planned, jobs, keep_all=keep_all, count=count - done)}")
 
 
 def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) -> "Plan":

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from workbench.cli.options import Cluster, Out, PageFormat, StudyFile
-from workbench.cli.progress import ProgressLine, stoppable
+from workbench.cli.progress import AGAIN, ProgressLine, stoppable
 
 
 def command(
@@ -24,14 +24,17 @@ def command(
     page: PageFormat = None,
 ) -> None:
     """Find gains, with the same budget and objective for all."""
+    from workbench.parallel.cluster import check_answer
     from workbench.publish.page_format import figures_at
     from workbench.study.reading import read_study
     from workbench.tune.prepare import prepared
     from workbench.tune.report.folder import opened_folder, say_tuning, write_tuning
     from workbench.tune.run import tune_all
 
-    ready, names = prepared(read_study(study), controller or ["all"], trials)
     kept = f"finished trials are kept in {out}: go on with --resume"
+    with stoppable(kept if resume else AGAIN):
+        ready, names = prepared(read_study(study), controller or ["all"], trials)
+        check_answer(cluster)
     began = time.time()
     with (
         figures_at(page),

@@ -48,12 +48,26 @@ def connected(address: str) -> Iterator["Client"]:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # what is lost is told in our words
     try:
         client = Client(address, timeout=ANSWER)
-    except (OSError, ValueError) as error:
+    except ValueError as error:
+        expected = "expected an address such as tcp://HOST:8786"
+        raise UserError(f"{address or '--cluster'}: no scheduler answers there ({error}); {expected}") from None
+    except OSError as error:
         raise UserError(f"{address}: no scheduler answers there ({error}); start one with: dask scheduler") from None
     try:
         yield client
     finally:
         client.close(timeout=LOOKS)
+
+
+def check_answer(address: str | None) -> None:
+    """Nothing is begun, nor written, where a cluster is asked for whose scheduler does not answer.
+
+    Raises:
+        UserError: see `connected`.
+    """
+    if address is not None:
+        with connected(address):
+            pass
 
 
 def packed(work: Callable[..., Any]) -> bytes:

@@ -34,13 +34,14 @@ class Estimate:
         return f"about {_duration(self.seconds)} on this machine and {_size(self.disk)} on the disk, told from {cases}"
 
 
-def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False) -> Estimate:
-    """What running a study takes with so many `jobs`: some cases, evenly among all, are run, and stand for all.
+def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False, count: int | None = None) -> Estimate:
+    """What running so many cases of a study (`count`; default all) takes with so many `jobs`: some, evenly among all,
+    are run, and stand for all.
 
     What they leave is removed. Compiling is not counted: it is done once.
     """
     compiled(planned)
-    count = len(planned.cases)
+    count = count or len(planned.cases)
     with tempfile.TemporaryDirectory() as name:
         work = case_runs(planned, Path(name), keep_all=keep_all)
         took, rows, files = list[float](), list[Row](), list[int]()
@@ -55,8 +56,9 @@ def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False) 
         sketches = [len(row.sketch) for row in rows if row.sketch is not None]
     later = took[1:] or took  # the first finds nothing in any cache
     disk = count * sum(map(_bytes, rows)) / len(rows)
-    disk += sketched(planned.cases) * sum(sketches) / max(len(sketches), 1)
-    disk += work.file_count * sum(files) / max(len(files), 1)
+    share = count / len(planned.cases)
+    disk += share * sketched(planned.cases) * sum(sketches) / max(len(sketches), 1)
+    disk += share * work.file_count * sum(files) / max(len(files), 1)
     return Estimate(count * sum(later) / len(later) / min(job_count(jobs), count), disk, len(rows))
 
 

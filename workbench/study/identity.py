@@ -25,12 +25,18 @@ INSTANTS = 1001
 
 
 def led_to(cases: Sequence[Case], resolved: Sequence[Resolved]) -> dict[str, str]:
-    """What the tables and files of a study lead to in these cases: a hash of all numbers, and the plug-ins."""
-    numbers = hashlib.sha256()
+    """What the tables and files of a study lead to in these cases: hashes of all numbers, and the plug-ins."""
+    numbers, signals = hashlib.sha256(), hashlib.sha256()
     for item in resolved:
         for part in _numbers(item.setup):
             numbers.update(part)
-    return {"parameters": numbers.hexdigest(), "version of the plug-ins": _plugins(cases, resolved)}
+        for part in _signals(item.setup):
+            signals.update(part)
+    return {
+        "parameters": numbers.hexdigest(),
+        "reference": signals.hexdigest(),
+        "version of the plug-ins": _plugins(cases, resolved),
+    }
 
 
 def led_to_when_drawn(cases: Sequence[ParsedCase]) -> dict[str, str]:
@@ -43,11 +49,15 @@ def led_to_when_drawn(cases: Sequence[ParsedCase]) -> dict[str, str]:
 
 
 def _numbers(setup: Setup) -> Iterator[bytes]:
-    """All that a run depends on and that may come from another file."""
+    """Numbers on which a run depends and that may come from another file."""
     turned = (setup.rotary.gains,) if setup.rotary else ()
     for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
         yield to_array(values).tobytes()
     yield repr((setup.sensors, setup.seed)).encode()
+
+
+def _signals(setup: Setup) -> Iterator[bytes]:
+    """What a run follows, or is fed."""
     for signal in (setup.reference, *(feed.signal for feed in setup.feeds)):
         if signal is not None:
             yield signal(np.linspace(0.0, setup.duration, INSTANTS))[0].tobytes()

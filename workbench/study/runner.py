@@ -7,6 +7,7 @@ from pathlib import Path
 
 from workbench.errors import UserError
 from workbench.parallel.chunks import KilledError, in_chunks
+from workbench.parallel.cluster import check_answer
 from workbench.publish.run_record import ran_on
 from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
@@ -44,6 +45,7 @@ def run_study(
     Raises:
         UserError: the folder, or the cluster, does not serve.
     """
+    check_answer(cluster)
     began, identity, count = time.time(), planned.identity, len(planned.cases)
     with open_store(folder, planned.columns, identity, resume=resume, overwrite=overwrite) as store:
         write_study(planned.study, folder)

@@ -256,6 +256,18 @@ def read_sketches(folder: Path) -> dict[int, str]:
     return {int(index): str(content).replace("<", r"\u003c") for index, content in rows}
 
 
+def finished_in(folder: Path) -> int:
+    """How many cases are finished in a folder, where another command may be at work; 0 where none has begun."""
+    database = folder / DATABASE
+    if not database.exists():
+        return 0
+    try:
+        with closing(sqlite3.connect(f"{database.resolve().as_uri()}?mode=ro", uri=True)) as connection:
+            return int(connection.execute("SELECT COUNT(*) FROM results").fetchone()[0])
+    except sqlite3.DatabaseError:
+        return 0  # no table yet, or damaged: the run tells
+
+
 def read_results(folder: Path) -> pd.DataFrame:
     """The results of a finished study.
 
@@ -265,6 +277,8 @@ def read_results(folder: Path) -> pd.DataFrame:
     import pyarrow.parquet as pq
 
     path = folder / "results.parquet"
+    if not path.exists() and (folder / DATABASE).exists():
+        raise UserError(f"{folder}: holds no finished results yet; wait for the run there, or go on with --resume")
     if not path.exists():
         raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
     try:

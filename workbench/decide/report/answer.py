@@ -180,7 +180,7 @@ def _changes(decision: Decision) -> list[str]:
         told.append(f"At this speed {_along(column, plan.spreads, ' standard deviations')}.")
     cells = [decision.answer(speed, spread) for speed in plan.speeds for spread in plan.spreads]
     open_cells = sum(not cell.settled for cell in cells)
-    if told and plan.several:
+    if told and plan.several and open_cells:
         told.append(f"In {open_cells} of the map's {len(cells)} cells it cannot be told with these draws.")
     return told
 

@@ -15,10 +15,13 @@ from workbench.publish.pictures import FORMATS, save
 from workbench.publish.tables import with_unit
 from workbench.study.names import in_words, signal_units, unit_of_column, without_unit
 from workbench.study.report.figures import draw
-from workbench.study.report.schema import Curve, FigureSpec, Panel
+from workbench.study.report.schema import MOST_CURVES, Curve, FigureSpec, Panel
 from workbench.study.report.select import axes_of, rows
 from workbench.study.store import trajectory_path
 from workbench.toml.file_names import file_name
+
+MOST_NAMED = 20
+"""Curves that a legend names, at most: of more the title says how many they are."""
 
 
 def quick_plot(
@@ -47,6 +50,10 @@ def quick_plot(
     curves, left_out = _curves(frame, found, stored, x, names, where)
     if not curves:
         raise UserError(f'none of these cases has both "{x}" and "{names[0]}"')
+    if len(curves) > MOST_CURVES:
+        raise UserError(f"{len(curves)} curves, expected at most {MOST_CURVES}; choose among the cases with --where")
+    if len(curves) > MOST_NAMED:
+        curves = [curve.model_copy(update={"label": ""}) for curve in curves]
     figure = _drawn(_panel(x, names, None if over_axis else units[x], units, curves), where, frame, folder)
     own = path.parent if out is None else out.parent.resolve()  # where a user's own link leads is what is meant
     save(figure, path.stem, own, (path.suffix[1:],))
@@ -122,6 +129,8 @@ def _panel(x: str, names: Sequence[str], x_unit: str | None, units: Mapping[str,
 def _drawn(panel: Panel, where: Mapping[str, str], frame: pd.DataFrame, folder: Path) -> Figure:
     """The figure, in mm where all is shorter than 1 m; of an axis that turns in deg."""
     title = ", ".join(_axis_value(axis, value) for axis, value in where.items()) or "all cases"
+    if len(panel.curves) > MOST_NAMED:
+        title += f", {len(panel.curves)} curves"
     figure = draw(FigureSpec(name="plot", title=title, panels=[panel]), frame, folder)
     turns = panel.y_unit in SHOWN[ROTARY].units
     if turns or (panel.y_unit == "m" and _largest(figure) < 1.0):
