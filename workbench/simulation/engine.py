@@ -274,6 +274,10 @@ def run_loop(
             if line_count > 0:
                 _arrive(lined, inputs, k, h, at)
                 steps_here = max(int(np.ceil(steps_a_sample * (until - at) / h - 1e-9)), 1)
+            if kind != FIXED_STEP and steps_a_sample > 1:
+                part = np.floor((at / h - k) * steps_a_sample + 1e-6) + 1.0
+                if part < steps_a_sample:
+                    until = min(until, (k + part / steps_a_sample) * h)
             interval, driven = (at, until), (*inputs, k * h, ramped)
             if kind == WRITTEN_OUT:
                 ended, guess, tried = dormand_prince(system, interval, guess, tolerance, p_scales, p_y, driven, p_work)

@@ -116,7 +116,7 @@ def simulate(setup: Setup) -> Run:
         (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
         (delay_samples, delay_rest),
         lines,
-        (h, int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
+        (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
         scheme(method),
         log,
         np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
