@@ -180,3 +180,19 @@ def test_what_differs_is_told(
     write(path.parent, GAINS.replace(*KP), "tuned/p.toml")
     refused = workbench(name, path, "--out", out, *options, "--resume")
     fails(refused, f"error: {out}: {said}; start anew with --overwrite, or choose another --out")
+
+
+def test_of_more_cases_than_are_looked_at_every_gain_file_counts(tmp_path: Path) -> None:
+    """An entry for one speed of many: no case that stands for all need have it."""
+    path = files(tmp_path)
+    speeds = ", ".join(map(str, range(1, 1200)))
+    text = path.read_text(encoding="utf-8").replace("[axes]", f'[axes]\n"simulation.seed" = [{speeds}]', 1)
+    path.write_text(re.sub(r"(?s)\[uncertainty\].*?\[tune\]", "[tune]", text), encoding="utf-8")
+    before = plan(read_study(path))
+    known = before.identity
+    assert len(before.checked) < len(before.cases)
+    gains = tmp_path / "tuned" / "p.toml"
+    gains.write_text(gains.read_text(encoding="utf-8") + "\n# an entry that nobody has looked at\n", encoding="utf-8")
+    after = plan(read_study(path)).identity
+    differing = {key for key, value in after.items() if value != known[key]}
+    assert differing == {"content of its gain files"}

@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from workbench.parallel import chunks
-from workbench.parallel.chunks import CHUNK, GROWTH, Chunk, KilledError, Sizes, Work, in_chunks
+from workbench.parallel.chunks import CHUNK, GROWTH, Chunk, KilledError, Sizes, Work, enough, in_chunks
 
 
 def each(work: Callable[[int], Any]) -> Work[Any]:
@@ -32,6 +32,26 @@ def test_every_piece_is_done_once(jobs: int) -> None:
     found = list(in_chunks(square, range(500), jobs=jobs))
     assert sum(len(chunk.places) for chunk in found) == 500
     assert results(found) == {place: place**2 for place in range(500)}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_chunk_that_takes_too_long_brings_back_what_it_has(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """Pieces cheap at first, then dear: none waits for those behind it in its chunk, and each is made once."""
+    monkeypatch.setattr(chunks, "LONGEST", 0.05)
+
+    def work(places: Sequence[int]) -> list[int]:
+        began, made = time.perf_counter(), list[int]()
+        for place in places:
+            time.sleep(0.03 if place >= 300 else 0.0)
+            made.append(place**2)
+            if enough(began):
+                break
+        return made
+
+    found = list(in_chunks(work, range(330), jobs=jobs))
+    assert sorted(place for chunk in found for place in chunk.places) == [*range(330)]
+    assert results(found) == {place: place**2 for place in range(330)}
+    assert max(len(chunk.places) for chunk in found if max(chunk.places) >= 310) <= 3
 
 
 def test_threads_where_no_process_can_be_forked(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,6 @@
 """Counts, lengths and sizes that nobody means: each is refused in a line that says what the most is."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -108,3 +109,24 @@ def test_a_mass_of_nothing_is_told_without_a_word_of_numpy(tmp_path: Path) -> No
     answer = workbench("check", write(tmp_path, changed("[axes]", "scale = { mass = 0.0 }\n[axes]")))
     assert answer.code == 0
     assert "its rates at rest are no numbers: expected nothing to be 0" in answer.err
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('"owen2001_simulation"', '"pipe.toml"'),
+        ('type = "pid"', 'gains = "pipe"'),
+        (
+            'kind = "sine"\namplitude = "5 mm"\nfrequency = "2 Hz"',
+            'kind = "recorded"\nfile = "pipe"\ntime = "t"\nvalue = "x"',
+        ),
+    ],
+)
+def test_a_pipe_is_no_file(tmp_path: Path, before: str, after: str) -> None:
+    """Reading it would never end."""
+    for name in ("pipe", "pipe.toml"):
+        os.mkfifo(tmp_path / name)
+    answer = workbench("check", write(tmp_path, changed(before, after)))
+    assert answer.code == 2
+    assert "is a pipe or a device, expected a file" in answer.err

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -15,7 +16,7 @@ from workbench.decide.schema import ERRORS, MOTOR, POWERS, PUMP, REAL_SPEED
 from workbench.errors import UserError
 from workbench.metrics.evaluate import evaluate
 from workbench.metrics.limit_cycle import HUNTING
-from workbench.parallel.chunks import KilledError, in_chunks
+from workbench.parallel.chunks import KilledError, enough, in_chunks
 from workbench.parallel.cluster import check_version
 from workbench.progress import Progress, silent
 from workbench.simulation.simulate import COMPLETED, simulate
@@ -128,8 +129,13 @@ class BatchRuns:
     known: Mapping[Key, SampleRun]
 
     def __call__(self, places: Sequence[int]) -> list[list[SampleRun]]:
-        """The runs of these batches; those that are known are not made again."""
-        return [_run(self.plan, self.wanted[place], self.known) for place in places]
+        """The runs of these batches, as many as take about a chunk's time; those that are known are not made again."""
+        began, made = time.perf_counter(), list[list[SampleRun]]()
+        for place in places:
+            made.append(_run(self.plan, self.wanted[place], self.known))
+            if enough(began):
+                break
+        return made
 
     def __reduce__(self) -> tuple[object, ...]:
         machine = self.plan.table.machine

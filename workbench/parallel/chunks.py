@@ -26,6 +26,9 @@ Result = TypeVar("Result")
 CHUNK = 0.2
 """s, about, that a chunk takes."""
 
+LONGEST = 2.0 * CHUNK
+"""s after which a chunk brings back what it has: its pieces cost more than those before."""
+
 GROWTH = 8
 """By which a chunk may be longer than those before."""
 
@@ -52,7 +55,13 @@ class Chunk(Generic[Result]):
 
 
 Work = Callable[[Sequence[int]], Sequence[Result]]
-"""Makes the results of some pieces, in their order; a number tells each from the others."""
+"""Makes the results of some pieces, in their order; a number tells each from the others. Where that takes much longer
+than a chunk should (`enough`) it may end before the last of them; at least one is made."""
+
+
+def enough(began: float) -> bool:
+    """Whether a chunk that `began` (by time.perf_counter) has taken so long that what is made is to be brought back."""
+    return time.perf_counter() - began > LONGEST
 
 
 def in_chunks(
@@ -111,7 +120,7 @@ class Sizes:
 def _chunk(work: Work[Result], places: Sequence[int]) -> Chunk[Result]:
     began = time.perf_counter()
     results = work(places)
-    return Chunk(places, results, time.perf_counter() - began)
+    return Chunk(places[: len(results)], results, time.perf_counter() - began)
 
 
 def _one_by_one(work: Work[Result], places: Sequence[int]) -> Iterator[Chunk[Result]]:
@@ -145,18 +154,38 @@ def _handed_out(
     held: Held[Result],
 ) -> Iterator[Chunk[Result]]:
     """Chunks from an executor's workers, as they end."""
-    begun = 0
-    while begun < len(places) or held:
-        while begun < len(places) and len(held) < AHEAD * workers:
-            size = sizes.next(len(places) - begun, workers)
-            chosen = places[begun : begun + size]
+    left = _Left(places)
+    while left or held:
+        while left and len(held) < AHEAD * workers:
+            chosen = left.take(sizes.next(len(left), workers))
             held[executor.submit(work, chosen)] = chosen
-            begun += size
         for future in wait(held, return_when=FIRST_COMPLETED).done:
             chunk = future.result()
-            del held[future]
+            left.give_back(held.pop(future)[len(chunk.places) :])
             sizes.learn(chunk)
             yield chunk
+
+
+class _Left:
+    """Pieces that nobody works on: from `begun` on, and before those what a chunk has brought back unmade."""
+
+    def __init__(self, places: Sequence[int]) -> None:
+        self._places, self._begun, self._back = places, 0, list[int]()
+
+    def __len__(self) -> int:
+        return len(self._back) + len(self._places) - self._begun
+
+    def take(self, count: int) -> Sequence[int]:
+        """The next so many pieces; those that were brought back by themselves."""
+        if self._back:
+            chosen, self._back = self._back[:count], self._back[count:]
+            return chosen
+        self._begun += count
+        return self._places[self._begun - count : self._begun]
+
+    def give_back(self, places: Sequence[int]) -> None:
+        """Pieces that are still to be made."""
+        self._back.extend(places)
 
 
 def _on_cluster(
@@ -164,17 +193,17 @@ def _on_cluster(
 ) -> Iterator[Chunk[Result]]:
     """Chunks from the workers of a cluster, as many as there are now; what a lost one had begun another does."""
     with connected(address) as client:
-        watch, sizes, held, begun = Watch(client, address), Sizes(), dict[Any, Sequence[int]](), 0
+        watch, sizes, held, left = Watch(client, address), Sizes(), dict[Any, Sequence[int]](), _Left(places)
         whole = packed(work)
-        while begun < len(places) or held:
+        while left or held:
             hands = watch.hands()
-            while begun < len(places) and len(held) < max(AHEAD * hands, 1):
-                size = sizes.next(len(places) - begun, max(hands, 1))
-                chosen = places[begun : begun + size]
+            while left and len(held) < max(AHEAD * hands, 1):
+                chosen = left.take(sizes.next(len(left), max(hands, 1)))
                 held[client.submit(done_there, whole, chosen, pure=False)] = chosen
-                begun += size
             for future in finished(client, held, watch):
-                chunk = result_of(future, watch, functools.partial(KilledError, held.pop(future)[0]))
+                chosen = held.pop(future)
+                chunk = result_of(future, watch, functools.partial(KilledError, chosen[0]))
+                left.give_back(chosen[len(chunk.places) :])
                 sizes.learn(chunk)
                 yield chunk
 

@@ -12,6 +12,7 @@ from plants.plugins import reason_of
 from workbench.errors import UserError, nearest
 from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
+from workbench.toml.reading import check_regular
 
 LARGEST = 1e30
 """What no channel measures, in whatever unit."""
@@ -25,6 +26,7 @@ def read_table(path: Path) -> pd.DataFrame:
     """
     if not path.exists():
         raise UserError(f"{path}: no such file; make the records first, or correct `file` of [[records]]")
+    check_regular(path)
     if path.stat().st_size == 0:
         raise UserError(f"{path}: the file is empty; was the run that writes it stopped? Make the records again")
     try:

@@ -1,6 +1,7 @@
 """A case of a study, run: its row of results, and the files that it leaves."""
 
 import json
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 from workbench.errors import MetricError
 from workbench.metrics.evaluate import rms_error
 from workbench.metrics.registry import SOLVER, names_along
+from workbench.parallel.chunks import enough
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import finer, largest_distance, ready, simulate
 from workbench.study.cases import Cases
@@ -43,7 +45,8 @@ class CaseRuns:
     points: int = 0
 
     def __call__(self, indices: Sequence[int]) -> list[Row]:
-        """Run cases: a row of results each. Trajectories, and what a rig would write down, go to files of their own.
+        """Run cases: a row of results each, as many as take about a chunk's time. Trajectories, and what a rig would
+        write down, go to files of their own.
 
         All are built before the first is run: a processor does much alike faster than a little of each.
 
@@ -52,7 +55,12 @@ class CaseRuns:
             UserError: a mistake in a case that was not among those checked before.
         """
         built = [(self.cases[index], self.resolved[index]) for index in indices]
-        return [self._row(case, resolved) for case, resolved in built]
+        began, rows = time.perf_counter(), list[Row]()
+        for case, resolved in built:
+            rows.append(self._row(case, resolved))
+            if enough(began):
+                break
+        return rows
 
     def _row(self, case: Case, resolved: Resolved) -> Row:
         run = simulate(resolved.setup)

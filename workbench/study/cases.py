@@ -5,16 +5,21 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 
+from workbench.errors import UserError
 from workbench.study.at_point import Gains, at_point
+from workbench.study.layers import MACHINE
 from workbench.study.names import comparable
 from workbench.study.overrides import Overrides
 from workbench.study.study import CASE, DRAW, NAMED_AXES, Case, Study
 from workbench.study.uncertainty import Draws
+from workbench.toml.gain_file import KEY, gain_path
 
 NAMES = (*NAMED_AXES, CASE)
 """What chooses a whole table; other axes are numbers and settings, of which there may be very many."""
@@ -129,6 +134,18 @@ class Cases(Sequence[Case]):
             for axis, values in {**named, **block.axes, **drawn}.items():
                 found.setdefault(axis, {}).update({json.dumps(value): value for value in values})
         return {axis: list(values.values()) for axis, values in found.items()}
+
+    def gain_files(self) -> list[Path]:
+        """The gain files that controllers of any case may take, those by machine for each machine."""
+        found = dict[Path, None]()
+        for block in self._blocks:
+            named = [
+                table for table in block.tables["controllers"].values() if isinstance(table, dict) and KEY in table
+            ]
+            for table, machine in itertools.product(named, block.axes.get(MACHINE.axis, [None])):
+                with suppress(UserError):  # of a controller that no case has
+                    found[gain_path(table, self._study.path.parent, machine)] = None
+        return [*found]
 
     def where(self, wanted: Mapping[str, object]) -> np.ndarray:
         """Places of the cases that have these values in their columns, as `matches` compares them."""

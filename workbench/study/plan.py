@@ -70,8 +70,18 @@ class Plan:
             "study": self.study.fingerprint,
             **led,
             "parameters": hashlib.sha256((led["parameters"] + drawn).encode()).hexdigest(),
+            "content of its gain files": self._gain_files(),
             "version of the program": source_hash(PROGRAM_FOLDERS),
         }
+
+    def _gain_files(self) -> str:
+        """A hash of the gain files that the cases name, where not each case has been looked at; "" where each has."""
+        if len(self.checked) == self.cases.bases:
+            return ""
+        content = hashlib.sha256()
+        for path in self.cases.gain_files():
+            content.update(path.read_bytes() if path.is_file() else b"")
+        return content.hexdigest()
 
     @property
     def simulated_seconds(self) -> float:

@@ -130,6 +130,7 @@ class RecordedTable(ReferenceTable):
         import pandas as pd  # slow to import, and no other reference needs it
 
         path = folder / self.file
+        files.check_regular(path)
         try:
             table = pd.read_csv(path, sep=None, engine="python")
         except FileNotFoundError:

@@ -102,6 +102,20 @@ def entry_at(content: GainFile, rpm: float) -> Entry:
     )
 
 
+def gain_path(table: Mapping[str, object], folder: Path, machine: str | None) -> Path:
+    """The gain file that a controller's table names, relative to `folder`, for a machine.
+
+    Raises:
+        UserError: a file by machine in a study without machines.
+    """
+    name = str(table[KEY])
+    if MACHINE not in name:
+        return folder / name
+    if machine is None:
+        raise UserError(f'"{name}" goes by machine, and this case has none; give the study an axis machine')
+    return folder / name.replace(MACHINE, file_name(machine))
+
+
 def with_gains(
     table: Mapping[str, object],
     folder: Path,
@@ -116,14 +130,10 @@ def with_gains(
         UserError: as `read_gain_file` and `entry_at`; a file by machine in a study without machines.
     """
     own = {key: value for key, value in table.items() if key != KEY}
-    name = str(table[KEY])
-    if MACHINE in name:
-        if machine is None:
-            raise UserError(f'"{name}" goes by machine, and this case has none; give the study an axis machine')
-        name = name.replace(MACHINE, file_name(machine))
-    content = read(folder / name)
+    path = gain_path(table, folder, machine)
+    content = read(path)
     try:
         entry = entry_at(content, rpm)
     except UserError as error:
-        raise UserError(f"{folder / name}: {error}") from None
+        raise UserError(f"{path}: {error}") from None
     return {"type": content.type, **entry.settings, **own}

@@ -28,6 +28,12 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
+def check_regular(path: Path) -> None:
+    """Raise UserError for a pipe or a device, which may never end; a file that is not there is another's to tell."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise UserError(f"{path}: is a pipe or a device, expected a file")
+
+
 def read_text(path: Path) -> str:
     """The content of a text file.
 
@@ -35,6 +41,7 @@ def read_text(path: Path) -> str:
         UserError: no such file, or not readable as text.
     """
     try:
+        check_regular(path)
         if (size := path.stat().st_size) > MOST_BYTES:
             raise UserError(f"{path}: has {size / 1e6:.0f} MB, expected at most {MOST_BYTES / 1e6:g} MB of text")
         return path.read_text(encoding="utf-8-sig")

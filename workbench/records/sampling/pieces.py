@@ -15,6 +15,7 @@ from scipy.interpolate import PchipInterpolator
 
 from workbench.errors import UserError
 from workbench.records.sampling.clock import FEWEST, Stamps, spans
+from workbench.records.sampling.sight import sample_time_mistake
 
 JITTER = 0.2
 """Share of the sample time by which an instant may be off its grid."""
@@ -65,9 +66,11 @@ def pieces_of(path: Path, series: Sequence[Series], sample_time: float | None) -
     """The pieces of a record, in order, and in words what was done to its clock and is not in them.
 
     Raises:
-        UserError: no piece is long enough.
+        UserError: no piece is long enough, or no record has such a sample time.
     """
     notes = [note for one in series for note in one.stamps.notes]
+    if sample_time is not None and (wrong := sample_time_mistake(sample_time)):
+        raise UserError(f"{path}: sample_time: {wrong}")
     if len(series) == 1:
         found, said = _of_one_clock(series[0], sample_time)
     else:
