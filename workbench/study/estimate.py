@@ -1,9 +1,14 @@
 """What a study would take, told from some of its cases that are run: time on this machine, and room on the disk."""
 
+import itertools
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+from scipy.optimize import nnls
 
 from workbench.parallel.workers import job_count
 from workbench.study.case_runs import case_runs, compiled
@@ -44,8 +49,9 @@ def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False, 
     count = count or len(planned.cases)
     with tempfile.TemporaryDirectory() as name:
         work = case_runs(planned, Path(name), keep_all=keep_all)
-        took, rows, files = list[float](), list[Row](), list[int]()
-        for place in planned.cases.telling(SAMPLED):
+        took, rows, files, simulated = list[float](), list[Row](), list[int](), list[float]()
+        for seconds, place in _sample(planned):
+            simulated.append(seconds)
             began = time.perf_counter()
             rows += work([place])
             took.append(time.perf_counter() - began)
@@ -54,12 +60,31 @@ def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False, 
         for row in rows:
             files += [path.stat().st_size for path in work.files(planned.cases[row.case])]
         sketches = [len(row.sketch) for row in rows if row.sketch is not None]
-    later = took[1:] or took  # the first finds nothing in any cache
+    later, durations = took[1:] or took, simulated[1:] or simulated  # the first finds nothing in any cache
+    each = _per_case(durations, later, planned.simulated_seconds / len(planned.cases))
     disk = count * sum(map(_bytes, rows)) / len(rows)
     share = count / len(planned.cases)
     disk += share * sketched(planned.cases) * sum(sketches) / max(len(sketches), 1)
     disk += share * work.file_count * sum(files) / max(len(files), 1)
-    return Estimate(count * sum(later) / len(later) / min(job_count(jobs), count), disk, len(rows))
+    return Estimate(count * each / min(job_count(jobs), count), disk, len(rows))
+
+
+def _sample(planned: Plan) -> list[tuple[float, int]]:
+    """Duration (s) and place of some of the cases checked, the shortest first: with each duration, if these are few."""
+    checked = {case.index: item.setup.duration for case, item in zip(planned.checked, planned.declared, strict=True)}
+    first = {duration: place for place, duration in reversed(checked.items())}
+    chosen = {*itertools.islice(first.values(), SAMPLED // 2)}
+    chosen |= {*planned.cases.telling(SAMPLED - len(chosen))} & checked.keys()
+    return sorted((checked[place], place) for place in chosen)
+
+
+def _per_case(durations: Sequence[float], took: Sequence[float], mean: float) -> float:
+    """What a case takes (s) on average whose mean duration is `mean` (s): a time of its own and one a simulated second,
+    neither negative, by least squares over cases of these durations.
+    """
+    design = np.column_stack([np.ones(len(took)), durations])
+    own, per_second = nnls(design, np.asarray(took))[0]
+    return float(own + per_second * mean)
 
 
 def _bytes(row: Row) -> float:

@@ -53,7 +53,7 @@ RECORDS = "records"
 EXPORTS = ("results.csv", "results.parquet")
 """What `export` writes."""
 
-EXPORTED = 20_000
+EXPORTED = 5_000
 """Rows that are read and written at a time: results may be larger than memory."""
 
 FOLDER = GrowingFolder("run", "results", REPLACED, kept=tuple(layer.section for layer in LAYERS.values()))
