@@ -3,17 +3,20 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from plants.plugins import Registry, reason_of
-from workbench.errors import UserError, nearest, spelled
+from workbench.errors import UserError, nearest, shortened, spelled
 from workbench.simulation import references as signals
 from workbench.toml import reading as files
 from workbench.toml.quantities import Hertz, Radian, Raw, Second
 from workbench.toml.units import QuantityError, factor, si
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MOST_HARMONICS = 1000
 """Of a multisine: its scale is found on 200 points of the fastest one's period, over the whole of the slowest's."""
@@ -140,18 +143,36 @@ class RecordedTable(ReferenceTable):
         for column in (self.time, self.value):
             if column not in table:
                 raise UserError(f'{path}: no column "{column}"; {nearest(column, map(str, table.columns))}')
-        numbers = [pd.to_numeric(table[column], errors="coerce").to_numpy() for column in (self.time, self.value)]
+        numbers = [_numbers(path, table[column]) for column in (self.time, self.value)]
         times, values = numbers[0] * _factor("time_unit", self.time_unit, "s"), numbers[1]
         if self.unit is not None:
             values = values * _factor("unit", self.unit, unit)
-        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
-            raise UserError(f"{path}: row {int(np.argmin(np.isfinite(times + values))) + 2} holds no finite number")
         if times.size < 4:
             raise UserError(f"{path}: holds {times.size} rows, expected at least 4")
         if np.any(np.diff(times) <= 0.0):
             row = int(np.argmax(np.diff(times) <= 0.0)) + 3
             raise UserError(f"{path}: row {row}: expected a time after that of the row before")
         return signals.Recorded(times, values)
+
+
+def _numbers(path: Path, column: "pd.Series[Any]") -> np.ndarray:
+    """The numbers of a column.
+
+    Raises:
+        UserError: one is none, or not finite; and in which row.
+    """
+    import pandas as pd
+
+    numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    finite = np.isfinite(numbers)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        got = shortened(str(column.iloc[row]))
+        raise UserError(
+            f'{path}: row {row + 2} holds no finite number in column "{column.name}": got "{got}"; '
+            "numbers have a point, and columns are parted by commas, semicolons or tabs"
+        )
+    return numbers
 
 
 def _factor(name: str, given: str, unit: str) -> float:
