@@ -65,7 +65,7 @@ def peers(size: Size, folder: Path) -> Part:
         axes.set_xscale("log")
         plain_numbers(axes.xaxis)
         axes.margins(x=0.15)
-        axes.set_xlabel("3 s of closed loop, ms (logarithmic; shorter is better)")
+        axes.set_xlabel("ms for 3 s of closed loop (logarithmic)")
         axes.grid(axis="y", visible=False)
 
     return Part(
