@@ -198,9 +198,13 @@ def _length_hint(span: float, stroke: float) -> str:
     return _times_off(3 * math.ceil(power / 3)) if power >= LEAST_POWER else ""
 
 
+MOST_POWER = 300
+"""Of ten, that is told."""
+
+
 def _power(got: float, expected: float) -> int:
     """The nearest power of ten of their ratio."""
-    return round(math.log10(got / expected))
+    return round(min(max(math.log10(got) - math.log10(expected), -MOST_POWER), MOST_POWER))
 
 
 def _times_off(power: int) -> str:

@@ -208,7 +208,9 @@ class Motion:
 
 
 def rounded_up(value: float) -> float:
-    """The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten."""
+    """The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten; 1 of nothing, or of what has no measure."""
+    if not 1e-300 < value < 1e300:
+        return 1.0
     power = 10.0 ** math.floor(math.log10(value))
     nice = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
     return power * next(step for step in nice if step * power >= value * (1.0 - 1e-9))

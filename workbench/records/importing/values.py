@@ -184,6 +184,16 @@ def _of_gain(rough: Rough) -> tuple[float, str, str]:
     return 1.0, "no log tells it: mass and friction are known in proportion to it", "how much drives for each V or A?"
 
 
+def _straight(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
+    """Slope and offset of the line through points; None where their numbers are beyond all measure."""
+    try:
+        with np.errstate(all="ignore"):
+            slope, offset = np.polyfit(x, y, 1)
+    except np.linalg.LinAlgError:
+        return None
+    return float(slope), float(offset)
+
+
 def _of_valve(name: str, way: float, rough: Rough) -> tuple[float, str, str]:
     """Gain, dead band and delay of a side of a valve, by a line through what a command of that sign makes move."""
     command, delay = rough.drive, rough.delay
@@ -191,14 +201,14 @@ def _of_valve(name: str, way: float, rough: Rough) -> tuple[float, str, str]:
     velocity = rough.velocity[delay:]
     moves = (way * late > 0.0) & (way * velocity > SHARE_OF_FASTEST * np.max(np.abs(velocity)))
     why = f"a line through the velocities over the command {1e3 * delay * rough.motion.step:.3g} ms before"
-    if np.sum(moves) < FEWEST_MOVES:
+    line = _straight(way * late[moves], way * velocity[moves]) if np.sum(moves) >= FEWEST_MOVES else None
+    if line is None:
         value = {"velocity_gain": 0.01, "dead_band": 0.2, "command_delay": 0.1}[name]
         return value, "a guess: the log hardly moves that way", f"what is it {'forward' if way > 0.0 else 'backward'}?"
-    gain, drift = np.polyfit(way * late[moves], way * velocity[moves], 1)
-    gain = max(float(gain), 1e-9)
+    gain, drift = max(line[0], 1e-9), line[1]
     value = {
         "velocity_gain": gain,
-        "dead_band": max(-float(drift) / gain, LEAST_BAND * float(np.max(np.abs(command)))),
+        "dead_band": max(-drift / gain, LEAST_BAND * float(np.max(np.abs(command)))),
         "command_delay": max(delay, 1) * rough.motion.step,
     }[name]
     return value, f"{why}; the fit finds it", ""

@@ -49,12 +49,16 @@ REFERENCE = _set(
 MEASURED = _set("ist actual act meas measured istwert mesure misurata medida fb feedback m")
 
 
+MOST_WORDS = 40
+"""Of a name, that are looked at."""
+
+
 def words_of(name: str) -> list[str]:
     """A name in its words, in small letters: "ValvePos_mm2" is valve, pos, mm, 2."""
     spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name)
     found = re.findall(r"[a-zäöüßéèàóò]+|\d+", spaced.lower())
     whole = re.sub(r"[^a-z0-9äöüß]", "", name.lower())
-    return list(dict.fromkeys([*found, whole]))
+    return list(dict.fromkeys([*found[:MOST_WORDS], whole]))
 
 
 def is_reference(name: str) -> bool:
