@@ -21,9 +21,10 @@ from scipy.io import savemat
 from plants.registry import CHAMBERS, DRIVE_FORCE, PLANTS, THESIS
 from workbench.errors import UNSEEN, UserError
 from workbench.records.experiment import Experiment, read_experiment
+from workbench.records.importing.columns import rounded_up
 from workbench.records.importing.importing import proposal_for
 from workbench.records.importing.proposal import Ask
-from workbench.records.importing.words import scores
+from workbench.records.importing.words import MOST_WORDS, scores, words_of
 from workbench.records.importing.writing import text_of
 from workbench.records.reading import read_records
 from workbench.records.tables import read_table
@@ -389,3 +390,14 @@ def test_a_damaged_file_is_refused_whatever_its_reader_raises(tmp_path: Path, en
     path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(UserError, match="cannot be read as a table"):
         read_table(path)
+
+
+@pytest.mark.parametrize(("value", "expected"), [(0.0, 1.0), (-1.0, 1.0), (5e-324, 1.0), (np.inf, 1.0), (np.nan, 1.0)])
+def test_what_has_no_measure_is_rounded_to_one(value: float, expected: float) -> None:
+    """Found by fuzzing: a channel of nothing, or beyond all numbers."""
+    assert rounded_up(value) == expected
+    assert rounded_up(0.0013) == pytest.approx(0.0015)
+
+
+def test_of_a_name_of_thousands_of_words_some_are_looked_at() -> None:
+    assert len(words_of("valve " + " ".join(f"w{i}" for i in range(20_000)))) == MOST_WORDS + 1

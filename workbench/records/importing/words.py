@@ -58,7 +58,7 @@ def words_of(name: str) -> list[str]:
     spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name)
     found = re.findall(r"[a-zäöüßéèàóò]+|\d+", spaced.lower())
     whole = re.sub(r"[^a-z0-9äöüß]", "", name.lower())
-    return list(dict.fromkeys([*found[:MOST_WORDS], whole]))
+    return list(dict.fromkeys([*[*dict.fromkeys(found)][:MOST_WORDS], whole]))
 
 
 def is_reference(name: str) -> bool:
