@@ -3,16 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 from command import STUDY, changed, fails, ran, workbench, write
 
 from workbench.errors import UserError
 from workbench.publish.tables import shown_number
-from workbench.study.names import matches
 from workbench.study.report.schema import TableSpec
-from workbench.study.report.select import rows
 from workbench.study.report.tables import make_table, write_table
 from workbench.study.report.unusual import unusual
 
@@ -440,14 +437,3 @@ def test_check_says_what_has_no_place(tmp_path: Path, spec: str, said: str) -> N
     study += '[references.slow]\nkind = "sine"\namplitude = "1 mm"\nfrequency = "4 Hz"\n'
     table = f'[[tables]]\nname = "t"\ntitle = "t"\nindex = "rpm"\n{spec}\n'
     fails(workbench("check", write(tmp_path, study + table)), said)
-
-
-def test_rows_are_picked_as_matches_picks_cases() -> None:
-    """Numbers as numbers however they are written, text as text, what is missing by no number."""
-    values = [0, "460", 460.0, None, float("nan"), "a", True, "[1, 2]"]
-    for column in (pd.Series(values, dtype=object), pd.Series([0.0, 460.0, float("nan")]), pd.Series([0, 1, 460])):
-        frame = pd.DataFrame({"x": column, "outcome": "completed"})
-        for asked in (0, "0", 460, "460 ", "460.0", "a", "b", "None", True, [1, 2]):
-            expected = [matches({"x": value}, {"x": asked}) for value in frame["x"]]
-            assert rows(frame, {"x": asked}).index.tolist() == np.flatnonzero(expected).tolist(), asked
-    assert len(rows(frame, {})) == len(frame)
