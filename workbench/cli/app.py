@@ -30,8 +30,12 @@ COMMANDS = (
     "identify",
     "diagnose",
     "tune",
+    "rehearse",
 )
 """In the order in which help shows them; each is the function `command` of a file of its name, or of `FILES`."""
+
+GROUPS = ("export",)
+"""Commands with subcommands: each is the `app` of a folder of its name."""
 
 FILES = {"import": "import_log"}
 """Files of commands whose names are words of Python."""
@@ -69,6 +73,8 @@ def _options(
 
 for name in COMMANDS:
     app.command(name)(importlib.import_module(f"workbench.cli.{FILES.get(name, name)}").command)
+for name in GROUPS:
+    app.add_typer(importlib.import_module(f"workbench.cli.{name}").app, name=name)
 
 
 @contextmanager

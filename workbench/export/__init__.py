@@ -1,0 +1,1 @@
+"""What goes on outside the program: controllers as C, linear models, notebooks."""

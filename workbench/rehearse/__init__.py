@@ -1,0 +1,1 @@
+"""A study rehearsed: the exported C of its controllers, in the loop."""
