@@ -13,6 +13,7 @@ import numpy as np
 
 from controllers import speed_servo
 from controllers.belief import Turned
+from controllers.believed_friction import measured_rotation
 from controllers.interface import Controller, Reference, Step
 from controllers.velocity import Estimator, EstimatorState, at_rest, estimate_velocity, filtered_differentiator
 from plants.equation import Scalar, equation, select
@@ -126,7 +127,7 @@ def commit(realised: Scalar, state: State, gains: Gains, sample_time: Scalar) ->
 
 def start(measurement: Measurement, gains: Gains) -> State:
     """The piston at rest along and rotation on, from the speed that is measured (0 where it is not)."""
-    turning = float(np.nan_to_num(measurement.rotation_speed))
+    turning = measured_rotation(measurement.rotation_speed)
     return State(speed_servo.start(measurement, gains.servo), at_rest(measurement.position), turning, 1.0)
 
 

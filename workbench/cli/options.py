@@ -29,8 +29,8 @@ Where = Annotated[
 ]
 
 
-def conditions(where: list[str] | None) -> dict[str, str]:
-    """What --where asks for, by column.
+def conditions(where: list[str] | None, option: str = "--where") -> dict[str, str]:
+    """What --where, or another such `option`, asks for, by column.
 
     Raises:
         UserError: a condition without "=".
@@ -39,7 +39,7 @@ def conditions(where: list[str] | None) -> dict[str, str]:
     for item in where or []:
         name, equals, value = item.partition("=")
         if not equals:
-            raise UserError(f'--where "{item}": expected AXIS=VALUE, such as rpm=460')
+            raise UserError(f'{option} "{item}": expected AXIS=VALUE, such as rpm=460')
         found[name.strip()] = value.strip()
     return found
 

@@ -78,9 +78,7 @@ def simulate(setup: Setup) -> Run:
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
 
-    errors = setup.sensors.errors()
-    shown = Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
-
+    shown = first_reading(setup)
     references, profile = _sampled_reference(setup.reference, time)
     rotary_references = np.zeros((samples if setup.rotary else 0, 3))
     rotary_references[:, 0] = setup.rotation_speed
@@ -113,7 +111,7 @@ def simulate(setup: Setup) -> Run:
             float(plant.rotary_limit(setup.parameters)),
         ),
         (references, rotary_references, exogenous, linear),
-        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
+        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, setup.sensors.errors()),
         (delay_samples, delay_rest),
         lines,
         (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
@@ -139,6 +137,12 @@ def simulate(setup: Setup) -> Run:
         steps,
     )
     return replace(run, outcome=_outcome(run, ended, limit))
+
+
+def first_reading(setup: Setup) -> Measurement:
+    """What the sensors show at the start, without noise: what the controllers start from."""
+    reading, errors = setup.plant.measure(setup.state, setup.parameters), setup.sensors.errors()
+    return Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
 
 
 def _in_samples(delay: float, sample_time: float) -> tuple[int, float]:

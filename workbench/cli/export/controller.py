@@ -1,17 +1,50 @@
 """workbench export controller: a controller of a study as C."""
 
+from enum import StrEnum
 from typing import Annotated
 
 import typer
 
-from workbench.cli.options import Out, StudyFile
+from workbench.cli.export.options import CaseOf
+from workbench.cli.options import Out, Overwrite, StudyFile, conditions, say
+from workbench.cli.progress import ProgressLine, stoppable
+
+
+class Precision(StrEnum):
+    """Of numbers in C."""
+
+    double = "double"
+    single = "single"
 
 
 def command(
     study: StudyFile,
     out: Out,
     controller: Annotated[
-        str | None, typer.Option(help="Which of the study's controllers; needed where it has several.", metavar="NAME")
+        str | None, typer.Option(help="One of the study's controllers, where it has several.", metavar="NAME")
     ] = None,
+    case: CaseOf = None,
+    rotation: Annotated[bool, typer.Option("--rotation", help="The controller of the rod's rotation instead.")] = False,
+    precision: Annotated[Precision, typer.Option(help="Of its numbers.")] = Precision.double,
+    overwrite: Overwrite = False,
 ) -> None:
     """A controller with its gains as C99, and its test."""
+    from workbench.export.controller import controller_export
+    from workbench.study.reading import read_study
+
+    with stoppable(), ProgressLine() as progress:
+        made = controller_export(
+            read_study(study),
+            conditions(case, "--case"),
+            controller,
+            rotation=rotation,
+            precision=precision.value,
+            progress=progress,
+        )
+        files = made.write(out, overwrite)
+    exported = made.exported
+    say(f"{exported.name}: {exported.title}")
+    say(f"  a step takes at most {exported.operations}")
+    say(f"  measured: {', '.join(channel for channel, _ in exported.measured) or 'nothing'}")
+    say(f"  {len(made.replay.commands)} steps of the study's run to replay: make -C {out} test")
+    say(f"wrote {out}: {', '.join(files)}")
