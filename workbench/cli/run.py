@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from workbench.cli.options import Cluster, Out, Overwrite, StudyFile, print_tables, print_warnings, say
-from workbench.errors import UserError
+from workbench.cli.planned import planned_study
 
 if TYPE_CHECKING:
     from workbench.study.plan import Plan
@@ -39,7 +39,7 @@ def command(
 
     kept = f"finished cases are kept in {out}: go on with --resume"
     with stoppable(kept if resume else AGAIN):
-        planned = _planned(study, out, draws, fresh_draws)
+        planned = planned_study(study, out, draws, fresh_draws)
         say("\n".join(description(planned)))
         print_warnings(planned.warnings)
         if dry_run:
@@ -74,29 +74,6 @@ def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all:
         say(f"  {done} of {count} cases are finished in {out}")
     if done < count:
         print(f"  {estimate(planned, jobs, keep_all=keep_all, count=count - done)}")
-
-
-def _planned(path: Path, out: Path, draws: int | None, fresh_draws: int | None) -> "Plan":
-    """The plan of a study file, with other numbers of draws than it says where these are given.
-
-    Raises:
-        UserError: it is no study for `run`, or what it says is wrong, or it draws nothing.
-    """
-    from workbench.records.experiment import is_experiment
-    from workbench.study.plan import plan
-    from workbench.study.reading import read_study
-    from workbench.study.rounds import with_draws
-    from workbench.study.sections import other_command
-    from workbench.toml.reading import read_toml
-
-    if is_experiment(read_toml(path)[0]):
-        raise UserError(f"{path}: this is an experiment; use workbench identify {path} --out {out}")
-    study = read_study(path)
-    if (other := other_command(study)) is not None:
-        use = f"use workbench {other.command} {path} --out {out}"
-        raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")
-    study = with_draws(study, "--draws", draws, "uncertainty", "draws")
-    return plan(with_draws(study, "--fresh-draws", fresh_draws, "comparison", "fresh_draws"))
 
 
 def _report(planned: "Plan", folder: Path) -> None:

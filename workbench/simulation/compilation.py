@@ -6,6 +6,7 @@ import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,18 @@ COMMIT = types.void(types.float64, POINTER, POINTER, types.float64)
 """C signature: realised command, state (in and out), gains, sample time."""
 
 call_step, call_commit = caller(STEP), caller(COMMIT)
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledController(Controller):
+    """A controller whose step and commit are C functions already, of the signatures `STEP` and `COMMIT`.
+
+    `held` is what they live in, as long as the controller does.
+    """
+
+    addresses: tuple[int, int] = (0, 0)
+    held: object = None
+
 
 COMPILING = threading.Lock()
 """Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
@@ -131,6 +144,8 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
     Raises:
         UserError: it cannot be compiled, and why.
     """
+    if isinstance(controller, CompiledController):
+        return controller.addresses
     with COMPILING:
         step, commit = _compiled_controller(controller)
     return step.address, commit.address

@@ -1,0 +1,32 @@
+"""The plan of a study that a command runs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workbench.errors import UserError
+
+if TYPE_CHECKING:
+    from workbench.study.plan import Plan
+
+
+def planned_study(path: Path, out: Path, draws: int | None = None, fresh_draws: int | None = None) -> "Plan":
+    """The plan of a study file, with other numbers of draws than it says where these are given.
+
+    Raises:
+        UserError: it is no study to be run, or what it says is wrong, or it draws nothing.
+    """
+    from workbench.records.experiment import is_experiment
+    from workbench.study.plan import plan
+    from workbench.study.reading import read_study
+    from workbench.study.rounds import with_draws
+    from workbench.study.sections import other_command
+    from workbench.toml.reading import read_toml
+
+    if is_experiment(read_toml(path)[0]):
+        raise UserError(f"{path}: this is an experiment; use workbench identify {path} --out {out}")
+    study = read_study(path)
+    if (other := other_command(study)) is not None:
+        use = f"use workbench {other.command} {path} --out {out}"
+        raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")
+    study = with_draws(study, "--draws", draws, "uncertainty", "draws")
+    return plan(with_draws(study, "--fresh-draws", fresh_draws, "comparison", "fresh_draws"))
