@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations fuzz kills lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fuzz kills lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -62,6 +62,10 @@ test: lint
 # Every plant with every friction law and every controller, checked, and simulated where that is admitted.
 combinations: $(ENVIRONMENT)/ready-for-tests
 	PYTHONPATH=tests/helpers $(BIN)/python -m combinations
+
+# The exported C of every controller, of plug-ins too, against the program's own compiled equations: some minutes.
+export-proof: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m export_proof
 
 # Mutated studies, experiments, parameters, gains and records: whatever a file holds, a command works or refuses it in at most
 # three lines. KIND=check, run or records takes one kind; a finding is printed with the command that repeats it.
