@@ -18,11 +18,12 @@ def command(
     """Run a study with the exported C in the loop."""
     from workbench.cli.progress import ProgressBar, stoppable
     from workbench.rehearse.compiler import compiler
-    from workbench.rehearse.folder import write_rehearsal
+    from workbench.rehearse.folder import FOLDER, write_rehearsal
     from workbench.study.description import description
 
     with stoppable():
         compiler()
+        FOLDER.check(out, overwrite)
         planned = planned_study(study, out, draws)
         say("\n".join(description(planned)))
         print_warnings(planned.warnings)

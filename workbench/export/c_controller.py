@@ -35,6 +35,9 @@ PRECISIONS = {"double": DOUBLE, "single": SINGLE}
 
 COUNTED = (ADDED, MULTIPLIED, DIVIDED, COMPARED, CALLED)
 
+TAKEN = ("gains", "state", "reference", "measurement", "settings", "study", "init", "step", "command", "commit")
+"""What stands behind the controller's name already."""
+
 LIMITING = Counter({ADDED: 2, COMPARED: 3})
 """What offset and limit take."""
 
@@ -102,7 +105,7 @@ class Exported:
         reference = {path[0]: self.unit(_REFERENCE[path[0]]) for path in used.reference}
         if self.turns:
             reference["position"] = "rad/s: the wanted speed of rotation"
-        build = functools.partial(structs, prefix=self.name, number=self.numbers.type)
+        build = functools.partial(structs, prefix=self.name, number=self.numbers.type, taken=set(TAKEN))
         made = {
             "gains": build(controller.Gains, used.gains, "gains", unit=self.unit),
             "state": build(controller.State, used.state, "state", unit=self.unit),

@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from workbench.export.statements import INDENT, Precision, comment
@@ -35,20 +35,27 @@ def structs(
     prefix: str,
     number: str,
     unit: Callable[[str], str],
+    taken: set[str],
 ) -> list[Struct]:
     """The structs for a class and those nested in it, each before the first that holds it.
 
     Args:
         cls: a NamedTuple class.
         used: the paths of its numbers that count.
-        name: of its struct; those of nested ones are made of their classes' names.
+        name: of its struct; those of nested ones are made of their classes' names, and of their fields' where these
+            do not tell them apart.
         prefix: before every name.
         number: the C type of a number.
         unit: what a unit is called here.
+        taken: names that structs have; theirs are added.
     """
-    fields = {one: _used_fields(one, cls, used) for one in _classes(cls, used)}
-    called = {one: f"{prefix}_{name if one is cls else snake(one.__name__)}" for one in fields}
-    return [_struct(one, kept, called, number, unit) for one, kept in fields.items()]
+    called = {cls: f"{prefix}_{name}"}
+    nested = _nested(cls, used)
+    for one, field in nested.items():
+        own = snake(one.__name__)
+        called[one] = f"{prefix}_{own}" if own not in taken else f"{prefix}_{field}_{own}"
+        taken.add(called[one].removeprefix(f"{prefix}_"))
+    return [_struct(one, _used_fields(one, cls, used), called, number, unit) for one in (*nested, cls)]
 
 
 def _struct(
@@ -88,14 +95,15 @@ def snake(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
-def _classes(cls: type[NamedTuple], used: Collection[Path]) -> Iterator[type[NamedTuple]]:
-    """The class and those nested in it of which anything counts, innermost first."""
-    found = dict[type[NamedTuple], None]()
+def _nested(cls: type[NamedTuple], used: Collection[Path]) -> dict[type[NamedTuple], str]:
+    """The classes nested in a class of which anything counts, innermost first, each with the field that holds it."""
+    found = dict[type[NamedTuple], str]()
     for member in members_of(cls):
         below = [path[1:] for path in used if path[0] == member.name]
         if below and member.nested is not None:
-            found |= dict.fromkeys(_classes(member.nested, below))
-    yield from [*found, cls]
+            for one, field in (*_nested(member.nested, below).items(), (member.nested, member.name)):
+                found.setdefault(one, field)
+    return found
 
 
 def _used_fields(one: type[NamedTuple], cls: type[NamedTuple], used: Collection[Path]) -> set[str]:
