@@ -57,6 +57,7 @@ def linearise(
         workbench.errors.UserError: linearise: this is no equilibrium of rotating_helical: spool_position changes at
         0.005 m/s; give a state with the inputs that hold it, or speed=... for a steady slide
     """
+    from workbench.linear.equilibrium import at_rest
     from workbench.linear.linearise import linearise as linearised
     from workbench.linear.operating_point import slide
 
@@ -73,7 +74,7 @@ def linearise(
             )
         state, inputs = point.state, point.inputs
     else:
-        rest, holding = _at_rest(case)
+        rest, holding = at_rest(case)
         state, inputs = rest if state is None else state, holding if inputs is None else inputs
         _check_equilibrium(case, state, inputs)
     return linearised(case.plant, case.parameters, state, inputs, outputs)
@@ -137,14 +138,6 @@ def _speed(speed: Quantity, case: Setup) -> float:
         return si(speed, f"{case.plant.axis}/s")
     except QuantityError as error:
         raise UserError(f"speed: {error}") from None
-
-
-def _at_rest(case: Setup) -> tuple[Numbers, Numbers]:
-    """The equilibrium of the true plant where the setup starts, turning at the speed that it asks for."""
-    plant, parameters = case.plant, case.parameters
-    surface_speed = case.rotation_speed * parameters.motor.piston_radius if plant.rotary_command else 0.0
-    state, inputs = plant.equilibrium(parameters, surface_speed)
-    return state._replace(position=case.state.position), inputs
 
 
 def _check_equilibrium(case: Setup, state: Numbers, inputs: Numbers) -> None:

@@ -1,11 +1,11 @@
-"""Whether a point of a plant is an equilibrium: nothing but the motion itself changes there."""
+"""The equilibrium of a plant at rest, and whether a point is one: nothing but the motion itself changes there."""
 
 import numpy as np
 
 from plants.equation import fields, to_array
 from plants.interface import Plant
 from workbench.linear.linearise import EVALUATION_TIME, jacobians
-from workbench.simulation.setup import Numbers
+from workbench.simulation.setup import Numbers, Setup
 
 STATIONARY = 1e-3
 """Share of the states' typical magnitudes by which a point may be off: a force or an opening that is known to three
@@ -13,6 +13,14 @@ digits passes, a rod that a tenth of its friction accelerates does not."""
 
 MOTION = ("position",)
 """States whose rate is motion: they grow while all else is in equilibrium."""
+
+
+def at_rest(setup: Setup) -> tuple[Numbers, Numbers]:
+    """State and inputs of the true plant at rest where the setup starts, turning at the speed that it asks for."""
+    plant, parameters = setup.plant, setup.parameters
+    surface_speed = setup.rotation_speed * parameters.motor.piston_radius if plant.rotary_command else 0.0
+    state, inputs = plant.equilibrium(parameters, surface_speed)
+    return state._replace(position=setup.state.position), inputs
 
 
 def changing(plant: Plant, parameters: Numbers, state: Numbers, inputs: Numbers) -> dict[str, float]:

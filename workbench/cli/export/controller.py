@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.export.options import CaseOf
+from workbench.cli.export.options import CaseOf, ControllerOf
 from workbench.cli.options import Out, Overwrite, StudyFile, conditions, say
 from workbench.cli.progress import ProgressLine, stoppable
 
@@ -20,9 +20,7 @@ class Precision(StrEnum):
 def command(
     study: StudyFile,
     out: Out,
-    controller: Annotated[
-        str | None, typer.Option(help="One of the study's controllers, where it has several.", metavar="NAME")
-    ] = None,
+    controller: ControllerOf = None,
     case: CaseOf = None,
     rotation: Annotated[bool, typer.Option("--rotation", help="The controller of the rod's rotation instead.")] = False,
     precision: Annotated[Precision, typer.Option(help="Of its numbers.")] = Precision.double,
