@@ -21,7 +21,8 @@ LATIN = "\u0250"
 def mathematics_fails(text: str) -> str:
     """Why matplotlib cannot set the mathematics between the dollars of a text, in words; "" where it can."""
     try:
-        MathTextParser("path").parse(text)
+        for line in text.split("\n"):  # as it is set
+            MathTextParser("path").parse(line)
     except RecursionError:
         return "it is too deep"
     except ValueError as error:
