@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     def __getattr__(name: str) -> Callable[..., ControllerChoice]: ...
 
 
-QUESTIONS = ("tune", "decide", "identify", "diagnose", "report", "bench")
+QUESTIONS = ("tune", "decide", "identify", "diagnose", "report", "bench", "rehearse")
 """Rooms of the program, and functions of the same names."""
 
 

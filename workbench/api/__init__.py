@@ -32,6 +32,7 @@ this:
 from workbench.api.analysis import linearise, loop_gain, margins
 from workbench.api.bench import Bench, bench
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
+from workbench.api.exports import export_controller, export_linear, rehearse
 from workbench.api.loops import LoopSetup, setup
 from workbench.api.questions import decide, diagnose, identify, report, tune
 from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, reference, sine, steps, triangle
@@ -57,6 +58,8 @@ __all__ = [
     "decide",
     "diagnose",
     "evaluate",
+    "export_controller",
+    "export_linear",
     "figures_at",
     "identify",
     "linearise",
@@ -66,6 +69,7 @@ __all__ = [
     "ramp",
     "recorded",
     "reference",
+    "rehearse",
     "report",
     "setup",
     "simulate",

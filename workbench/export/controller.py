@@ -10,7 +10,6 @@ from controllers.open_loop import OPEN_LOOP
 from plants.equation import fields
 from workbench.errors import UserError
 from workbench.export.c_controller import Exported, c_name
-from workbench.export.case import chosen_case
 from workbench.export.recorded import recorded
 from workbench.export.vector import Replay, replay_of, vector_text
 from workbench.progress import Progress, silent
@@ -18,7 +17,7 @@ from workbench.publish.folders import ResultFolder
 from workbench.simulation.setup import Loop, Setup
 from workbench.simulation.simulate import simulate
 from workbench.study.store import write_json
-from workbench.study.study import Study, named
+from workbench.study.study import Case, Study, named
 
 RECORD = "export.json"
 """What is exported, in short; it is there only where all is."""
@@ -81,28 +80,26 @@ class ControllerExport:
 
 def controller_export(
     study: Study,
-    where: Mapping[str, object] | None = None,
-    controller: str | None = None,
+    case: Case,
+    setup: Setup,
     *,
     rotation: bool = False,
     precision: str = "double",
     progress: Progress = silent,
 ) -> ControllerExport:
-    """The controller of one case of a study, recorded, and run for its test vector.
+    """The controller of a case of a study, recorded, and run for its test vector.
 
     Args:
         study: the study.
-        where: values of axes that choose the case.
-        controller: which of the study's controllers.
+        case: one of its cases.
+        setup: what the case runs.
         rotation: the controller of the rotation instead.
         precision: "double" or "single".
         progress: told what is done.
 
     Raises:
-        UserError: none or several such cases, a controller that cannot be written, or one without feedback.
+        UserError: a controller that cannot be written, or one without feedback.
     """
-    case, resolved = chosen_case(study, where or {}, controller)
-    setup = resolved.setup
     loop = setup.rotary if rotation else setup.loop
     if loop is None:
         raise UserError(f"{study.path}: {case.label}: nothing controls the rotation; leave --rotation out")

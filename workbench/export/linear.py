@@ -12,7 +12,6 @@ from scipy.io import savemat
 
 from plants.equation import fields, to_array
 from workbench.errors import UserError
-from workbench.export.case import chosen_case
 from workbench.linear.equilibrium import at_rest, changing
 from workbench.linear.linearise import linearise
 from workbench.linear.open_loop import open_loop
@@ -21,7 +20,7 @@ from workbench.linear.slow_model import slow_model
 from workbench.progress import Progress, silent
 from workbench.publish.folders import faults_told, write_whole
 from workbench.simulation.setup import Numbers, Setup
-from workbench.study.study import Study
+from workbench.study.study import Case, Study
 from workbench.toml.units import QuantityError, si
 
 HEADER = 116
@@ -95,13 +94,9 @@ def check_ending(path: Path) -> None:
 
 
 def linear_export(
-    study: Study,
-    where: Mapping[str, object] | None = None,
-    speed: float | str | None = None,
-    controller: str | None = None,
-    progress: Progress = silent,
+    study: Study, case: Case, setup: Setup, speed: float | str | None = None, progress: Progress = silent
 ) -> LinearExport:
-    """The linear models of one case of a study.
+    """The linear models of a case of a study, which runs `setup`.
 
     rest         the plant at rest, turning as the study says, from all its inputs to all its signals
     and at a `speed` (m/s, or rad/s of an axis that turns; or text with its unit):
@@ -110,10 +105,8 @@ def linear_export(
     open_loop    L(z), sampled, broken behind the amplifier: plant, sensors and controller; closed it is 1/(1+L)
 
     Raises:
-        UserError: none or several such cases; no equilibrium at rest; a loop that does not slide steadily at the speed.
+        UserError: no equilibrium at rest, or a loop that does not slide steadily at the speed.
     """
-    case, resolved = chosen_case(study, where or {}, controller)
-    setup = resolved.setup
     state, inputs = at_rest(setup)
     if rates := changing(setup.plant, setup.parameters, state, inputs):
         raise UserError(f"{study.path}: {case.label}: the plant does not rest: {', '.join(rates)} would change")

@@ -66,7 +66,7 @@ def _fill(planned: Plan, folder: Path, jobs: int | None, progress: Progress | No
     for library in sources.rglob("*.so"):
         library.unlink()
     figures = [item for item in found if item.study is not None or item.rehearsed is not None]
-    frame = pd.DataFrame([_row(item) for item in figures])
+    frame = frame_of(figures)
     frame.to_csv(folder / "rehearsal.csv", index=False, lineterminator="\n")
     shown = frame.map(lambda cell: in_cell(str(cell)))
     text = shown.to_markdown(index=False, disable_numparse=True)
@@ -75,6 +75,11 @@ def _fill(planned: Plan, folder: Path, jobs: int | None, progress: Progress | No
     record = {"title": planned.study.file.title, "cases": len(planned.cases), "figures": len(figures), "equal": equal}
     write_json(folder / "rehearsal.json", record)
     return figures
+
+
+def frame_of(figures: Sequence[Compared]) -> pd.DataFrame:
+    """A row a figure of a case: as the study has it, as rehearsed, and the difference; all as results.csv prints it."""
+    return pd.DataFrame([_row(item) for item in figures])
 
 
 def _row(item: Compared) -> dict[str, object]:

@@ -27,17 +27,16 @@ def command(
     overwrite: Overwrite = False,
 ) -> None:
     """A controller with its gains as C99, and its test."""
+    from workbench.export.case import chosen_case
     from workbench.export.controller import controller_export
     from workbench.study.reading import read_study
 
     with stoppable(), ProgressLine() as progress:
+        content = read_study(study)
+        chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
+        setup = resolved.setup
         made = controller_export(
-            read_study(study),
-            conditions(case, "--case"),
-            controller,
-            rotation=rotation,
-            precision=precision.value,
-            progress=progress,
+            content, chosen, setup, rotation=rotation, precision=precision.value, progress=progress
         )
         files = made.write(out, overwrite)
     exported = made.exported

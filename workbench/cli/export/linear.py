@@ -21,12 +21,15 @@ def command(
     overwrite: Overwrite = False,
 ) -> None:
     """Linear models of a study's plant, as .mat or .json."""
+    from workbench.export.case import chosen_case
     from workbench.export.linear import check_ending, linear_export
     from workbench.study.reading import read_study
 
     check_ending(out)
     with stoppable(), ProgressLine() as progress:
-        found = linear_export(read_study(study), conditions(case, "--case"), speed, controller, progress)
+        content = read_study(study)
+        chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
+        found = linear_export(content, chosen, resolved.setup, speed, progress)
         found.write(out, overwrite)
     for name, model in found.models.items():
         system = model.system
