@@ -1,18 +1,20 @@
 """workbench export linear: what is written is what python-control has of the same loop, with its names and units."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import control
 import numpy as np
 import pytest
-from command import STUDY, changed, fails, workbench, write
+from command import ROOT, STUDY, changed, fails, workbench, write
 from scipy.io import loadmat
 
 import workbench as wb
 
 SPEED = "30 mm/s"
+GUIDE = ROOT / "docs" / "export.md"
 
 
 def exported(folder: Path, name: str, *options: str) -> Path:
@@ -25,9 +27,12 @@ def exported(folder: Path, name: str, *options: str) -> Path:
 
 
 def system_of(model: dict[str, Any]) -> control.StateSpace:
-    """As docs/export.md loads it."""
-    matrices = [model[name] for name in "ABCD"]
-    return control.ss(*matrices, model["dt"], **{name: model[name] for name in ("states", "inputs", "outputs")})
+    """As the last line of Python in docs/export.md makes it."""
+    (code,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    names: dict[str, Any] = {"model": model, "control": control}
+    exec(code.splitlines()[-1], names)
+    found: control.StateSpace = names["plant"]
+    return found
 
 
 def test_json_is_what_python_control_has(tmp_path: Path) -> None:
