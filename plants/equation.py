@@ -4,7 +4,7 @@ An equation is a plain function of scalars that uses NumPy ufuncs and `select` i
 Decorated with `@equation` it
 
 - runs as it stands on floats and NumPy arrays (tests, plots, signals after a run),
-- is compiled when compiled code calls it (simulation),
+- is recorded, and becomes machine code (simulation) or C (export),
 - accepts CasADi symbols (exact Jacobians, sensitivities, linearisation).
 
 States, inputs and parameters are NamedTuples of floats, possibly nested, whose fields carry their unit:
@@ -12,8 +12,7 @@ States, inputs and parameters are NamedTuples of floats, possibly nested, whose 
     class State(NamedTuple):
         position: Annotated[float, "m", 0.01]      # unit, and for states a typical magnitude
 
-`plants.compiled` has what compiled code needs beside, and tells the compiler of the equations: whoever compiles code
-that calls one imports it first. Nothing here imports the compiler.
+Nothing here imports a compiler: `workbench.recording` is where equations are compiled.
 """
 
 import functools
@@ -50,6 +49,7 @@ EQUATION_FOLDERS = (
     "plants/effects",
     "plants/laws",
     "controllers",
+    "workbench/recording",
     "workbench/simulation",
     "workbench/simulation/integrators",
 )
@@ -71,35 +71,24 @@ def source_hash(folders: tuple[str, ...] = EQUATION_FOLDERS) -> str:
     return digest.hexdigest()[:16]
 
 
-_waiting: list[Equation] = []
-"""Equations that compiled code has not been told of yet: without a simulation nothing of numba is imported."""
-
-_tell: Callable[[Equation], object] = _waiting.append
-
-
 _marked: WeakSet[Equation] = WeakSet()
 
 
 def equation(function: Function) -> Function:
-    """Marks a function as an equation: callable from Python with anything, and from compiled code."""
-    _tell(function)
+    """Marks a function as an equation: of numbers, arrays and symbols alike."""
     _marked.add(function)
     return function
 
 
+def equations() -> Iterator[Equation]:
+    """All equations of the modules that were imported."""
+    return iter(list(_marked))
+
+
 def unmarked(functions: Iterable[Equation]) -> str:
-    """Which of them lacks the mark, without which compiled code cannot call it, and the fix; "" if none does."""
+    """Which of them lacks the mark, and the fix; "" if none does."""
     lacking = (item.__name__ for item in functions if inspect.isfunction(item) and item not in _marked)
     return next((f'function "{name}" is no equation; decorate it with @equation' for name in lacking), "")
-
-
-def tell_compiler(tell: Callable[[Equation], object]) -> None:
-    """Hand every equation, those that are still to come too, to `tell`; `plants.compiled` does, when it is imported."""
-    global _tell
-    _tell = tell
-    for function in _waiting:
-        tell(function)
-    _waiting.clear()
 
 
 def select(condition: Scalar, when_true: Scalar, when_false: Scalar) -> Scalar:
@@ -255,20 +244,14 @@ def _nested(cls: type[NamedTuple]) -> tuple[type[NamedTuple] | None, ...]:
     return tuple(None if hints[name] is float else hints[name] for name in cls._fields)
 
 
+@functools.cache
+def size_of(cls: type[NamedTuple]) -> int:
+    """How many numbers a (nested) NamedTuple class holds."""
+    return sum(1 if inner is None else size_of(inner) for inner in _nested(cls))
+
+
 def _build(cls: type[NumbersT], values: Iterator[Scalar]) -> NumbersT:
     return cls._make([next(values) if inner is None else _build(inner, values) for inner in _nested(cls)])
-
-
-def fingerprint(function: Equation) -> str:
-    """A hash of the packages that `function` and the functions in it are from: plug-ins lie outside the cache's key."""
-    return " ".join(package_hash(module) for module in sorted(_modules(inspect.unwrap(function))))
-
-
-def _modules(function: Equation) -> set[str]:
-    """The modules of a function and of the functions in its closure."""
-    held = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
-    inner = [inspect.unwrap(item) for item in held if inspect.isfunction(item)]
-    return {function.__module__}.union(*(_modules(item) for item in inner))
 
 
 def package_hash(module: str) -> str:

@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 import casadi
-import numba
 import numpy as np
 import pytest
 from filterpy.kalman import ExtendedKalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba_equations import njit
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from support import registered
@@ -59,7 +59,7 @@ def rig(motion: str, truth: Any = BELIEF) -> Run:
     return simulate(replace(setup, parameters=truth, sensors=RIG))
 
 
-@numba.njit(error_model="numpy")
+@njit(error_model="numpy")
 def compiled_estimates(
     readings: np.ndarray, volts: np.ndarray, state: EkfState, gains: EkfGains
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ import pytest
 from command import STUDIES
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba import njit
+from numba_equations import njit
 from support import registered
 
 from controllers.speed_servo import SPEED_SERVO

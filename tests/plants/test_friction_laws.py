@@ -1,16 +1,15 @@
 """Every friction law against what its paper says of it, and what must hold for all of them on every plant."""
 
 import functools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba import njit
+from numba import njit, types
 
-from plants.compiled import address, pack, unpack
+from plants.compiled import POINTER, address, caller
 from plants.equation import fields, leaves, to_array
 from plants.laws.interface import FrictionLaw, at_rest
 from plants.laws.maxwell_slip import LEVEL_SHARE, STIFFNESS_SHARES
@@ -18,6 +17,7 @@ from plants.laws.registry import LAWS
 from plants.motor import LIMITS
 from plants.registry import DRIVE_FORCE, plants
 from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.recording.machine_code import MachineCode, machine_code
 from workbench.simulation.references import ReferenceSignal, Sine, Steps
 from workbench.simulation.run import Run
 from workbench.simulation.setup import Feed, Integrator, Setup
@@ -35,6 +35,8 @@ CONTACT = {
     "bristle_stiffness": 1e6,
     "bristle_damping": 500.0,
 }
+call_friction = caller(types.float64(types.float64, POINTER, types.float64, POINTER, POINTER))
+
 STATIC = CONTACT["coulomb"] + CONTACT["stribeck"]
 
 
@@ -60,24 +62,21 @@ def pushed(law: FrictionLaw, force: ReferenceSignal, duration: float, velocity: 
 
 
 @functools.cache
-def compiled_along(law: FrictionLaw, parameters_class: Any) -> Callable[..., None]:
-    """`along` in compiled code."""
-    friction, contact = law.friction, law.Contact
+def compiled_friction(law: FrictionLaw, parameters_class: Any) -> MachineCode:
+    """The law in compiled code: of velocity, memory, the force that it holds against, parameters, and rates (out)."""
+    return machine_code(law.friction, (None, law.Contact, None, parameters_class), into=4, gives=True)
 
-    @njit
-    def run(velocity: Any, step: float, parameters: Any, memory: Any, middle: Any, rates: Any, out: Any) -> None:
-        p = unpack(parameters_class, address(parameters))
-        for k in range(velocity.size):
-            v = velocity[k]
-            held = 1e9 * np.sign(v)
-            out[k], slope = friction(v, unpack(contact, address(memory)), held, p)
-            pack(slope, address(rates))
-            middle[:] = memory + 0.5 * step * rates
-            _, slope = friction(v, unpack(contact, address(middle)), held, p)
-            pack(slope, address(rates))
-            memory += step * rates
 
-    return run
+@njit
+def _along(friction: int, velocity: Any, step: float, parameters: Any, memory: Any, rates: Any, out: Any) -> None:
+    middle = np.empty_like(memory)
+    for k in range(velocity.size):
+        v = velocity[k]
+        held = 1e9 * np.sign(v)
+        out[k] = call_friction(friction, v, address(memory), held, address(parameters), address(rates))
+        middle[:] = memory + 0.5 * step * rates
+        call_friction(friction, v, address(middle), held, address(parameters), address(rates))
+        memory += step * rates
 
 
 def along(law: FrictionLaw, velocity: np.ndarray, step: float, **changes: float) -> np.ndarray:
@@ -85,8 +84,8 @@ def along(law: FrictionLaw, velocity: np.ndarray, step: float, **changes: float)
     plant, p = drive(law, **changes)
     memory = to_array(at_rest(law))
     out = np.empty(velocity.size)
-    run = compiled_along(law, plant.Parameters)
-    run(velocity, step, to_array(p), memory, np.empty_like(memory), np.empty_like(memory), out)
+    friction = compiled_friction(law, plant.Parameters).address
+    _along(friction, velocity, step, to_array(p), memory, np.empty_like(memory), out)
     return out
 
 

@@ -157,9 +157,13 @@ IT = replace(PID, name="mine", step=step)
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        ("np.tnh(reference.position)", "module 'numpy' has no attribute 'tnh'"),
-        ("tanh(reference.position)", "NameError: name 'tanh' is not defined"),
-        ("reference.positon", "Unknown attribute 'positon' of type Reference(float64 x 3), in typo.py, line 7"),
+        ("np.tnh(reference.position)", "module 'numpy' has no attribute 'tnh', in typo.py, line 7"),
+        ("tanh(reference.position)", "name 'tanh' is not defined, in typo.py, line 7"),
+        ("reference.positon", "'Reference' object has no attribute 'positon', in typo.py, line 7"),
+        (
+            "1.0 if reference.position > 0.0 else 0.0",
+            "branches on a value; `select` of plants.equation does that, in typo.py, line 7",
+        ),
     ],
 )
 def test_a_step_that_cannot_be_compiled_is_one_line(

@@ -15,7 +15,7 @@ from controllers.interface import Reference
 from plants.interface import GAUGE, Measurement
 from workbench.export.c_words import RESERVED
 from workbench.export.operations import ADDED, CALLED, COMPARED, DIVIDED, HELPERS, MULTIPLIED
-from workbench.export.recorded import GAINS, REALISED, SAMPLE_TIME, Function, RecordedController, needed
+from workbench.export.recorded import GAINS, REALISED, SAMPLE_TIME, Function, RecordedController
 from workbench.export.statements import (
     DOUBLE,
     INDENT,
@@ -27,7 +27,7 @@ from workbench.export.statements import (
     statements,
 )
 from workbench.export.structs import Struct, initializer, structs
-from workbench.export.symbols import INPUT
+from workbench.recording.symbols import INPUT, needed
 
 TEMPLATES = Path(__file__).parent / "templates"
 

@@ -2,22 +2,18 @@
 
 from typing import NamedTuple
 
-NOT_THERE = "which is not among what is written as C"
-
 
 class Operation(NamedTuple):
     """An operation in C: what its `text` is with operands in it, how closely it binds, and as what it is counted.
 
     Operands in braces: `{0:<}` binds at least as closely as the operation itself, `{0:~}` as it likes, others more
-    closely. `helper`: the name of a function of `HELPERS`. `of_numbers`: it takes no conditions. An underscore
-    is a space at which no line ends.
+    closely. `helper`: the name of a function of `HELPERS`. An underscore is a space at which no line ends.
     """
 
     text: str
     binds: int
     counted: str
     helper: str = ""
-    of_numbers: bool = True
 
 
 ATOM, UNARY, PRODUCT, SUM, ORDER, EQUAL, AND, OR, CHOICE, LEAST = range(9, -1, -1)
@@ -54,10 +50,10 @@ OPERATIONS = {
     "greater_equal": Operation("{0} >=_{1}", ORDER, COMPARED),
     "equal": Operation("{0} ==_{1}", EQUAL, COMPARED),
     "not_equal": Operation("{0} !=_{1}", EQUAL, COMPARED),
-    "logical_and": Operation("{0:<} &&_{1}", AND, COMPARED, of_numbers=False),
-    "logical_or": Operation("({0:~}) ||_({1:~})", OR, COMPARED, of_numbers=False),
-    "logical_not": Operation("!({0:~})", UNARY, COMPARED, of_numbers=False),
-    "where": Operation("{0} ?_{1} :_{2}", CHOICE, COMPARED, of_numbers=False),
+    "logical_and": Operation("{0:<} &&_{1}", AND, COMPARED),
+    "logical_or": Operation("({0:~}) ||_({1:~})", OR, COMPARED),
+    "logical_not": Operation("!({0:~})", UNARY, COMPARED),
+    "where": Operation("{0} ?_{1} :_{2}", CHOICE, COMPARED),
     "minimum": _call("minimum", helper=True, arguments=2),
     "maximum": _call("maximum", helper=True, arguments=2),
     "sign": _call("sign", helper=True),
@@ -77,22 +73,6 @@ OPERATIONS = {
     },
 }
 """By the name of NumPy's function. A $ behind a function of math.h stands for the suffix of single precision."""
-
-SAME = {
-    "bitwise_and": "logical_and",
-    "bitwise_or": "logical_or",
-    "invert": "logical_not",
-    "fabs": "absolute",
-    "true_divide": "divide",
-}
-"""Functions that do the same as another one here."""
-
-CONDITIONS = frozenset(
-    name
-    for name, operation in OPERATIONS.items()
-    if operation.binds in (ORDER, EQUAL, AND, OR) or name == "logical_not"
-)
-"""Operations whose result is a condition."""
 
 HELPERS = {
     "minimum": "static {real} minimum({real} a, {real} b)\n{{\n    return a <= b || a != a ? a : b;\n}}\n",

@@ -10,8 +10,8 @@ from controllers.interface import Controller, Reference
 from plants.equation import from_array, leaves
 from plants.interface import Measurement
 from workbench.errors import UserError
-from workbench.export.symbols import INPUT, Recording, UnwritableError
 from workbench.export.walk import Path, number_paths
+from workbench.recording.symbols import INPUT, Recording, UnrecordableError, needed
 
 GAINS, BEFORE, REFERENCE, MEASUREMENT = "gains->", "before.", "reference->", "measurement->"
 """How C reaches what the equations are given; the state as it was before a call."""
@@ -93,17 +93,6 @@ def recorded(controller: Controller, channels: Collection[str]) -> RecordedContr
     return RecordedController(controller, recording, start, step, commit, used)
 
 
-def needed(recording: Recording, places: Iterable[int]) -> list[int]:
-    """All places from which these are computed, themselves among them, in the order of the recording."""
-    waiting, found = list(places), set[int]()
-    while waiting:
-        place = waiting.pop()
-        if place not in found:
-            found.add(place)
-            waiting += recording.instructions[place].operands
-    return sorted(found)
-
-
 def in_c(path: Path) -> str:
     """A path as C has it."""
     return ".".join(path)
@@ -144,5 +133,5 @@ def _told(controller: Controller, function: str) -> Iterator[None]:
     """Raises UserError where an equation of a controller cannot be recorded."""
     try:
         yield
-    except UnwritableError as error:
+    except UnrecordableError as error:
         raise UserError(f'controller "{controller.name}" cannot be written as C: its "{function}" {error}') from None

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from workbench.export.c_words import RESERVED
-from workbench.export.operations import ATOM, CONDITIONS, LEAST, OPERATIONS, UNARY
-from workbench.export.recorded import Function, needed
-from workbench.export.symbols import INPUT, NUMBER, Recording, Source
+from workbench.export.operations import ATOM, LEAST, OPERATIONS, UNARY
+from workbench.export.recorded import Function
+from workbench.recording.operations import CONDITIONS
+from workbench.recording.symbols import INPUT, NUMBER, Recording, Source, needed
 
 WIDTH = 100
 """Columns of a line of C."""

@@ -1,33 +1,25 @@
 """Plants and controllers as compiled code: the addresses of their C functions, which the engine calls."""
 
 import functools
-import itertools
-import re
 import threading
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numba import types
 
 from controllers.interface import Controller, Reference
-from plants.compiled import POINTER, CFunction, caller, compiled, pack, unpack
-from plants.equation import fingerprint
+from plants.compiled import POINTER, caller
 from plants.interface import Measurement, Plant
 from plants.plugins import OURS
 from workbench.errors import UserError
+from workbench.recording.machine_code import MachineCode, machine_code
 
-NUMBA_FAILED = "Failed in nopython mode pipeline"
-"""What numba says in the line before a reason; the last of several reasons is the one in the author's own code."""
-
-PLACE = re.compile(r'File "([^"]+)", line (\d+)')
-"""How it names a place."""
-
-FOLDERS = tuple(Path(__file__).parents[2] / name for name in OURS)
-"""Where this program's own code lies."""
+FOLDERS = (*(Path(__file__).parents[2] / name for name in OURS), Path(np.__file__).parent)
+"""Where code lies that is no author's of a plug-in."""
 
 DERIVATIVES = types.void(types.float64, POINTER, POINTER, POINTER, POINTER)
 """C signature: time, state, inputs, parameters, rates (out)."""
@@ -61,70 +53,25 @@ COMPILING = threading.Lock()
 """Of two threads that compile the same at once, only one's code would be kept, and the other's freed while it runs."""
 
 
-def compile_derivatives(plant: Plant) -> CFunction:
+def compile_derivatives(plant: Plant) -> MachineCode:
     """The plant's derivatives as a C function of signature `DERIVATIVES`."""
-    derivatives, state_class = plant.derivatives, plant.State
-    inputs_class, parameters_class = plant.Inputs, plant.Parameters
-    source = fingerprint(derivatives)
-
-    @compiled(DERIVATIVES)
-    def entry(time: float, state: Any, inputs: Any, parameters: Any, rates: Any) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        s, u = unpack(state_class, state), unpack(inputs_class, inputs)
-        pack(derivatives(time, s, u, unpack(parameters_class, parameters)), rates)
-
-    return entry
+    return machine_code(plant.derivatives, (None, plant.State, plant.Inputs, plant.Parameters), into=4)
 
 
-def compile_measure(plant: Plant) -> CFunction:
-    """The plant's noise-free readings as a C function of signature `MEASURE`.
-
-    A channel that its `measure` leaves to the default is absent from the compiled tuple: it is NaN.
-    """
-    measure, state_class, parameters_class = plant.measure, plant.State, plant.Parameters
-    channels = len(Measurement._fields)
-    source = fingerprint(measure)
-
-    @compiled(MEASURE)
-    def entry(state: Any, parameters: Any, measurement: Any) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        readings = measure(unpack(state_class, state), unpack(parameters_class, parameters))
-        for i in range(len(readings), channels):
-            measurement[i] = np.nan
-        pack(readings, measurement)
-
-    return entry
+def compile_measure(plant: Plant) -> MachineCode:
+    """The plant's noise-free readings as a C function of signature `MEASURE`."""
+    return machine_code(plant.measure, (plant.State, plant.Parameters), into=2)
 
 
-def compile_step(controller: Controller) -> CFunction:
+def compile_step(controller: Controller) -> MachineCode:
     """The controller's step as a C function of signature `STEP`."""
-    step, state_class, gains_class = controller.step, controller.State, controller.Gains
-    reference_class, measurement_class = Reference, Measurement
-    source = fingerprint(step)
-
-    @compiled(STEP)
-    def entry(reference: Any, measurement: Any, state: Any, gains: Any, sample_time: float) -> float:
-        _ = source  # part of the key of the compiled code's cache
-        r, y = unpack(reference_class, reference), unpack(measurement_class, measurement)
-        command, following = step(r, y, unpack(state_class, state), unpack(gains_class, gains), sample_time)
-        pack(following, state)
-        return command
-
-    return entry
+    given = (Reference, Measurement, controller.State, controller.Gains, None)
+    return machine_code(controller.step, given, into=2, gives=True)
 
 
-def compile_commit(controller: Controller) -> CFunction:
+def compile_commit(controller: Controller) -> MachineCode:
     """The controller's commit as a C function of signature `COMMIT`."""
-    commit, state_class, gains_class = controller.commit, controller.State, controller.Gains
-    source = fingerprint(commit)
-
-    @compiled(COMMIT)
-    def entry(realised: float, state: Any, gains: Any, sample_time: float) -> None:
-        _ = source  # part of the key of the compiled code's cache
-        s = unpack(state_class, state)
-        pack(commit(realised, s, unpack(gains_class, gains), sample_time), state)
-
-    return entry
+    return machine_code(controller.commit, (None, controller.State, controller.Gains, None), into=1)
 
 
 def plant_addresses(plant: Plant) -> tuple[int, int]:
@@ -152,32 +99,30 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
 
 
 @functools.cache
-def _compiled_plant(plant: Plant) -> tuple[CFunction, CFunction]:
+def _compiled_plant(plant: Plant) -> tuple[MachineCode, MachineCode]:
     """The plant's C functions; kept, since only their addresses go to the engine."""
     with _told("plant", plant.name):
         return compile_derivatives(plant), compile_measure(plant)
 
 
 @functools.cache
-def _compiled_controller(controller: Controller) -> tuple[CFunction, CFunction]:
+def _compiled_controller(controller: Controller) -> tuple[MachineCode, MachineCode]:
     with _told("controller", controller.name):
         return compile_step(controller), compile_commit(controller)
 
 
 @contextmanager
 def _told(kind: str, name: str) -> Iterator[None]:
-    """What numba cannot compile is its author's mistake: one line for the user, the rest in the traceback.
+    """What cannot be recorded is its author's mistake: one line for the user, the rest in the traceback.
 
     Raises:
-        UserError: the innermost reason that numba gives.
+        UserError: the reason, and where in the author's own code it is.
     """
     try:
         yield
     except Exception as error:
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        causes = [later for line, later in itertools.pairwise(lines) if NUMBA_FAILED in line]
-        reason = " ".join((causes or lines or [type(error).__name__])[-1].split())
-        places = [(Path(file).resolve(), line) for file, line in PLACE.findall(str(error))]
+        reason = " ".join(str(error).split()) or type(error).__name__
+        places = [(Path(frame.filename), frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
         theirs = [(file.name, line) for file, line in places if not any(map(file.is_relative_to, FOLDERS))]
         where = f", in {theirs[-1][0]}, line {theirs[-1][1]}" if theirs else ""
         raise UserError(f'{kind} "{name}" cannot be compiled: {reason}{where} (--debug shows all of it)') from error

@@ -12,7 +12,7 @@ import numpy as np
 from numba import types
 from numba.extending import register_jitable
 
-from plants.compiled import address, flagged, njit, shift
+from plants.compiled import INNER, address, flagged, njit, shift
 from plants.interface import Measurement
 from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
@@ -41,6 +41,8 @@ KEPT = 2
 
 Ended: TypeAlias = tuple[int, int, int]
 """How a loop ended, the number of samples logged, the number of integration steps."""
+
+register_jitable(forceinline=True, **INNER)(systematic_error)
 
 _vector = types.float64[::1]
 _table = types.float64[:, ::1]

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from plants.equation import equation
 from plants.interface import Measurement
 
 HARMONICS = 4
@@ -21,7 +20,6 @@ ERROR_NUMBERS = 2 + 3 * HARMONICS
 """Numbers that describe a channel's systematic error, in the order of `systematic_error`."""
 
 
-@equation
 def systematic_error(value: Any, numbers: Any) -> Any:
     """Error that a sensor adds to the true `value`, in the channel's unit; it repeats whenever the value does.
 

@@ -1,18 +1,18 @@
-"""Equations recorded: numbers that remember how they were computed, so that C can be written of it.
+"""Equations recorded: numbers that remember how they were computed, so that code can be written of it.
 
     recording = Recording()
     a, b = recording.input("a"), recording.input("b")
     with recording.sources():
         total = equation(a, b)              # a Symbol; recording.instructions say how it is had
 
-The order of operations is that of the equation, and nothing is rearranged: what is written of it rounds as compiled
-equations do. What the equation computes twice is recorded once. An equation that branches on a value cannot be
-recorded; `select` can, and so can a loop whose length does not depend on one, which is written out.
+The order of operations is that of the equation, and nothing is rearranged: what is written of it rounds as NumPy does.
+What the equation computes twice is recorded once. An equation that branches on a value cannot be recorded; `select`
+can, and so can a loop whose length does not depend on one, which is written out.
 """
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,17 +22,17 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from workbench.export.operations import CONDITIONS, NOT_THERE, OPERATIONS, SAME
+from workbench.recording.operations import CONDITIONS, NOT_THERE, OF_CONDITIONS, OPERATIONS, SAME
 
 INPUT, NUMBER = "input", "number"
 """Instructions that compute nothing."""
 
-PASSED = (str(Path(__file__).parent), str(Path(np.__file__).parent), "equation.py")
-"""Of the files of functions that are no equations: this package, NumPy, and `select` with its kin."""
+PASSED = (str(Path(__file__).parents[1]), str(Path(np.__file__).parent), "equation.py")
+"""Of the files of functions that are no equations: the workbench, NumPy, and `select` with its kin."""
 
 
-class UnwritableError(Exception):
-    """Why an equation cannot be written as C, in words that follow the name of the equation."""
+class UnrecordableError(Exception):
+    """Why an equation cannot be recorded, in words that follow its name."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,19 @@ class Symbol(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *values: Any, **options: Any) -> Any:
         if method != "__call__" or options:
-            raise UnwritableError(f"uses np.{ufunc.__name__} as no plain function of numbers")
+            raise UnrecordableError(f"uses np.{ufunc.__name__} as no plain function of numbers")
         return self.recording.apply(SAME.get(ufunc.__name__, ufunc.__name__), values)
 
     def __array_function__(self, function: Callable[..., Any], types: Any, values: Any, options: Any) -> Any:
         if function is not np.where or len(values) != 3 or options:
-            raise UnwritableError(f"uses np.{function.__name__}, {NOT_THERE}")
+            raise UnrecordableError(f"uses np.{function.__name__}, {NOT_THERE}")
         return self.recording.apply("where", values)
 
     def __bool__(self) -> bool:
-        raise UnwritableError("branches on a value; `select` of plants.equation does that")
+        raise UnrecordableError("branches on a value; `select` of plants.equation does that")
 
     def __float__(self) -> float:
-        raise UnwritableError("turns a value into a float; leave that out")
+        raise UnrecordableError("turns a value into a float; leave that out")
 
 
 class Recording:
@@ -96,17 +96,25 @@ class Recording:
         """Where a symbol or a number stands.
 
         Raises:
-            UnwritableError: it is neither.
+            UnrecordableError: it is neither.
         """
         if isinstance(value, Symbol):
             return value.place
         if isinstance(value, bool | np.bool_ | str):
-            raise UnwritableError(f"computes with {value!r}, expected numbers")
+            raise UnrecordableError(f"computes with {value!r}, expected numbers")
         try:
             number = float(value)
         except (TypeError, ValueError):
-            raise UnwritableError(f"computes with a {type(value).__name__}, expected numbers") from None
+            raise UnrecordableError(f"computes with a {type(value).__name__}, expected numbers") from None
         return self._symbol(Instruction(NUMBER, (), repr(number))).place
+
+    def number_place(self, value: Any) -> int:
+        """Where a symbol or a number stands, as a number: a condition is 1 where it holds, else 0.
+
+        Raises:
+            UnrecordableError: it is neither.
+        """
+        return self._as_number(self.place(float(value) if isinstance(value, bool | np.bool_) else value))
 
     def name(self, place: int) -> str:
         """What the equations call a result; "" where they have no name for it."""
@@ -123,20 +131,22 @@ class Recording:
         A condition of numbers alone is a bool.
 
         Raises:
-            UnwritableError: C has no such operation.
+            UnrecordableError: equations have no such operation.
         """
         if operation == "power" and isinstance(values[1], int):
             return self._whole_power(values[0], values[1])
         if operation == "square":
             return self._whole_power(values[0], 2)
         if operation not in OPERATIONS:
-            raise UnwritableError(f"uses np.{operation}, {NOT_THERE}")
+            raise UnrecordableError(f"uses np.{operation}, {NOT_THERE}")
         if operation == "where" and isinstance(values[0], bool | np.bool_):
             return self._symbol_at(self.place(values[1] if values[0] else values[2]))
         places = tuple(self.place(value) for value in values)
         if operation == "where" and self.instructions[places[0]].operation not in CONDITIONS:
             places = (self.apply("not_equal", (values[0], 0.0)).place, *places[1:])
-        if operation != "where" and OPERATIONS[operation].of_numbers:
+        if operation == "where":
+            places = (places[0], *(self._as_number(place) for place in places[1:]))
+        if operation not in OF_CONDITIONS:
             places = tuple(self._as_number(place) for place in places)
         if operation != "where" and all(self.number(place) is not None for place in places):
             return self._computed(operation, places)
@@ -224,6 +234,17 @@ class Recording:
             names = self._lent if name in arguments else self._names
             for symbol, called in _named(value, name):
                 names.setdefault(symbol.place, called)
+
+
+def needed(recording: Recording, places: Iterable[int]) -> list[int]:
+    """All places from which these are computed, themselves among them, in the order of the recording."""
+    waiting, found = list(places), set[int]()
+    while waiting:
+        place = waiting.pop()
+        if place not in found:
+            found.add(place)
+            waiting += recording.instructions[place].operands
+    return sorted(found)
 
 
 def _named(value: object, name: str) -> Iterator[tuple[Symbol, str]]:
