@@ -5,7 +5,7 @@ import pytest
 
 from plants.equation import select
 from workbench.export.statements import DOUBLE, SINGLE, counts, statements
-from workbench.export.symbols import Recording, Symbol, UnwritableError
+from workbench.recording.symbols import Recording, Symbol, UnrecordableError
 
 
 def inputs(*names: str) -> tuple[Recording, list[Symbol]]:
@@ -80,13 +80,13 @@ def test_a_guard_against_division_by_zero_stays_one_in_single_precision() -> Non
 
 def test_what_cannot_be_written_says_why() -> None:
     _, (a, b) = inputs("a", "b")
-    with pytest.raises(UnwritableError, match="branches on a value"):
+    with pytest.raises(UnrecordableError, match="branches on a value"):
         _ = a if a > b else b
-    with pytest.raises(UnwritableError, match=r"uses np\.arccosh, which is not among"):
+    with pytest.raises(UnrecordableError, match=r"uses np\.arccosh, which is not among"):
         np.arccosh(a)
-    with pytest.raises(UnwritableError, match=r"uses np\.sum, which is not among"):
+    with pytest.raises(UnrecordableError, match=r"uses np\.sum, which is not among"):
         np.sum(a)
-    with pytest.raises(UnwritableError, match="turns a value into a float"):
+    with pytest.raises(UnrecordableError, match="turns a value into a float"):
         float(a)
-    with pytest.raises(UnwritableError, match="computes with a list"):
+    with pytest.raises(UnrecordableError, match="computes with a list"):
         np.add(a, [1.0])
