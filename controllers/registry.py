@@ -1,5 +1,7 @@
 """The position controllers by name: ours, and those that other packages bring by entry point."""
 
+from collections.abc import Mapping
+
 from controllers.compensation import offered
 from controllers.disturbance_observer import DISTURBANCE_OBSERVER
 from controllers.dither import DITHER
@@ -32,6 +34,6 @@ def _check(controller: Controller) -> None:
 CONTROLLERS = Registry("friction_workbench.controllers", Controller, {item.name: item for item in _OURS}, _check)
 
 
-def controllers() -> dict[str, Controller]:
+def controllers() -> Mapping[str, Controller]:
     """All position controllers by name; ours first."""
     return CONTROLLERS.working()

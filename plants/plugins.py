@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from plants.equation import package_hash
@@ -30,7 +31,7 @@ class Plugin(NamedTuple):
     failure: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Registry(Generic[T]):
     """Objects of class `kind`: ours, and those behind the entry points of `group`, which cannot take our names."""
 
@@ -40,9 +41,9 @@ class Registry(Generic[T]):
     check: Check
     """Raises where an object of others does not declare what `kind` asks for."""
 
-    def working(self) -> dict[str, T]:
+    def working(self) -> Mapping[str, T]:
         """All that can be used, ours first."""
-        return {**self.ours, **{name: plugin.found for name, plugin in self._plugins() if not plugin.failure}}
+        return _working(self, tuple(sys.path))
 
     def broken(self) -> dict[str, str]:
         """Of each plug-in that cannot be used: why."""
@@ -65,6 +66,13 @@ class Registry(Generic[T]):
     def _plugins(self) -> list[tuple[str, Plugin]]:
         found = _loaded(self.group, self.kind, self.check, tuple(sys.path))
         return [(name, plugin) for name, plugin in found.items() if name not in self.ours]
+
+
+@functools.cache
+def _working(registry: Registry[Any], search_path: tuple[str, ...]) -> Mapping[str, Any]:
+    """See `Registry.working`; every case of a study asks for it."""
+    found = {name: plugin.found for name, plugin in registry._plugins() if not plugin.failure}
+    return MappingProxyType({**registry.ours, **found})
 
 
 @functools.cache

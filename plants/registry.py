@@ -1,5 +1,7 @@
 """The plants by name: ours, and those that other packages bring by entry point."""
 
+from collections.abc import Mapping
+
 from plants.actuators.cylinder import CYLINDER, TWO_CHAMBER
 from plants.actuators.drive import coupled, driven
 from plants.actuators.load_pressure import LOAD_PRESSURE
@@ -60,6 +62,6 @@ def _check(plant: Plant) -> None:
 PLANTS = Registry("friction_workbench.plants", Plant, {plant.name: plant for plant in _OURS}, _check)
 
 
-def plants() -> dict[str, Plant]:
+def plants() -> Mapping[str, Plant]:
     """All plants by name; ours first."""
     return PLANTS.working()

@@ -87,6 +87,8 @@ def _meant(plant: Plant, able: tuple[Effect, ...], names: frozenset[str]) -> tup
 
 def with_effects(plant: Plant, effects: Sequence[Effect]) -> Plant:
     """See `Plant.with_effects`."""
+    if not effects:
+        return plant
     bare = plant.bare or plant
     effects = [effect.along(bare.axis) for effect in effects]
     for effect in effects:

@@ -1,5 +1,8 @@
 """The effects by name, in the order in which they act: ours, and those that other packages bring by entry point."""
 
+import functools
+from collections.abc import Mapping
+
 from plants.axis import LINEAR
 from plants.effects.chambers import ENTRAINED_AIR, POSITION_DEPENDENT_AREA, POSITION_DEPENDENT_VOLUME, UNEQUAL_AREAS
 from plants.effects.command import COMMAND_DELAY
@@ -88,4 +91,9 @@ EFFECTS = Registry("friction_workbench.effects", Effect, {effect.name: effect fo
 
 def effects(axis: str = LINEAR) -> dict[str, Effect]:
     """All effects by name, of plants along that axis; ours first."""
-    return {name: effect.along(axis) for name, effect in EFFECTS.working().items()}
+    return dict(_along(tuple(EFFECTS.working().items()), axis))
+
+
+@functools.cache
+def _along(known: tuple[tuple[str, Effect], ...], axis: str) -> Mapping[str, Effect]:
+    return {name: effect.along(axis) for name, effect in known}

@@ -1,5 +1,6 @@
 """How well the position follows: phase lag and gain, errors, settling."""
 
+import functools
 import math
 from collections.abc import Sequence
 
@@ -18,6 +19,9 @@ HARMONICS = 7
 LEAST_PERIODS = 1.99
 """Periods from which a drift is told from harmonics; the samples may lack a little of the second."""
 
+MOST_KNOWN = 20_000
+"""Samples up to which the waves that are fitted are kept for the next case: 2.5 MB."""
+
 LEAST_AMPLITUDE = 1e-9
 """m. A fundamental, or a jump, smaller than this is none."""
 
@@ -30,6 +34,19 @@ def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: flo
     The drift d is fitted where there are two periods to tell it from a harmonic, and the harmonics up to K =
     `HARMONICS` with it, since a sine that is left out tilts the line. One period has K = 1 and d = 0.
     """
+    basis, products = _known_basis(time.tobytes(), frequency) if time.size <= MOST_KNOWN else _basis(time, frequency)
+    fitted = np.linalg.solve(products, basis @ np.stack(signals, axis=1))
+    return [complex(sine, cosine) for sine, cosine in fitted[:2].T]
+
+
+@functools.lru_cache(4)
+def _known_basis(time: bytes, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+    """`_basis`, of which the cases of a study need the same again and again."""
+    return _basis(np.frombuffer(time), frequency)
+
+
+def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+    """The functions of time that `fundamentals` fits, a row each, and their products."""
     angle = 2.0 * np.pi * frequency * time
     step = angle[1] - angle[0]
     drifts = (angle[-1] - angle[0] + step) / (2.0 * np.pi) > LEAST_PERIODS
@@ -43,8 +60,7 @@ def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: flo
         basis[2 * k], basis[2 * k + 1] = wave.imag, wave.real
     if drifts:
         basis[-1] = np.linspace(-1.0, 1.0, angle.size)
-    fitted = np.linalg.solve(basis @ basis.T, basis @ np.stack(signals, axis=1))
-    return [complex(sine, cosine) for sine, cosine in fitted[:2].T]
+    return basis, basis @ basis.T
 
 
 def phase_lag_and_gain(

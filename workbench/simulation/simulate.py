@@ -57,12 +57,22 @@ def ready(setup: Setup) -> None:
         controller_addresses(loop.controller)
 
 
+EARLY = {engine.DIVERGED: "diverged", engine.STEP_TOO_SMALL: "step too small"}
+"""The outcomes of runs that end before their time, by how the loop ended."""
+
+
 def simulate(setup: Setup) -> Run:
     """Simulate `setup` over its duration. A run that diverges is a result: it stops early and says so.
 
     Raises:
         KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
     """
+    run, limit = _integrated(setup)
+    return replace(run, outcome=run.outcome or _outcome(run, limit))
+
+
+def _integrated(setup: Setup) -> tuple[Run, float]:
+    """The run of a setup, whose outcome is "" unless it ended early, and the limit of its command."""
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1
     time = h * np.arange(samples)
@@ -133,10 +143,10 @@ def simulate(setup: Setup) -> Run:
         measurements,
         remembered,
         None if profile is None else (profile[0][:count], profile[1][:count], profile[2][:count]),
-        "",
+        EARLY.get(ended, ""),
         steps,
     )
-    return replace(run, outcome=_outcome(run, ended, limit))
+    return run, limit
 
 
 def first_reading(setup: Setup) -> Measurement:
@@ -169,6 +179,8 @@ def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Values of the fed inputs at each sample and one beyond (no rows without feeds), and which are ramps between."""
     count = len(fields(setup.plant.Inputs))
     values, linear = np.zeros((samples + 1 if setup.feeds else 0, count)), np.zeros(count)
+    if not setup.feeds:
+        return values, linear
     time = setup.sample_time * np.arange(samples + 1)
     for feed in setup.feeds:
         index = setup.plant.input_index(feed.input)
@@ -177,12 +189,8 @@ def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
     return values, linear
 
 
-def _outcome(run: Run, ended: int, limit: float) -> str:
-    """What happened, in words; the first that applies."""
-    if ended == engine.DIVERGED:
-        return "diverged"
-    if ended == engine.STEP_TOO_SMALL:
-        return "step too small"
+def _outcome(run: Run, limit: float) -> str:
+    """What happened in a run to its end, in words; the first that applies."""
     position = run.state("position")
     if max(-position.min(), position.max()) > 0.5 * run.plant.travel(run.parameters):
         return "end stop"
@@ -201,11 +209,11 @@ def _outcome(run: Run, ended: int, limit: float) -> str:
 
 def _cavitates(run: Run) -> bool:
     """Whether the oil of a chamber is pulled below vacuum: no oil is, and no plant here knows of its vapour."""
-    if not isinstance(run.parameters, Hydraulic):
-        return False
     states = {item.name for item in fields(run.plant.State)}
     if "pressure_1" not in states and not run.plant.effects:
         return False  # both are between tank and supply by its equations
+    if not isinstance(run.parameters, Hydraulic):
+        return False
     pressures = [run.state(name) if name in states else run.signals[name] for name in ("pressure_1", "pressure_2")]
     return any(np.min(pressure) < VACUUM for pressure in pressures)
 
@@ -243,8 +251,12 @@ def solver_error(setup: Setup, run: Run) -> float | None:
 
 
 def finer(setup: Setup) -> Run:
-    """The run of `setup` with a finer integration, which tells the error of its own."""
-    return simulate(replace(setup, integrator=setup.integrator.companion()))
+    """The run of `setup` with a finer integration, which tells the error of its own; an outcome only if it ends early.
+
+    Raises:
+        KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
+    """
+    return _integrated(replace(setup, integrator=setup.integrator.companion()))[0]
 
 
 def largest_distance(run: Run, other: Run) -> float | None:

@@ -136,7 +136,7 @@ def build_truth(plant: Plant, tables: CaseTables, read: ParameterValues) -> Name
             if scaled in values:
                 values[scaled] *= ratio
     try:
-        return build(plant.Parameters, _rotated(plant, values, table.model_dump()), table.flow)
+        return build(plant.Parameters, _rotated(plant, values, dict(table)), table.flow)
     except UserError as error:
         raise SchemaError(
             ("plant", "parameters"), f'"{table.parameters}" does not serve {plant.name}: {error}'

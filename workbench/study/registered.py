@@ -15,10 +15,10 @@ def registered(registry: Registry[T], name: str, key: Key, shorthands: tuple[str
     Raises:
         SchemaError: there is none of that name, or its package cannot be used.
     """
-    known, broken = registry.working(), registry.broken()
+    known = registry.working()
     if name in known:
         return known[name]
-    if name in broken:
+    if name in (broken := registry.broken()):
         raise SchemaError(key, broken[name])
     hint = nearest(name, dict.fromkeys((*shorthands, *known)))
     raise SchemaError(key, f'unknown {registry.noun} "{shortened(name)}"; {hint}')

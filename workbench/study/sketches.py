@@ -8,7 +8,6 @@ from workbench.publish.page.packed import shorts
 from workbench.publish.thinning import thinned
 from workbench.simulation.run import TRUE, Run
 from workbench.study.cases import Cases
-from workbench.study.names import units_of
 
 ERROR, REFERENCE, POSITION, COMMAND = "error", "reference_position", "position", "command"
 
@@ -56,14 +55,13 @@ def sketch_of(run: Run, points: int) -> str:
     extremes = thinned(signals[motion[-1]], signals[COMMAND], buckets=max(points // 8, 1))
     spaced = _evenly([signals[name] for name in chosen], points // 2)
     kept = np.union1d(extremes, spaced)
-    return shorts({name: signals[name][kept] for name in chosen}, {COMMAND: units_of(run)[run.plant.command]})
+    return shorts({name: signals[name][kept] for name in chosen}, {COMMAND: run.plant.command_unit})
 
 
 def _evenly(signals: Sequence[np.ndarray], points: int) -> np.ndarray:
     """Indices of samples that lie evenly along the path of the signals, each in units of its range."""
     path = np.zeros(signals[0].size - 1)
-    for values in signals:
-        steps = np.diff(np.nan_to_num(values))
-        path += (steps / (np.ptp(np.nan_to_num(values)) or 1.0)) ** 2
+    for values in map(np.nan_to_num, signals):
+        path += (np.diff(values) / (np.ptp(values) or 1.0)) ** 2
     along = np.concatenate([[0.0], np.cumsum(np.sqrt(path))])
     return np.searchsorted(along, np.linspace(0.0, along[-1], points)).clip(0, along.size - 1)
