@@ -10,6 +10,7 @@ from workbench.cli.planned import planned_study
 
 if TYPE_CHECKING:
     from workbench.study.plan import Plan
+    from workbench.study.standing import Made
 
 MADE = ("results.csv", "tables", "figures", "results.html", "comparison.html")
 """What a folder of results is told to hold, where it does."""
@@ -34,8 +35,7 @@ def command(
     """Run a study: every case of it, then its tables and figures."""
     from workbench.cli.progress import AGAIN, ProgressBar, stoppable
     from workbench.study.description import description
-    from workbench.study.rounds import run_rounds
-    from workbench.study.runner import run_study
+    from workbench.study.standing import leave_standing, standing
 
     kept = f"finished cases are kept in {out}: go on with --resume"
     with stoppable(kept if resume else AGAIN):
@@ -45,6 +45,13 @@ def command(
         if dry_run:
             _say_estimate(planned, out if resume else None, jobs, keep_trajectories)
             return
+        if resume and not overwrite and (made := standing(planned, out, keep_all=keep_trajectories)) is not None:
+            print_tables([out / table for table in made.tables])
+            _conclude(made, out)
+            return
+
+    from workbench.study.rounds import run_rounds
+    from workbench.study.runner import run_study
 
     def run(plan: "Plan", folder: Path, resume: bool, overwrite: bool) -> None:
         with ProgressBar(len(plan.cases)) as progress:
@@ -61,7 +68,8 @@ def command(
 
     with stoppable(kept):
         run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=say)
-        _report(planned, out)
+        made = _report(planned, out)
+        leave_standing(planned, out, made, keep_all=keep_trajectories)
 
 
 def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all: bool) -> None:
@@ -76,17 +84,26 @@ def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all:
         print(f"  {estimate(planned, jobs, keep_all=keep_all, count=count - done)}")
 
 
-def _report(planned: "Plan", folder: Path) -> None:
-    """Tables, figures and pages of finished results, and which cases did not simply complete."""
+def _report(planned: "Plan", folder: Path) -> "Made":
+    """Make tables, figures and pages of finished results, and say which cases did not simply complete."""
     from workbench.study.report.folder import write_cycles, write_figures, write_pages, write_tables
     from workbench.study.report.unusual import unusual
+    from workbench.study.standing import Made
     from workbench.study.store import read_results
 
     frame, study = read_results(folder), planned.study
-    print_tables(write_tables(study, frame, folder) + write_cycles(planned, frame, folder))
+    tables = write_tables(study, frame, folder) + write_cycles(planned, frame, folder)
+    print_tables(tables)
     write_figures(study, frame, folder)
     for page in write_pages(study, frame, folder):
         say(f"wrote {page}")
-    for line in unusual(frame, frame):
+    made = Made([path.relative_to(folder).as_posix() for path in tables], unusual(frame, frame))
+    _conclude(made, folder)
+    return made
+
+
+def _conclude(made: "Made", folder: Path) -> None:
+    """Say of finished results which are unusual, and where they all are."""
+    for line in made.lines:
         say(line)
     say(f"results in {folder}: {', '.join(name for name in MADE if (folder / name).exists())}")

@@ -124,16 +124,16 @@ class Cases(Sequence[Case]):
         drawn = {DRAW: self.draws.numbers[turn]} if self.draws is not None else {}
         return {**named, **point, **drawn}
 
-    @property
+    @functools.cached_property
     def axes(self) -> dict[str, list[object]]:
         """The columns that tell the cases apart, each with its values, as they first occur."""
-        found: dict[str, dict[str, object]] = {}
+        found: dict[str, list[Sequence[object]]] = {}
         for block in self._blocks:
             named = {CASE: [block.name]} if block.name is not None else {}
             drawn = {DRAW: self.draws.numbers} if self.draws is not None else {}
             for axis, values in {**named, **block.axes, **drawn}.items():
-                found.setdefault(axis, {}).update({json.dumps(value): value for value in values})
-        return {axis: list(values.values()) for axis, values in found.items()}
+                found.setdefault(axis, []).append(values)
+        return {axis: _distinct(values) for axis, values in found.items()}
 
     def gain_files(self) -> list[Path]:
         """The gain files that controllers of any case may take, those by machine for each machine."""
@@ -201,6 +201,13 @@ class Cases(Sequence[Case]):
         firsts = tuple(0 if i in numbers else slice(None) for i in range(len(shape)))
         lines = [tuple(slice(None) if i == line else firsts[i] for i in range(len(shape))) for line in numbers]
         return np.unique(np.concatenate([np.ravel(grid[at]) for at in (firsts, *lines)]))
+
+
+def _distinct(lists: Sequence[Sequence[object]]) -> list[object]:
+    """The values of several lists, each of which holds none twice, as they first occur."""
+    if len(lists) == 1:
+        return list(lists[0])
+    return list({json.dumps(value): value for values in lists for value in values}.values())
 
 
 def _grid(block: Block, end: int) -> np.ndarray:

@@ -3,14 +3,16 @@
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from workbench.errors import UserError
 from workbench.study.plan import Plan, again
 from workbench.study.sections import sections_of
 from workbench.study.store import FRESH, export, read_results
 from workbench.study.study import Study
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RunCases = Callable[[Plan, Path, bool, bool], None]
 """Runs the cases of a plan into a folder; whether it goes on with what is there, or else replaces it."""
@@ -39,7 +41,9 @@ def run_rounds(
             tell(f"{more.said} again, on {more.draws} fresh draws: {len(measured.cases)} cases")
             own = folder / FRESH / f"round_{next(rounds)}"
             run(measured, own, resume, not resume)
-            fresh = pd.concat([fresh, read_results(own)], ignore_index=True)
+            from pandas import concat  # a study without such questions does without
+
+            fresh = concat([fresh, read_results(own)], ignore_index=True)
         if fresh is not None:
             export(fresh, folder / FRESH)
 

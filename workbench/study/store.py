@@ -17,10 +17,9 @@ import sqlite3
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from workbench.errors import UserError
 from workbench.publish.database import Database, check_identity, database_at
@@ -29,6 +28,9 @@ from workbench.simulation.run import Run
 from workbench.study.layers import LAYERS
 from workbench.study.study import INDEX, Case, Study
 from workbench.toml.file_names import file_name
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DATABASE = "results.sqlite"
 
@@ -88,11 +90,21 @@ class Store:
             f"INSERT OR REPLACE INTO results VALUES ({marks})", *([row.case, *row.values] for row in rows)
         )
 
-    def frames(self, rows: int = EXPORTED) -> Iterator[pd.DataFrame]:
+    def made(self) -> str:
+        """What `keep_made` has kept last; "" before."""
+        return "".join(content for (content,) in self._database.read("SELECT content FROM made"))
+
+    def keep_made(self, content: str) -> None:
+        """Keep what was made of the results."""
+        self._database.write("INSERT OR REPLACE INTO made VALUES (0, ?)", (content,))
+
+    def frames(self, rows: int = EXPORTED) -> "Iterator[pd.DataFrame]":
         """All finished cases in order, so many at a time, each column with one type throughout; without any, one frame.
 
         An axis of numbers and text, such as 0 and "460 rpm", is text.
         """
+        import pandas as pd  # who has nothing to do does not wait for it
+
         types = {name: self._type(name) for name in self.columns}
         query = f"SELECT * FROM results WHERE {INDEX} > ? ORDER BY {INDEX} LIMIT {rows}"
         block = self._database.read(query, (-1,))
@@ -141,6 +153,7 @@ def open_store(
         CREATE TABLE IF NOT EXISTS identity (key TEXT PRIMARY KEY, value TEXT);
         CREATE TABLE IF NOT EXISTS results ({INDEX} INTEGER PRIMARY KEY, {names});
         CREATE TABLE IF NOT EXISTS sketches ({INDEX} INTEGER PRIMARY KEY, content TEXT);
+        CREATE TABLE IF NOT EXISTS made (only INTEGER PRIMARY KEY, content TEXT);
         """
     with FOLDER.opened(folder, resume=resume, overwrite=overwrite) as path, database_at(path, tables) as database:
         check_identity(database, identity, folder)
@@ -159,23 +172,23 @@ def _quoted(name: str) -> str:
     return '"' + name.replace('"', '""') + '"'
 
 
-def export(frame: pd.DataFrame, folder: Path) -> None:
+def export(frame: "pd.DataFrame", folder: Path) -> None:
     """Write results.csv and results.parquet, each whole or not at all."""
     _export(lambda: [frame], folder)
 
 
-def _export(frames: Callable[[], Iterable[pd.DataFrame]], folder: Path, text: Collection[str] = ()) -> None:
+def _export(frames: "Callable[[], Iterable[pd.DataFrame]]", folder: Path, text: Collection[str] = ()) -> None:
     """The same of several frames, whose columns agree; those that hold `text` in any of them are named."""
     write_whole(folder / EXPORTS[0], lambda path: _write_csv(frames(), path))
     write_whole(folder / EXPORTS[1], lambda path: _write_parquet(frames(), text, path))
 
 
-def _write_csv(frames: Iterable[pd.DataFrame], path: Path) -> None:
+def _write_csv(frames: "Iterable[pd.DataFrame]", path: Path) -> None:
     for i, frame in enumerate(frames):
         frame.to_csv(path, index=False, lineterminator="\n", float_format="%.10g", mode="a" if i else "w", header=not i)
 
 
-def _write_parquet(frames: Iterable[pd.DataFrame], text: Collection[str], path: Path) -> None:
+def _write_parquet(frames: "Iterable[pd.DataFrame]", text: Collection[str], path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -221,6 +234,8 @@ def write_trajectory(run: Run, path: Path) -> None:
 
 
 def _write_signals(signals: Mapping[str, np.ndarray], path: Path) -> None:
+    import pandas as pd
+
     made(path.parent)
     frame = pd.DataFrame(signals)
     write_whole(path, lambda temporary: frame.to_parquet(temporary, index=False))
@@ -268,7 +283,7 @@ def finished_in(folder: Path) -> int:
         return 0  # no table yet, or damaged: the run tells
 
 
-def read_results(folder: Path) -> pd.DataFrame:
+def read_results(folder: Path) -> "pd.DataFrame":
     """The results of a finished study.
 
     Raises:

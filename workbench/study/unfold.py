@@ -38,6 +38,11 @@ def unfold(study: Study) -> Cases:
     return Cases(study, blocks)
 
 
+def _key(value: object) -> object:
+    """What is equal where two values of an axis are: text itself, as there may be very much of it, all else as JSON."""
+    return value if isinstance(value, str) else (json.dumps(value, sort_keys=True, default=str),)
+
+
 def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[str, Any]) -> dict[str, list[object]]:
     """The axes, each a list of values that there are."""
     place = axes_key(study, case)
@@ -49,7 +54,7 @@ def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[
             raise study.error(key, f"got {spelled(values)}, expected a list")
         if not values:
             raise study.error(key, "is empty: expected at least one value (or leave the axis out)")
-        if len({json.dumps(value, sort_keys=True, default=str) for value in values}) < len(values):
+        if len({_key(value) for value in values}) < len(values):
             raise study.error(key, "holds a value twice")
         known = {
             "controller": tables["controllers"],
