@@ -7,6 +7,7 @@
 """
 
 import importlib
+import os
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
     def __getattr__(name: str) -> Callable[..., ControllerChoice]: ...
 
+
+# Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms. NumPy
+# reads it when it comes in; who has it in already, or has set it, has said what he wants.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 QUESTIONS = ("tune", "decide", "identify", "diagnose", "report", "bench", "rehearse")
 """Rooms of the program, and functions of the same names."""

@@ -117,6 +117,9 @@ def test_a_run_imports_what_runs_draws_and_writes_alone(tmp_path: Path) -> None:
     assert {"numba", "pandas", "matplotlib"} <= modules
     others = {*SLOW, "scipy.stats", "scipy.signal", "scipy.ndimage"} - {*RUNS, "scipy"}  # scipy.linalg is numba's
     assert modules.isdisjoint(others), "no linearisation, no statistics, no optimiser"
+    again, modules = imported("run", str(study), "--out", str(out), "--jobs", "1", "--resume")
+    assert "rms error" in again
+    assert modules.isdisjoint(SLOW), "all stands: nothing is run or drawn"
 
 
 def test_a_spoilt_file_of_kept_factors_is_made_anew(tmp_path: Path) -> None:
@@ -128,3 +131,13 @@ def test_a_spoilt_file_of_kept_factors_is_made_anew(tmp_path: Path) -> None:
         kept.write_text(spoilt, encoding="utf-8")
         assert imported("check", file, cache=tmp_path)[0] == first
         assert kept.read_text(encoding="utf-8") == whole
+
+
+@pytest.mark.parametrize(("said", "taken"), [(None, "1"), ("3", "3")])
+def test_whoever_imports_the_program_has_linear_algebra_in_one_thread(said: str | None, taken: str) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    if said is not None:
+        environment["OPENBLAS_NUM_THREADS"] = said
+    script = "import os, sys, workbench; print(os.environ['OPENBLAS_NUM_THREADS'], 'numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout == f"{taken} False\n"

@@ -3,7 +3,6 @@
 import gc
 import importlib
 import io
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -100,8 +99,6 @@ def mistakes_told() -> Iterator[None]:
 
 def run() -> None:
     """Run the command line, with `mistakes_told`."""
-    # Threads of the linear algebra wait for each other on a busy machine: 4 s for a product that one makes in 15 ms.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(50_000)  # a start makes thousands of classes to keep: garbage is not looked for after every 700th
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
