@@ -68,14 +68,21 @@ def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
     try:
         yield
     finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+        ignore()
         signal.set_wakeup_fd(waking)
         ended.set()
         outside.close()
         watcher.join()
         inside.close()
         clear()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def ignore() -> None:
+    """While Python ends: the work is done, or stopped, and its exit code stands."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def in_a_worker() -> None:
@@ -88,8 +95,7 @@ def in_a_worker() -> None:
 
 
 def _interrupt(number: int, _: object) -> None:
-    for other in SIGNALS:
-        signal.signal(other, signal.SIG_IGN)
+    ignore()
     request(number)
     raise KeyboardInterrupt
 

@@ -54,6 +54,17 @@ with stopping.stopping_on_signals(lambda: print("said", file=sys.stderr, flush=T
 """A process that is told and does not end."""
 
 
+LATE = """\
+import atexit, os, signal, sys
+from workbench.cli import main
+atexit.register(os.kill, os.getpid(), signal.SIGINT)
+atexit.register(print, "ending", flush=True)
+sys.argv = ["workbench", sys.argv[1]]
+main()
+"""
+"""A command that is asked to stop while Python ends."""
+
+
 @pytest.fixture(autouse=True)
 def _clear() -> Iterator[None]:
     yield
@@ -145,3 +156,11 @@ def test_handlers_are_as_before() -> None:
     assert signal.set_wakeup_fd(-1) == -1
     assert simulate(start(OSCILLATOR, duration=0.01)).time.size == 11
     assert said == []
+
+
+@pytest.mark.parametrize(("argument", "code"), [("--help", 0), ("--halp", 2)])
+def test_a_signal_that_comes_while_python_ends_changes_nothing(argument: str, code: int) -> None:
+    done = subprocess.run([sys.executable, "-c", LATE, argument], capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == code
+    assert "ending" in done.stdout
+    assert "KeyboardInterrupt" not in done.stderr

@@ -2,10 +2,13 @@
 
 
 def main() -> None:
-    """Run the command line. A signal that stops it, while it imports too, is one line."""
-    from workbench.cli.progress import AGAIN, say_stopped, stoppable
-    from workbench.stopping import stopping_on_signals
+    """Run the command line. A signal that stops it, while it imports too, is one line; one that comes late is none."""
+    import atexit
 
+    from workbench.cli.progress import AGAIN, say_stopped, stoppable
+    from workbench.stopping import ignore, stopping_on_signals
+
+    atexit.register(ignore)
     with stopping_on_signals(say_stopped), stoppable(AGAIN):
         from workbench.cli.app import run
 
