@@ -30,7 +30,7 @@ def system_of(model: dict[str, Any]) -> control.StateSpace:
     """As the last line of Python in docs/export.md makes it."""
     (code,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), flags=re.DOTALL)
     names: dict[str, Any] = {"model": model, "control": control}
-    exec(code.splitlines()[-1], names)
+    exec(code[code.index("plant =") :], names)
     found: control.StateSpace = names["plant"]
     return found
 

@@ -30,24 +30,25 @@ LEAST_FLOAT, LARGEST_FLOAT = 1.1754943508222875e-38, 3.4028234663852886e38
 
 @dataclass(frozen=True)
 class Precision:
-    """How numbers are written: the C type, and what stands behind a number and a function of math.h."""
+    """How numbers are written: the C type, what stands behind a number and a function of math.h, and infinity."""
 
     type: str
     suffix: str
+    infinity: str
 
     def number(self, value: float) -> str:
         """A number in C."""
         if value != value:
-            return "NAN"
+            return f"({self.type})NAN"
         if abs(value) == float("inf"):
-            return "INFINITY" if value > 0.0 else "-INFINITY"
+            return self.infinity if value > 0.0 else f"-{self.infinity}"
         if self.suffix and value and not LEAST_FLOAT <= abs(value) <= LARGEST_FLOAT:
             size = min(max(abs(value), LEAST_FLOAT), LARGEST_FLOAT)
             value = size if value > 0.0 else -size
         return repr(value) + self.suffix
 
 
-DOUBLE, SINGLE = Precision("double", ""), Precision("float", "f")
+DOUBLE, SINGLE = Precision("double", "", "HUGE_VAL"), Precision("float", "f", "HUGE_VALF")
 
 
 def statements(recording: Recording, function: Function, precision: Precision) -> list[str]:
