@@ -90,7 +90,10 @@ OURS = (
     "maximum",
     "sign",
     "saturated",
+    "main",
+    "vector",
+    "lockstep",
 )
-"""Arguments and functions of what is exported."""
+"""Arguments, functions and files of what is exported."""
 
 RESERVED = frozenset((*KEYWORDS, *LIBRARY, *OURS))

@@ -1,19 +1,31 @@
 """A study as a notebook of the Python interface: its cells, executed beside it."""
 
+import ast
+import base64
+import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import chdir
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from workbench.errors import UserError
 from workbench.progress import Progress, silent
 from workbench.publish.folders import faults_told, write_whole
 from workbench.study.plan import Plan
 
-if TYPE_CHECKING:
-    from nbformat import NotebookNode
+FORMAT = {
+    "nbformat": 4,
+    "nbformat_minor": 5,
+    "metadata": {
+        "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+        "language_info": {"name": "python"},
+    },
+}
+"""What a notebook holds beside its cells."""
 
-EXTRA = 'export notebook needs nbformat, nbclient and ipykernel: pip install "friction-workbench[notebook]"'
+FACES = {"text/html": "_repr_html_", "text/markdown": "_repr_markdown_", "image/png": "_repr_png_"}
+"""How a value shows itself, by the kind of what it then gives."""
 
 SHOWN = ("axial_friction", "velocity")
 """Signals of the run that is looked at: the first over the second, where its plant has both."""
@@ -75,8 +87,7 @@ def write_notebook(
     """Execute the cells of a study and write the notebook; returns the folder of results, which lies beside it.
 
     Raises:
-        UserError: a file of another ending, one that is there already, a library that is not installed, or a cell that
-            fails.
+        UserError: a file of another ending, one that is there already, or what a cell raises.
     """
     if out.suffix != ".ipynb":
         raise UserError(f"{out}: expected a name that ends in .ipynb")
@@ -86,53 +97,47 @@ def write_notebook(
     study = Path(os.path.relpath(planned.study.path, out.parent)).as_posix()
     with faults_told(out.parent, "nothing is written: mend that and run it again"):
         out.parent.mkdir(parents=True, exist_ok=True)
-        executed = _executed(cells_of(planned, study, results.name, case, draws), out, progress)
-        write_whole(out, lambda path: path.write_text(executed, encoding="utf-8"))
+        with chdir(out.parent):
+            executed = _executed(cells_of(planned, study, results.name, case, draws), progress)
+        text = json.dumps({**FORMAT, "cells": executed}, indent=1) + "\n"
+        write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
     return results
 
 
-def _executed(cells: list[Cell], out: Path, progress: Progress) -> str:
-    """The notebook as it is written, its cells executed in the folder of `out`.
-
-    Raises:
-        UserError: a library is not installed, or a cell fails.
-    """
-    try:
-        import ipykernel  # noqa: F401  the kernel that runs them
-        import nbformat
-        from nbclient import NotebookClient
-        from nbclient.exceptions import CellExecutionError
-    except ImportError:
-        raise UserError(EXTRA) from None
-
-    node = _node(cells)
-
-    def told(cell: "NotebookNode", cell_index: int) -> None:
-        progress(f"cell {cell_index + 1} of {len(cells)}", cell_index / len(cells))
-
-    client = NotebookClient(
-        node,
-        timeout=None,
-        record_timing=False,
-        extra_arguments=["--IPKernelApp.log_level=40"],  # of the kernel, which warns of how it is reached
-        on_cell_execute=told,
-        resources={"metadata": {"path": str(out.parent)}},
-    )
-    try:
-        client.execute()
-    except CellExecutionError as error:
-        raise UserError(f"{out}: not written, a cell fails: {error.evalue}") from None
-    return str(nbformat.writes(node)) + "\n"
+def _executed(cells: Sequence[Cell], progress: Progress) -> list[dict[str, object]]:
+    """Cells as a notebook holds them, those of code executed one after another, with what they show."""
+    names: dict[str, object] = {}
+    made: list[dict[str, object]] = []
+    count = 0
+    for number, cell in enumerate(cells):
+        progress(f"cell {number + 1} of {len(cells)}", number / len(cells))
+        written = {"id": f"cell-{number}", "metadata": {}, "source": cell.text}
+        if cell.words:
+            made.append({**written, "cell_type": "markdown"})
+            continue
+        count += 1
+        shown = {"output_type": "execute_result", "metadata": {}, "data": _bundle(_run(cell.text, names))}
+        outputs = [{**shown, "execution_count": count}]
+        made.append({**written, "cell_type": "code", "execution_count": count, "outputs": outputs})
+    return made
 
 
-def _node(cells: list[Cell]) -> "NotebookNode":
-    """The notebook, with the same names of cells each time."""
-    from nbformat import v4
+def _run(source: str, names: dict[str, object]) -> object:
+    """Execute a cell that ends in an expression; returns that one's value."""
+    *statements, last = ast.parse(source).body
+    assert isinstance(last, ast.Expr)
+    exec(compile(ast.Module(statements, []), "<cell>", "exec"), names)
+    return eval(compile(ast.Expression(last.value), "<cell>", "eval"), names)
 
-    made = [v4.new_markdown_cell(cell.text) if cell.words else v4.new_code_cell(cell.text) for cell in cells]
-    for number, cell in enumerate(made):
-        cell["id"] = f"cell-{number}"
-    return v4.new_notebook(cells=made)
+
+def _bundle(value: object) -> dict[str, str]:
+    """How a notebook shows a value: as text, and as the HTML or the picture that it makes of itself."""
+    bundle = {"text/plain": repr(value)}
+    for kind, method in FACES.items():
+        face = getattr(value, method, None)
+        if face is not None and (shown := face()) is not None:
+            bundle[kind] = base64.b64encode(shown).decode("ascii") if isinstance(shown, bytes) else shown
+    return bundle
 
 
 def _arguments(columns: Mapping[str, object]) -> str:

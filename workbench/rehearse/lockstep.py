@@ -12,7 +12,7 @@ from controllers.interface import Controller, Reference
 from controllers.open_loop import OPEN_LOOP
 from plants.equation import from_array, to_array
 from plants.interface import Measurement
-from workbench.export.c_controller import Exported
+from workbench.export.c_controller import Exported, c_name
 from workbench.export.controller import exported_loop
 from workbench.export.recorded import in_c
 from workbench.export.walk import Path as NumberPath
@@ -46,7 +46,7 @@ class Lockstep:
         key = (loop.controller, setup.plant.channels)
         if key not in self._compiled:
             name = f"{loop.controller.name}_{what}_{len(self._compiled)}"
-            exported = exported_loop(setup, loop, loop.controller.name, what, "double")
+            exported = exported_loop(setup, loop, c_name(loop.controller.name), what, "double")
             self._compiled[key] = loaded(exported, self._folder / name)
         return replace(loop, controller=self._compiled[key])
 
