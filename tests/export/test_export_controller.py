@@ -89,6 +89,8 @@ def test_what_is_refused(tmp_path: Path) -> None:
     refused("nothing controls the rotation", options=("--case", "rpm=0", "--rotation"))
     open_loop = changed('kp = "500 V/m"', "", changed('type = "pid"', 'type = "open_loop"', SHORT))
     open_loop = changed('amplitude = "5 mm"', 'amplitude = "1 V"', open_loop)
+    experiment = write(tmp_path, 'title = "e"\n[channels]\n[[records]]\nfile = "a.csv"\n', "experiment.toml")
+    refused("this is an experiment; expected a study", path=experiment)
     refused("open_loop has no feedback", options=("--case", "rpm=0"), path=write(tmp_path, open_loop, "open.toml"))
 
 

@@ -1,4 +1,4 @@
-"""The plan of a study that a command runs."""
+"""The study that a command is given, and its plan."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -7,6 +7,22 @@ from workbench.errors import UserError
 
 if TYPE_CHECKING:
     from workbench.study.plan import Plan
+    from workbench.study.study import Study
+
+
+def study_at(path: Path, instead: str = "expected a study") -> "Study":
+    """A study file as read; `instead` is what there is to say of an experiment.
+
+    Raises:
+        UserError: it is an experiment, or has unknown or missing keys.
+    """
+    from workbench.records.experiment import is_experiment
+    from workbench.study.reading import read_study
+    from workbench.toml.reading import read_toml
+
+    if is_experiment(read_toml(path)[0]):
+        raise UserError(f"{path}: this is an experiment; {instead}")
+    return read_study(path)
 
 
 def planned_study(path: Path, out: Path, draws: int | None = None, fresh_draws: int | None = None) -> "Plan":
@@ -15,16 +31,11 @@ def planned_study(path: Path, out: Path, draws: int | None = None, fresh_draws: 
     Raises:
         UserError: it is no study to be run, or what it says is wrong, or it draws nothing.
     """
-    from workbench.records.experiment import is_experiment
     from workbench.study.plan import plan
-    from workbench.study.reading import read_study
     from workbench.study.rounds import with_draws
     from workbench.study.sections import other_command
-    from workbench.toml.reading import read_toml
 
-    if is_experiment(read_toml(path)[0]):
-        raise UserError(f"{path}: this is an experiment; use workbench identify {path} --out {out}")
-    study = read_study(path)
+    study = study_at(path, f"use workbench identify {path} --out {out}")
     if (other := other_command(study)) is not None:
         use = f"use workbench {other.command} {path} --out {out}"
         raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")

@@ -7,6 +7,7 @@ import typer
 
 from workbench.cli.export.options import CaseOf, ControllerOf
 from workbench.cli.options import Out, Overwrite, StudyFile, conditions, say
+from workbench.cli.planned import study_at
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -29,10 +30,9 @@ def command(
     """A controller with its gains as C99, and its test."""
     from workbench.export.case import chosen_case
     from workbench.export.controller import controller_export
-    from workbench.study.reading import read_study
 
     with stoppable(), ProgressLine() as progress:
-        content = read_study(study)
+        content = study_at(study)
         chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
         setup = resolved.setup
         made = controller_export(

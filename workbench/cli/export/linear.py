@@ -7,6 +7,7 @@ import typer
 
 from workbench.cli.export.options import CaseOf, ControllerOf
 from workbench.cli.options import Overwrite, StudyFile, conditions, say
+from workbench.cli.planned import study_at
 from workbench.cli.progress import ProgressLine, stoppable
 
 
@@ -23,11 +24,10 @@ def command(
     """Linear models of a study's plant, as .mat or .json."""
     from workbench.export.case import chosen_case
     from workbench.export.linear import check_ending, linear_export
-    from workbench.study.reading import read_study
 
     check_ending(out)
     with stoppable(), ProgressLine() as progress:
-        content = read_study(study)
+        content = study_at(study)
         chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
         found = linear_export(content, chosen, resolved.setup, speed, progress)
         found.write(out, overwrite)
