@@ -97,6 +97,22 @@ def _without_radian(unit: Any) -> Any:
     return unit / _registry().Unit("radian") ** per_radian if per_radian < 0 else unit
 
 
+@functools.cache
+def base_units(unit: str) -> tuple[float, dict[str, float]]:
+    """A unit as a multiple of the SI's base units and the radian: the factor, and their exponents by name ("meter").
+
+    Raises:
+        QuantityError: it is no unit.
+    """
+    try:
+        if len(unit) > LONGEST_UNIT or _ENDLESS.search(unit):
+            raise ValueError("no unit is so long, or has such powers")
+        one = _base(1.0, "" if unit == "1" else unit)
+    except Exception as error:
+        raise QuantityError(f'"{shortened(unit)}" is no unit') from error
+    return float(one.magnitude), {str(name): float(exponent) for name, exponent in one.units._units.items()}
+
+
 def unit_written(value: object) -> str | None:
     """The unit that a quantity is written with, "" of a bare number, None of what is no quantity."""
     parts = _QUANTITY.fullmatch(str(value).strip())

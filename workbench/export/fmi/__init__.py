@@ -1,0 +1,1 @@
+"""A plant as a Functional Mock-up Unit: its equations as C, its description as XML, in one archive."""

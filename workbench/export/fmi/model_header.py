@@ -1,0 +1,83 @@
+"""model.h: the sizes, start values and the solver's numbers of one machine, for the C sources that are the same for all."""
+
+from collections.abc import Iterable, Sequence
+
+import casadi
+
+from plants.equation import fields
+from workbench.export.fmi.equations import Equations
+from workbench.export.fmi.variables import start_values
+from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
+from workbench.simulation.setup import Setup
+
+NAME_LENGTH = 64
+"""Characters of an instance's name that are kept for messages."""
+
+
+def model_header(setup: Setup, equations: Equations, token: str) -> str:
+    """The text of model.h."""
+    plant, pair = setup.plant, DORMAND_PRINCE
+    states, inputs, parameters = (fields(cls) for cls in (plant.State, plant.Inputs, plant.Parameters))
+    square = [[*row, *[0.0] * (pair.count - len(row))] for row in ((), *pair.stages)]
+    defined = {
+        "TOKEN": f'"{token}"',
+        "NAME_LENGTH": NAME_LENGTH,
+        "STATES": len(states),
+        "INPUTS": len(inputs),
+        "PARAMETERS": len(parameters),
+        "VALUES": "(STATES + INPUTS + PARAMETERS)",
+        "OUTPUTS": len(equations.named),
+        "STAGES": pair.count,
+        "ORDER": float(pair.order),
+        "TOLERANCE": repr(setup.integrator.tolerance),
+        "FIRST_STEP": repr(setup.sample_time),
+        **_sizes("RATES", equations.rates),
+        **_sizes("OUTPUTS", equations.outputs),
+    }
+    lines = [
+        f"/* {plant.name}: its sizes, its start values, and a Runge-Kutta pair ({pair.source}). Generated. */",
+        "#ifndef MODEL_H",
+        "#define MODEL_H",
+        "",
+        *(f"#define {name} {value}" for name, value in defined.items()),
+        "",
+        "typedef long long int casadi_int;",
+        "int plant_rates(const double **arguments, double **results, casadi_int *integers, double *numbers, int memory);",
+        "int plant_outputs(const double **arguments, double **results, casadi_int *integers, double *numbers, int memory);",
+        "",
+        "/* States, inputs, parameters, in SI. */",
+        *_array("start_values[VALUES]", start_values(setup)),
+        "",
+        "/* Typical magnitudes of the states. */",
+        *_array("magnitudes[STATES]", [item.scale for item in states]),
+        "",
+        *_array("nodes[STAGES]", (0.0, *pair.nodes)),
+        *_table("stages[STAGES][STAGES]", square),
+        *_array("errors[STAGES]", pair.errors),
+        "",
+        "#endif",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _sizes(name: str, function: casadi.Function) -> dict[str, int]:
+    """What a function of CasADi's works on; no array of C has no elements."""
+    sizes = zip(
+        ("ARGUMENTS", "RESULTS", "INTEGERS", "NUMBERS"),
+        (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()),
+        strict=True,
+    )
+    return {f"{name}_{kind}": max(size, 1) for kind, size in sizes}
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return ", ".join(repr(float(value)) for value in values)
+
+
+def _array(declared: str, values: Sequence[float]) -> list[str]:
+    rows = [_numbers(values[i : i + 4]) for i in range(0, len(values), 4)]
+    return [f"static const double {declared} = {{", *(f"    {row}," for row in rows), "};"]
+
+
+def _table(declared: str, rows: Sequence[Sequence[float]]) -> list[str]:
+    return [f"static const double {declared} = {{", *(f"    {{{_numbers(row)}}}," for row in rows), "};"]
