@@ -48,6 +48,7 @@ def compiled(sources: Mapping[str, bytes]) -> bytes:
         command = ["gcc", *FLAGS, *files, "-o", "library", "-lm"]
         made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if made.returncode != 0 or made.stderr:
-            first = next(iter(made.stderr.splitlines()), f"it ended with {made.returncode}")
+            said = made.stderr.splitlines()
+            first = next((line for line in said if "error" in line or "warning" in line), f"it ends with {made.returncode}")
             raise UserError(f"gcc cannot compile the plant: {first}")
         return Path(folder, "library").read_bytes()

@@ -56,9 +56,9 @@ def description(fmi: int, model: Model, variables: Sequence[Variable], token: st
         root,
         "DefaultExperiment",
         startTime="0",
-        stopTime=repr(model.duration),
-        tolerance=repr(model.tolerance),
-        stepSize=repr(model.sample_time),
+        stopTime=_real(model.duration),
+        tolerance=_real(model.tolerance),
+        stepSize=_real(model.sample_time),
     )
     listed = ET.SubElement(root, "ModelVariables")
     for item in variables:
@@ -83,6 +83,11 @@ def written(root: ET.Element) -> bytes:
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
+def _real(value: float) -> str:
+    """A number as XML spells it."""
+    return repr(value).replace("inf", "INF")
+
+
 def _attributes(item: Variable) -> dict[str, str]:
     attributes = {"name": item.name, "valueReference": str(item.reference), "description": item.description}
     attributes["causality"] = item.causality
@@ -95,9 +100,9 @@ def _attributes(item: Variable) -> dict[str, str]:
 def _number(item: Variable) -> dict[str, str]:
     number = {} if item.unit == "1" else {"unit": item.unit}
     if item.nominal is not None:
-        number["nominal"] = repr(item.nominal)
+        number["nominal"] = _real(item.nominal)
     if item.start is not None:
-        number["start"] = repr(item.start)
+        number["start"] = _real(item.start)
     return number
 
 

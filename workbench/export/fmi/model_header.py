@@ -39,6 +39,8 @@ def model_header(setup: Setup, equations: Equations, token: str) -> str:
         "#ifndef MODEL_H",
         "#define MODEL_H",
         "",
+        "#include <math.h>",
+        "",
         *(f"#define {name} {value}" for name, value in defined.items()),
         "",
         "typedef long long int casadi_int;",
@@ -71,7 +73,7 @@ def _sizes(name: str, function: casadi.Function) -> dict[str, int]:
 
 
 def _numbers(values: Iterable[float]) -> str:
-    return ", ".join(repr(float(value)) for value in values)
+    return ", ".join(repr(float(value)).replace("inf", "INFINITY") for value in values)
 
 
 def _array(declared: str, values: Sequence[float]) -> list[str]:
