@@ -135,7 +135,7 @@ class _Stepped:
 
 
 def closed_loop(machine: Machine, setup: Setup) -> np.ndarray:
-    """Positions of the machine at the samples of a setup with ideal sensors, whose controllers are stepped in Python."""
+    """Positions of the machine at the samples of a setup with ideal sensors; the controllers are stepped in Python."""
     plant, h = setup.plant, setup.sample_time
     shown = {name: f"measured_{name}" for name in plant.channels}
     names = [item.name for item in fields(plant.Inputs)]
@@ -161,5 +161,3 @@ def closed_loop(machine: Machine, setup: Setup) -> np.ndarray:
         machine.write(inputs)
         machine.advance(k * h, h)
     return positions
-
-

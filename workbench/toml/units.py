@@ -110,7 +110,8 @@ def base_units(unit: str) -> tuple[float, dict[str, float]]:
         one = _base(1.0, "" if unit == "1" else unit)
     except Exception as error:
         raise QuantityError(f'"{shortened(unit)}" is no unit') from error
-    return float(one.magnitude), {str(name): float(exponent) for name, exponent in one.units._units.items()}
+    powers: Any = one.units._units
+    return float(one.magnitude), {str(name): float(power) for name, power in powers.items()}
 
 
 def unit_written(value: object) -> str | None:

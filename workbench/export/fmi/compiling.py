@@ -48,7 +48,6 @@ def compiled(sources: Mapping[str, bytes]) -> bytes:
         command = ["gcc", *FLAGS, *files, "-o", "library", "-lm"]
         made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if made.returncode != 0 or made.stderr:
-            said = made.stderr.splitlines()
-            first = next((line for line in said if "error" in line or "warning" in line), f"it ends with {made.returncode}")
-            raise UserError(f"gcc cannot compile the plant: {first}")
+            told = [line for line in made.stderr.splitlines() if "error" in line or "warning" in line]
+            raise UserError(f"gcc cannot compile the plant: {(told or [f'it ends with {made.returncode}'])[0]}")
         return Path(folder, "library").read_bytes()

@@ -34,9 +34,7 @@ class Equations:
     def depends(self, function: casadi.Function) -> list[tuple[list[int], list[int]]]:
         """Of each number of a function: places of the states, and of the inputs, on which it depends."""
         over_states, over_inputs = (function.jac_sparsity(0, place) for place in (1, 2))
-        return [
-            (_columns(over_states, row), _columns(over_inputs, row)) for row in range(function.numel_out(0))
-        ]
+        return [(_columns(over_states, row), _columns(over_inputs, row)) for row in range(function.numel_out(0))]
 
     @property
     def code(self) -> str:

@@ -57,7 +57,9 @@ def exported(setup: Setup, fmi: int, title: str) -> Exported:
     folder = files("workbench.export.fmi") / "sources"
     sources = {name: (folder / name).read_bytes() for name in ("machine.h", "machine.c", f"fmi{fmi}.h", f"fmi{fmi}.c")}
     sources["plant.c"] = equations.code.encode()
-    token = _token([model_header(setup, equations, "").encode(), *sources.values(), description(fmi, model, variables, "")])
+    token = _token(
+        [model_header(setup, equations, "").encode(), *sources.values(), description(fmi, model, variables, "")]
+    )
     sources["model.h"] = model_header(setup, equations, token).encode()
     content = {"modelDescription.xml": description(fmi, model, variables, token)}
     if not (lacking := why_not()):

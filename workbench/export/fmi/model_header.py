@@ -1,11 +1,11 @@
-"""model.h: the sizes, start values and the solver's numbers of one machine, for the C sources that are the same for all."""
+"""model.h: sizes, start values and the solver's numbers of one machine; all other C is the same for all."""
 
 from collections.abc import Iterable, Sequence
 
 import casadi
 
 from plants.equation import fields
-from workbench.export.fmi.equations import Equations
+from workbench.export.fmi.equations import OUTPUTS, RATES, Equations
 from workbench.export.fmi.variables import start_values
 from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.setup import Setup
@@ -44,8 +44,7 @@ def model_header(setup: Setup, equations: Equations, token: str) -> str:
         *(f"#define {name} {value}" for name, value in defined.items()),
         "",
         "typedef long long int casadi_int;",
-        "int plant_rates(const double **arguments, double **results, casadi_int *integers, double *numbers, int memory);",
-        "int plant_outputs(const double **arguments, double **results, casadi_int *integers, double *numbers, int memory);",
+        *(f"int {name}(const double **, double **, casadi_int *, double *, int memory);" for name in (RATES, OUTPUTS)),
         "",
         "/* States, inputs, parameters, in SI. */",
         *_array("start_values[VALUES]", start_values(setup)),

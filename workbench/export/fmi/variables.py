@@ -41,7 +41,9 @@ def variables_of(setup: Setup, equations: Equations) -> list[Variable]:
     for place, item in enumerate(states, start=1):
         magnitude = item.scale if item.scale != 1.0 else None
         words = f"state: {_words(item.name)}"
-        found.append(Variable(item.name, place, "output", item.unit, words, starts[place - 1], magnitude, None, (place,)))
+        found.append(
+            Variable(item.name, place, "output", item.unit, words, starts[place - 1], magnitude, None, (place,))
+        )
     for place, item in enumerate(inputs, start=first_input):
         words = f"input: {_words(item.name)}{_limit(setup, item.name)}"
         found.append(Variable(item.name, place, "input", item.unit, words, starts[place - 1]))
@@ -68,9 +70,7 @@ def variables_of(setup: Setup, equations: Equations) -> list[Variable]:
         )
     for i, (output, depends) in enumerate(zip(equations.named, equations.depends(equations.outputs), strict=True)):
         words = f"output: {_words(output.name)}"
-        found.append(
-            Variable(output.name, first_output + i, "output", output.unit, words, depends=references(depends))
-        )
+        found.append(Variable(output.name, first_output + i, "output", output.unit, words, depends=references(depends)))
     return found
 
 
@@ -90,10 +90,8 @@ def _words(name: str) -> str:
 
 def _per_second(unit: str) -> str:
     """The unit of a rate."""
-    if unit == "1":
-        return "1/s"
-    known = {"m": "m/s", "m/s": "m/s^2", "rad": "rad/s", "rad/s": "rad/s^2"}
-    return known.get(unit, f"({unit})/s")
+    known = {"m/s": "m/s^2", "rad/s": "rad/s^2"}
+    return known.get(unit, f"({unit})/s" if "/" in unit or " " in unit else f"{unit}/s")
 
 
 def _limit(setup: Setup, name: str) -> str:
