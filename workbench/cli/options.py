@@ -18,6 +18,9 @@ Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DI
 Out = Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")]
 Cluster = Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.", metavar="ADDRESS")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")]
+AllowFmu = Annotated[
+    bool, typer.Option("--allow-fmu", help="Run the FMUs that the study names: foreign code, which you trust.")
+]
 PageFormat = Annotated[
     str | None,
     typer.Option(

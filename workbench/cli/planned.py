@@ -1,5 +1,6 @@
 """The study that a command is given, and its plan."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,8 +26,10 @@ def study_at(path: Path, instead: str = "expected a study") -> "Study":
     return read_study(path)
 
 
-def planned_study(path: Path, out: Path, draws: int | None = None, fresh_draws: int | None = None) -> "Plan":
-    """The plan of a study file, with other numbers of draws than it says where these are given.
+def planned_study(
+    path: Path, out: Path, draws: int | None = None, fresh_draws: int | None = None, allow_fmu: bool = False
+) -> "Plan":
+    """The plan of a study file that is to be run, with other numbers of draws than it says where these are given.
 
     Raises:
         UserError: it is no study to be run, or what it says is wrong, or it draws nothing.
@@ -35,7 +38,7 @@ def planned_study(path: Path, out: Path, draws: int | None = None, fresh_draws: 
     from workbench.study.rounds import with_draws
     from workbench.study.sections import other_command
 
-    study = study_at(path, f"use workbench identify {path} --out {out}")
+    study = replace(study_at(path, f"use workbench identify {path} --out {out}"), allow_fmu=allow_fmu)
     if (other := other_command(study)) is not None:
         use = f"use workbench {other.command} {path} --out {out}"
         raise UserError(f"{path}: has [{other.name}] and no [references]; {use}")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.options import Cluster, Out, Overwrite, StudyFile, print_tables, print_warnings, say
+from workbench.cli.options import AllowFmu, Cluster, Out, Overwrite, StudyFile, print_tables, print_warnings, say
 from workbench.cli.planned import planned_study
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ def command(
     keep_trajectories: Annotated[
         bool, typer.Option("--keep-trajectories", help="Keep every case's signals, not only those of figures.")
     ] = False,
+    allow_fmu: AllowFmu = False,
     draws: Annotated[int | None, typer.Option(min=0, help="Draws of machines, instead of the study's number.")] = None,
     fresh_draws: Annotated[
         int | None, typer.Option(min=0, help="Draws on which the best of a comparison are measured again.")
@@ -39,7 +40,7 @@ def command(
 
     kept = f"finished cases are kept in {out}: go on with --resume"
     with stoppable(kept if resume else AGAIN):
-        planned = planned_study(study, out, draws, fresh_draws)
+        planned = planned_study(study, out, draws, fresh_draws, allow_fmu)
         say("\n".join(description(planned)))
         print_warnings(planned.warnings)
         if dry_run:

@@ -29,6 +29,11 @@ MEASURE = types.void(POINTER, POINTER, POINTER)
 
 call_derivatives, call_measure = caller(DERIVATIVES), caller(MEASURE)
 
+ADVANCE = types.float64(types.float64, types.float64, POINTER, POINTER)
+"""C signature of a machine that solves itself: start, end, inputs, state (out) -> 0, or else it has failed."""
+
+call_advance = caller(ADVANCE)
+
 STEP = types.float64(POINTER, POINTER, POINTER, POINTER, types.float64)
 """C signature: reference, measurement, state (in and out), gains, sample time -> command."""
 

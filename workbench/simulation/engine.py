@@ -17,17 +17,20 @@ from plants.interface import Measurement
 from workbench.simulation.compilation import call_commit, call_measure, call_step
 from workbench.simulation.sensors import ERROR_NUMBERS, systematic_error
 from workbench.simulation.steppers import (
+    FAILED,
     FIXED_STEP,
     INTERRUPTED,
+    ITS_OWN,
     OK,
     STEP_LIMIT,
     WRITTEN_OUT,
     controlled,
     dormand_prince,
     fixed_step,
+    its_own,
 )
 
-COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED = 0, 1, 2, 3
+COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED, MACHINE_FAILED = 0, 1, 2, 3, 4
 """How a loop ended."""
 
 FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
@@ -50,7 +53,7 @@ _number = types.float64
 _integer = types.int64
 
 _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
-    types.UniTuple(_integer, 2),  # addresses of the plant's derivatives and measure
+    types.UniTuple(_integer, 2),  # addresses of the plant's derivatives, or `ADVANCE`, and of its measure
     types.UniTuple(_integer, 4),  # of step and commit of the controller, and of the rotary one
     types.Tuple((_vector, _vector, _vector, _vector)),  # y, inputs, parameters, scales
     types.Tuple((_vector, _vector, _vector, _vector)),  # controller state, gains; the same, rotary
@@ -283,6 +286,8 @@ def run_loop(
             interval, driven = (at, until), (*inputs, k * h, ramped)
             if kind == WRITTEN_OUT:
                 ended, guess, tried = dormand_prince(system, interval, guess, tolerance, p_scales, p_y, driven, p_work)
+            elif kind == ITS_OWN:
+                ended, tried = its_own(system, interval, p_y, driven, p_work), 1
             elif kind == FIXED_STEP:
                 ended, tried = fixed_step(system, interval, tableau, steps_here, p_y, driven, p_work), steps_here
             else:
@@ -291,6 +296,8 @@ def run_loop(
             total_steps += tried
             if ended == INTERRUPTED:
                 return STOPPED, k + 1, total_steps
+            if ended == FAILED:
+                return MACHINE_FAILED, k + 1, total_steps
             if ended != OK:
                 return (STEP_TOO_SMALL if ended == STEP_LIMIT else DIVERGED), k + 1, total_steps
             if reading and until == middle:

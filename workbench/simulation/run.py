@@ -15,6 +15,9 @@ from workbench.simulation.setup import Loop, memory_names
 COMPLETED = "completed"
 """The outcome of a run with which nothing is wrong."""
 
+MACHINE_FAILED = "FMU failed"
+"""What the outcome of a run begins with whose machine, foreign code, fails; behind it stands what that says."""
+
 TORQUE_LIMITED = "torque-limited"
 """The outcome of a run whose motor cannot give what holding the speed of rotation takes."""
 
@@ -102,7 +105,7 @@ class Run:
     @property
     def diverged(self) -> bool:
         """Whether it ended before its time."""
-        return self.outcome in ("diverged", "step too small")
+        return self.outcome in ("diverged", "step too small") or self.outcome.startswith(MACHINE_FAILED)
 
 
 def _fixed(values: np.ndarray) -> np.ndarray:

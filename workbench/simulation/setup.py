@@ -8,6 +8,7 @@ from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
 from plants.equation import fields
 from plants.interface import Plant
+from workbench.fmu.machine import FmuMachine
 from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.sensors import Sensors
@@ -83,7 +84,8 @@ class Setup:
     """Everything that a run depends on.
 
     `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
-    `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed.
+    `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed. Where there is a
+    `machine`, it runs in the place of the plant's equations, with a solver and a start of its own.
     """
 
     plant: Plant
@@ -100,6 +102,7 @@ class Setup:
     integrator: Integrator = field(default_factory=Integrator)
     sample_time: float = 1e-3
     seed: int = 0
+    machine: FmuMachine | None = None
 
 
 def memory_names(controller: Controller) -> list[str]:

@@ -11,19 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from plants.equation import fields, to_array
+from plants.equation import fields, from_array, to_array
 from plants.hydraulics import Hydraulic
 from plants.interface import Measurement
 from plants.motor import Motor
+from workbench.fmu.machine import FmuMachine
 from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
 from workbench.simulation.references import ReferenceSignal
-from workbench.simulation.run import COMPLETED, HARDLY_MOVES, STUCK_SPEED, TORQUE_LIMITED, Run
+from workbench.simulation.run import COMPLETED, HARDLY_MOVES, MACHINE_FAILED, STUCK_SPEED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
-from workbench.simulation.steppers import scheme
+from workbench.simulation.steppers import SELF_SOLVING, scheme
 from workbench.stopping import ADDRESS
 
 __all__ = [
@@ -52,7 +53,8 @@ VACUUM = -101325.0
 
 def ready(setup: Setup) -> None:
     """Have the compiled code of a run at hand, so that processes made later need not compile it, each for itself."""
-    plant_addresses(setup.plant)
+    if setup.machine is None:
+        plant_addresses(setup.plant)
     for loop in (setup.loop, setup.rotary or NO_LOOP):
         controller_addresses(loop.controller)
 
@@ -66,6 +68,7 @@ def simulate(setup: Setup) -> Run:
 
     Raises:
         KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
+        UserError: its machine may not be run, or not here.
     """
     run, limit = _integrated(setup)
     return replace(run, outcome=run.outcome or _outcome(run, limit))
@@ -73,6 +76,29 @@ def simulate(setup: Setup) -> Run:
 
 def _integrated(setup: Setup) -> tuple[Run, float]:
     """The run of a setup, whose outcome is "" unless it ended early, and the limit of its command."""
+    if setup.machine is not None:
+        return _solved_by(setup.machine, setup)
+    method = INTEGRATORS.working()[setup.integrator.method]
+    return _solved(setup, plant_addresses(setup.plant), scheme(method))
+
+
+def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
+    """The same of a machine that solves itself. One that fails is a result too, whose outcome tells what it says."""
+    from workbench.fmu.running import running  # a plant of ours does without what loads foreign code
+
+    with running(machine, to_array(setup.inputs).tolist()) as fmu:
+        start = fmu.begin(setup.integrator.tolerance)
+        begun = replace(setup, state=from_array(setup.plant.State, start.tolist()))
+        run, limit = _solved(replace(begun, duration=0.0) if fmu.failure else begun, fmu.addresses, SELF_SOLVING)
+    if fmu.stopped is not None:
+        raise fmu.stopped
+    return (replace(run, outcome=f"{MACHINE_FAILED}: {fmu.failure}") if fmu.failure else run), limit
+
+
+def _solved(
+    setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float, np.ndarray]
+) -> tuple[Run, float]:
+    """The same of what stands at these addresses, solved as `scheme` says."""
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1
     time = h * np.arange(samples)
@@ -110,7 +136,7 @@ def _integrated(setup: Setup) -> tuple[Run, float]:
     driven = setup.loop.drives or plant.command
     limit = float(plant.command_limit(setup.parameters)) if driven == plant.command else np.inf
     ended, count, steps = engine.run_loop(
-        plant_addresses(plant),
+        addresses,
         controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
         (state, inputs, parameters, scales),
         (*memory, *_memory(rotary, shown)),
@@ -125,7 +151,7 @@ def _integrated(setup: Setup) -> tuple[Run, float]:
         (delay_samples, delay_rest),
         lines,
         (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
-        scheme(method),
+        how,
         log,
         np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
         ADDRESS,

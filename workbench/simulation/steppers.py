@@ -12,11 +12,11 @@ import numpy as np
 from numba.extending import register_jitable
 
 from plants.compiled import flagged, shift
-from workbench.simulation.compilation import call_derivatives, call_measure
+from workbench.simulation.compilation import call_advance, call_derivatives, call_measure
 from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.integrators.interface import IntegrationMethod
 
-OK, STEP_LIMIT, NOT_FINITE, INTERRUPTED = 0, 1, 2, 3
+OK, STEP_LIMIT, NOT_FINITE, INTERRUPTED, FAILED = 0, 1, 2, 3, 4
 """What an interval ended with."""
 
 SMALLEST_STEP = 1e-9
@@ -25,8 +25,12 @@ SMALLEST_STEP = 1e-9
 LONGEST, SHORTEST = 5.0, 0.1
 """By what a step is at most and at least longer than the one before."""
 
-FIXED_STEP, CONTROLLED, WRITTEN_OUT = 0, 1, 2
-"""How a method takes its steps: of one length, or controlled by their error; and the latter without a tableau."""
+FIXED_STEP, CONTROLLED, WRITTEN_OUT, ITS_OWN = 0, 1, 2, 3
+"""How a method takes its steps: of one length, or controlled by their error; the latter without a tableau; or not at
+all, since the machine solves itself."""
+
+SELF_SOLVING = (ITS_OWN, 1, 1.0, np.zeros(0))
+"""What `scheme` is of a method, of a machine that solves itself."""
 
 _A = DORMAND_PRINCE.stages
 (_A21,), (_A31, _A32), (_A41, _A42, _A43), (_A51, _A52, _A53, _A54) = _A[0], _A[1], _A[2], _A[3]
@@ -248,3 +252,34 @@ def dormand_prince(
             if step < SMALLEST_STEP:
                 return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
     return OK, step, tried
+
+
+@register_jitable
+def its_own(system: Any, interval: Any, y: Any, inputs: Any, work: Any) -> int:
+    """A step of a machine that solves itself over `interval` (s), its inputs held at their mean; `y` is its new state.
+
+    In `system` the address of `ADVANCE` is in the place of that of the derivatives. What filters see is a line from the
+    readings before to those behind: dy/dt = c (r_0 + s t - y) is solved exactly.
+    """
+    advance, measure, parameters, cutoffs, readings, sizes, flag = system
+    total, plant_states, input_count, channels = sizes
+    now, initial, slopes, sample, ramped = inputs
+    start, end = interval
+    if flagged(flag):
+        return INTERRUPTED
+    if ramped:
+        for j in range(input_count):
+            now[j] = initial[j] + slopes[j] * (0.5 * (start + end) - sample)
+    filtered = total > plant_states
+    if filtered:
+        call_measure(measure, y, parameters, work)
+    if call_advance(advance, start, end, now, y) != 0.0:
+        return FAILED
+    if filtered:
+        call_measure(measure, y, parameters, readings)
+        for j in range(channels):
+            if cutoffs[j] > 0.0:
+                lag = (readings[j] - work[j]) / (end - start) / cutoffs[j]
+                k = plant_states + j
+                y[k] = readings[j] - lag + (y[k] - work[j] + lag) * np.exp(-cutoffs[j] * (end - start))
+    return OK

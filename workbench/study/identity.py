@@ -51,6 +51,8 @@ def led_to_when_drawn(cases: Sequence[ParsedCase]) -> dict[str, str]:
 def _numbers(setup: Setup) -> Iterator[bytes]:
     """Numbers on which a run depends and that may come from another file."""
     turned = (setup.rotary.gains,) if setup.rotary else ()
+    if setup.machine is not None:
+        yield repr(setup.machine.content).encode()
     for values in (setup.parameters, setup.state, setup.inputs, setup.loop.gains, *turned):
         yield to_array(values).tobytes()
     yield repr((setup.sensors, setup.seed)).encode()

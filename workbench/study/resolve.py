@@ -21,6 +21,7 @@ from workbench.simulation.references import ReferenceSignal
 from workbench.simulation.setup import Feed, Integrator, Loop, Setup
 from workbench.study.believed import designing
 from workbench.study.controller_tables import ControllerCase, parse_controller
+from workbench.study.fmu_plant import ForeignPlant, check_sees, foreign_plant
 from workbench.study.models import MODELS
 from workbench.study.overrides import Overrides, overridden
 from workbench.study.parameter_tables import ParameterValues, build_belief, build_truth, read_values
@@ -127,17 +128,19 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     plant, believed = _plants(tables, parsed.values.true)
     parameters = build_truth(plant, tables, parsed.values)
     belief = build_belief(believed, tables, case.declared, parsed.values)
-    turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
-    state, _ = plant.equilibrium(parameters, turning)
-    start = ("plant", "start_position")
-    state = state._replace(
-        position=along_axis(tables.plant.start_position, plant.axis, start)
-    )  # all else that the machine is given is believed
-    state = _within_limits(state, parameters)
+    foreign = None
+    if tables.plant.fmu is None:
+        state = _start(plant, parameters, tables)
+    else:
+        foreign = _foreign(parsed, tables, plant, believed, parameters)
+        plant, parameters, state = foreign.plant, foreign.limits, foreign.state
     rotation_speed, surface_speed = _rotation(believed, belief, tables)
     rotary, inputs = _rotary(believed, belief, rotation_speed, surface_speed, tables)
     settings = wanted.settings._replace(**overrides.settings)
     loop = _position_loop(wanted, settings, believed, belief, tables.simulation.sample_time)
+    if foreign is not None:
+        inputs = foreign.inputs(inputs)
+        check_sees(foreign, loop, tables.simulation.sample_time, ("controllers", wanted.name))
     plant = _gauged(plant, loop.controller, tables)
     sensors = build_sensors(tables.sensors, plant.axis)
     position = sensors.channels["position"]
@@ -161,9 +164,30 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
         Integrator(simulation.method, simulation.step, simulation.tolerance),
         simulation.sample_time,
         simulation.seed,
+        None if foreign is None else foreign.machine,
     )
     band = max(SIGMAS * position.noise, position.resolution)
     return Resolved(setup, simulation.transient, band, settings, belief, simulation.hold_limit)
+
+
+def _start(plant: Plant, parameters: Any, tables: CaseTables) -> NamedTuple:
+    """Where a plant of ours starts."""
+    turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
+    state, _ = plant.equilibrium(parameters, turning)
+    start = ("plant", "start_position")
+    state = state._replace(position=along_axis(tables.plant.start_position, plant.axis, start))
+    return _within_limits(state, parameters)  # all else that the machine is given is believed
+
+
+def _foreign(parsed: ParsedCase, tables: CaseTables, plant: Plant, model: Plant, declared: Any) -> ForeignPlant:
+    """The FMU in the place of the model."""
+    if plant.effects:
+        message = f"gives the machine {plant.effects[0]}, and an FMU has effects of its own; leave it out"
+        raise SchemaError(("plant", "parameters"), message)
+    foreign = foreign_plant(tables, parsed.case, model, declared, parsed.study.allow_fmu)
+    if (fed := parsed.controller.fed) and fed not in foreign.plant.Inputs._fields:
+        raise SchemaError(("controllers", parsed.controller.name, "input"), f"[plant.inputs] does not map {fed}")
+    return foreign
 
 
 def _position_loop(

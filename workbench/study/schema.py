@@ -24,11 +24,22 @@ LEAST_TOLERANCE = 1e-14
 """Below it doubles have no digits, and no step is short enough."""
 
 
+class FmuVariableTable(Strict):
+    """A variable of an FMU, and the unit that it is taken to be in where the FMU says none."""
+
+    variable: str
+    unit: str | None = None
+
+
 class PlantTable(Strict):
-    """[plant]: the truth."""
+    """[plant]: the truth. With `fmu` an FMU stands in the place of the model, whose inputs and outputs are mapped."""
 
     model: str
     parameters: str
+    fmu: str | None = None
+    inputs: dict[str, str | FmuVariableTable] = {}
+    outputs: dict[str, str | FmuVariableTable] = {}
+    start_values: dict[str, Raw] = {}
     turned: Literal["rod", "cylinder"] | None = None
     bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
     inertia: Literal["own", "mass"] = "own"
@@ -45,6 +56,13 @@ class PlantTable(Strict):
     set: dict[str, Raw] = {}
     scale: dict[str, float] = {}
     spread: dict[str, float] = {}
+
+    @model_validator(mode="after")
+    def _mapping_is_used(self) -> "PlantTable":
+        for name in ("inputs", "outputs", "start_values"):
+            if self.fmu is None and name in self.model_fields_set:
+                raise ValueError(f"{name} belongs to fmu, the name of an FMU's file")
+        return self
 
     @model_validator(mode="after")
     def _minimum_is_used(self) -> "PlantTable":

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
 
-from workbench.export.fmi.compiling import compiled, place_of, why_not
+from workbench.export.fmi.compiling import compiled, why_not
 from workbench.export.fmi.description import Model, build_description, description
 from workbench.export.fmi.equations import equations_of
 from workbench.export.fmi.model_header import model_header
 from workbench.export.fmi.variables import variables_of
+from workbench.fmu.platforms import binary_place
 from workbench.simulation.setup import Setup
 
 VERSIONS = (2, 3)
@@ -63,7 +64,7 @@ def exported(setup: Setup, fmi: int, title: str) -> Exported:
     sources["model.h"] = model_header(setup, equations, token).encode()
     content = {"modelDescription.xml": description(fmi, model, variables, token)}
     if not (lacking := why_not()):
-        content[place_of(fmi, model.identifier)] = compiled(sources)
+        content[binary_place(fmi, model.identifier)] = compiled(sources)
     content |= {f"sources/{name}": sources[name] for name in sorted(sources)}
     if fmi == 3:
         content["sources/buildDescription.xml"] = build_description(model)

@@ -1,0 +1,77 @@
+"""Units of an FMU's variables beside those that are expected of them."""
+
+import math
+from collections.abc import Mapping
+
+from workbench.fmu.description import Fmu, FmuUnit, FmuVariable
+from workbench.toml.units import QuantityError, base_units, si, unit_written
+
+RADIAN = "radian"
+
+
+def factor_to(fmu: Fmu, variable: FmuVariable, unit: str, said: str | None = None) -> float:
+    """What to multiply a value of a variable with to have it in SI `unit`.
+
+    The variable's own unit counts, by the FMU's definition of it or, without one, by its name; where a mapping has
+    `said` a unit, that one, which has to measure the same but for the radian, with which FMUs are not strict.
+
+    Raises:
+        QuantityError: another dimension, a zero elsewhere (degC), or no unit at all.
+    """
+    own = _own(fmu, variable)
+    _, expected = base_units(unit)
+    if said is not None:
+        scale, meant = base_units(said)
+        if own is not None and _without_radian(meant) != _without_radian(own.exponents):
+            raise QuantityError(f'"{variable.name}" is in {variable.unit}, which is no {said}')
+        if meant != expected:
+            raise QuantityError(f'"{said}" is not a unit of what is in {unit}')
+        return scale
+    if own is None and unit != "1":
+        raise QuantityError(
+            f'"{variable.name}" says no unit, expected {unit}: write {{ variable = "{variable.name}", unit = "..." }}'
+        )
+    if own is None:
+        return 1.0
+    if own.exponents != expected:
+        hint = ""
+        if _without_radian(own.exponents) == _without_radian(expected):
+            hint = f'; if that is meant, write {{ variable = "{variable.name}", unit = "{unit}" }}'
+        raise QuantityError(f'"{variable.name}" is in {variable.unit or "no unit"}, expected {unit}{hint}')
+    if own.offset != 0.0:
+        raise QuantityError(f'"{variable.name}" is in {variable.unit}, whose zero is elsewhere; expected {unit}')
+    return own.factor
+
+
+def value_for(fmu: Fmu, variable: FmuVariable, value: float | str) -> float:
+    """A quantity, or a number in SI, as a value of a variable in the unit that the FMU gives it.
+
+    Raises:
+        QuantityError: no quantity, another dimension, a unit where the variable has none.
+    """
+    own, named = _own(fmu, variable), unit_written(value)
+    if own is None:
+        return si(value, "1")
+    if isinstance(value, str) and named:
+        scale, meant = base_units(named)
+        if _without_radian(meant) != _without_radian(own.exponents):
+            raise QuantityError(f'got "{value}", and "{variable.name}" is in {variable.unit}')
+        return (si(value, named) * scale - own.offset) / own.factor
+    return (si(value, "1") - own.offset) / own.factor
+
+
+def _own(fmu: Fmu, variable: FmuVariable) -> FmuUnit | None:
+    """The unit of a variable; None where it has none."""
+    if not variable.unit:
+        return None
+    defined = fmu.units.get(variable.unit)
+    if defined is not None and not math.isnan(defined.factor):
+        return defined
+    try:
+        return FmuUnit(base_units(variable.unit)[0], 0.0, base_units(variable.unit)[1])
+    except QuantityError:
+        return None
+
+
+def _without_radian(exponents: Mapping[str, float]) -> dict[str, float]:
+    return {name: power for name, power in exponents.items() if name != RADIAN}
