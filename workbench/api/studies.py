@@ -127,6 +127,7 @@ class Study:
         keep_trajectories: bool = False,
         draws: int | None = None,
         fresh_draws: int | None = None,
+        allow_fmu: bool = False,
     ) -> StudyResults:
         """Run every case into the folder `out`, then make tables, figures and pages there, as `workbench run` does.
 
@@ -139,6 +140,7 @@ class Study:
             keep_trajectories: keep the signals of every case, not only those that figures need.
             draws: of machines, in place of what the study says.
             fresh_draws: on which the best of a comparison are measured again, in place of what the study says.
+            allow_fmu: run the FMUs that the study names, foreign code, which you trust.
 
         Raises:
             UserError: a mistake in the study, or a folder that does not serve.
@@ -153,7 +155,7 @@ class Study:
         if resume and overwrite:
             raise UserError("resume and overwrite: choose one")
         folder = Path(out)
-        study = with_draws(self.content, "draws", draws, "uncertainty", "draws")
+        study = with_draws(replace(self.content, allow_fmu=allow_fmu), "draws", draws, "uncertainty", "draws")
         checked = _plan(with_draws(study, "fresh_draws", fresh_draws, "comparison", "fresh_draws"))
         planned = replace(checked, study=replace(checked.study, text=self.text))
 

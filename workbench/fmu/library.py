@@ -8,33 +8,19 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from plants.cache import cache_folder
-from workbench.errors import UserError, few_of, shortened
+from workbench.errors import UserError, shortened
 from workbench.fmu.archive import sha256_of, unpack
 from workbench.fmu.description import Fmu
-from workbench.fmu.platforms import binary_place, is_known, platform_here
-
-
-def check_platform(fmu: Fmu) -> None:
-    """Raise UserError where an FMU has no binary for this platform."""
-    if not is_known() or binary_place(fmu.fmi, fmu.identifier) not in fmu.files:
-        others = sorted(
-            {name.split("/")[1] for name in fmu.files if name.startswith("binaries/") and name.count("/") > 1}
-        )
-        raise UserError(f"{fmu.path}: has no binary for {platform_here()}; it has {few_of(others) or 'none'}")
-
-
-def loaded(fmu: Fmu) -> tuple[ctypes.CDLL, Path]:
-    """The library of an FMU, and the folder that it is unpacked in.
-
-    Raises:
-        UserError: there is none for this platform, or it cannot be loaded.
-    """
-    check_platform(fmu)
-    return _loaded(fmu)
+from workbench.fmu.platforms import binary_place
 
 
 @functools.cache
-def _loaded(fmu: Fmu) -> tuple[ctypes.CDLL, Path]:
+def loaded(fmu: Fmu) -> tuple[ctypes.CDLL, Path]:
+    """The library of an FMU that has one for this platform, and the folder that it is unpacked in.
+
+    Raises:
+        UserError: it cannot be loaded.
+    """
     folder = _unpacked(fmu)
     try:
         return ctypes.CDLL(str(folder / binary_place(fmu.fmi, fmu.identifier))), folder

@@ -1,10 +1,10 @@
 """An FMU in the place of a plant: which of its variables are the plant's inputs and outputs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from workbench.errors import UserError
+from workbench.errors import UserError, few_of
 from workbench.fmu.description import Fmu
+from workbench.fmu.platforms import binary_place, is_known, platform_here
 
 OPTION = "--allow-fmu"
 
@@ -40,23 +40,19 @@ class FmuMachine:
     parameters: tuple[tuple[int, float], ...]
     allowed: bool
 
-    def check_allowed(self) -> None:
-        """Raise UserError where its code may not be run."""
-        if not self.allowed:
-            raise UserError(
-                f"{self.fmu.path}: an FMU is foreign code, which no study may run by itself; to trust it, add {OPTION}"
-            )
-
     @property
     def content(self) -> tuple[object, ...]:
         """All on which a run depends."""
         return self.fmu.sha256, self.inputs, self.outputs, self.channels, self.parameters
 
 
-def check_machines(machines: Sequence[FmuMachine]) -> None:
-    """Raise UserError where one of them may not be run, or cannot be here."""
-    from workbench.fmu.library import check_platform  # it imports what loads code
-
-    for machine in machines:
-        machine.check_allowed()
-        check_platform(machine.fmu)
+def check_runs(fmu: Fmu, allowed: bool) -> None:
+    """Raise UserError where an FMU may not be run, or has no binary for this platform."""
+    if not allowed:
+        raise UserError(
+            f"{fmu.path}: an FMU is foreign code, which no study may run by itself; to trust it, add {OPTION}"
+        )
+    if not is_known() or binary_place(fmu.fmi, fmu.identifier) not in fmu.files:
+        places = [name.split("/") for name in fmu.files if name.startswith("binaries/")]
+        others = few_of(sorted({parts[1] for parts in places if len(parts) > 2}))
+        raise UserError(f"{fmu.path}: has no binary for {platform_here()}; it has {others or 'none'}")

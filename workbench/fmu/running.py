@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.fmu.calls import FmuError, Instance, Numbers, instance_of, numbers
 from workbench.fmu.library import loaded
-from workbench.fmu.machine import ABSENT, STILL, FmuMachine
+from workbench.fmu.machine import ABSENT, STILL, FmuMachine, check_runs
 
 Advance = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_double, numbers, numbers)
 """Start and end of a step (s), inputs, outputs -> 0, or 1 where the FMU fails."""
@@ -52,7 +52,7 @@ class Running:
         """Start it at time 0; returns its outputs (SI), NaN where it fails.
 
         Raises:
-            UserError: there is no binary for this platform, or it cannot be loaded.
+            UserError: its binary cannot be loaded.
         """
         library, folder = loaded(self._machine.fmu)
         try:
@@ -105,9 +105,9 @@ def running(machine: FmuMachine, inputs: Sequence[float]) -> Iterator[Running]:
     """A machine that is to begin, its inputs (SI) as they are before.
 
     Raises:
-        UserError: it may not be run.
+        UserError: it may not be run, or has no binary for this platform.
     """
-    machine.check_allowed()
+    check_runs(machine.fmu, machine.allowed)
     found = Running(machine, inputs)
     try:
         yield found

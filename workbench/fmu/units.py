@@ -53,10 +53,9 @@ def value_for(fmu: Fmu, variable: FmuVariable, value: float | str) -> float:
     if own is None:
         return si(value, "1")
     if isinstance(value, str) and named:
-        scale, meant = base_units(named)
-        if _without_radian(meant) != _without_radian(own.exponents):
+        if _without_radian(base_units(named)[1]) != _without_radian(own.exponents):
             raise QuantityError(f'got "{value}", and "{variable.name}" is in {variable.unit}')
-        return (si(value, named) * scale - own.offset) / own.factor
+        return (si(value, named) - own.offset) / own.factor
     return (si(value, "1") - own.offset) / own.factor
 
 

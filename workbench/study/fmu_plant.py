@@ -10,12 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, cast
 
+import numpy as np
+
 from controllers.interface import Reference
 from plants.equation import Field, fields, named_tuple
 from plants.interface import SENSORS, Measurement, Plant
 from workbench.errors import UserError, few_of, nearest
 from workbench.fmu.description import NUMBERS, Fmu, FmuVariable, read_fmu
-from workbench.fmu.machine import ABSENT, STILL, FmuMachine, Mapped
+from workbench.fmu.machine import ABSENT, STILL, FmuMachine, Mapped, check_runs
 from workbench.fmu.units import factor_to, value_for
 from workbench.simulation.setup import Loop
 from workbench.study.schema import CaseTables, FmuVariableTable
@@ -28,6 +30,13 @@ NEEDED = ("position", "velocity")
 
 OF_THE_MODEL = ("friction", "start", "start_position", "minimum_helical_speed")
 OF_THE_SOLVER = ("method", "step")
+
+
+STANDING = ("rotation_speed", "motor_current")
+"""What is 0 of a machine that does not turn."""
+
+STEPS_TRIED = 3
+"""Steps of a controller within which it shows that it needs a reading."""
 
 
 class Limits(NamedTuple):
@@ -49,23 +58,26 @@ class ForeignPlant:
     @property
     def state(self) -> NamedTuple:
         """Where it starts the FMU alone knows."""
-        return cast(NamedTuple, self.plant.State._make([0.0] * len(self.plant.State._fields)))
+        return self.plant.State._make([0.0] * len(self.plant.State._fields))
 
     def inputs(self, believed: NamedTuple) -> NamedTuple:
         """Its inputs, of those of the model."""
         return self.plant.Inputs(*(getattr(believed, name) for name in self.plant.Inputs._fields))
 
 
-def foreign_plant(tables: CaseTables, case: Case, model: Plant, declared: Any, allowed: bool) -> ForeignPlant:
+def foreign_plant(tables: CaseTables, case: Case, model: Plant, declared: Any, allowed: bool | None) -> ForeignPlant:
     """The FMU of a case; `model` and its `declared` parameters are the machine in whose place it stands.
 
     Raises:
-        SchemaError: it cannot be read, the mapping does not fit, or the study changes what the FMU does not take.
+        SchemaError: it cannot be read, the mapping does not fit, the study changes what the FMU does not take; or it is
+            to be run and may not be, or cannot be here.
     """
     _check_own(tables, case)
     table = tables.plant
     try:
         fmu = read_fmu(case.folder / str(table.fmu))
+        if allowed is not None:
+            check_runs(fmu, allowed)
     except UserError as error:
         raise SchemaError(("plant", "fmu"), str(error)) from None
     known = {item.name: item for item in fields(model.Inputs)}
@@ -80,7 +92,9 @@ def foreign_plant(tables: CaseTables, case: Case, model: Plant, declared: Any, a
         for name in Measurement._fields
     ]
     parameters = tuple(_start_value(fmu, name, value) for name, value in table.start_values.items())
-    machine = FmuMachine(fmu, tuple(inputs.values()), tuple(outputs.values()), tuple(channels), parameters, allowed)
+    machine = FmuMachine(
+        fmu, tuple(inputs.values()), tuple(outputs.values()), tuple(channels), parameters, bool(allowed)
+    )
     limits = Limits(
         float(model.command_limit(declared)), float(model.rotary_limit(declared)), float(model.travel(declared))
     )
@@ -89,45 +103,42 @@ def foreign_plant(tables: CaseTables, case: Case, model: Plant, declared: Any, a
     )
 
 
-STANDING = ("rotation_speed", "motor_current")
-"""What is 0 of a machine that does not turn."""
-
-
 def check_sees(foreign: ForeignPlant, loop: Loop, sample_time: float, key: Key) -> None:
     """Raise SchemaError where a controller computes with a reading that no output of the FMU gives."""
-    missing = [name for name in SENSORS if foreign.machine.channels[Measurement._fields.index(name)] == ABSENT]
-    if not missing or _is_number(loop, [], sample_time) == _is_number(loop, missing, sample_time):
-        return
-    needed = next(name for name in missing if not _is_number(loop, [name], sample_time))
-    message = f'controller type "{loop.controller.name}" needs {needed}; expected it in [plant.outputs]'
-    raise SchemaError(key, message)
+    channels = foreign.machine.channels
+    missing = [name for name, place in zip(Measurement._fields, channels, strict=True) if place == ABSENT]
+    needed = next((name for name in missing if name in SENSORS and not _commands(loop, name, sample_time)), None)
+    if needed is not None and _commands(loop, "", sample_time):
+        message = f'controller type "{loop.controller.name}" needs {needed}; expected it in [plant.outputs]'
+        raise SchemaError(key, message)
 
 
-def _is_number(loop: Loop, missing: list[str], sample_time: float) -> bool:
-    """Whether the controller's command is a number where these readings are none."""
-    seen = Measurement(*(math.nan if name in missing else 0.0 for name in Measurement._fields))
-    state = loop.controller.start(seen, loop.gains)
-    command, following = loop.controller.step(Reference(0.0, 0.0, 0.0), seen, state, loop.gains, sample_time)
-    return not any(math.isnan(float(value)) for value in (command, *following))
+def _commands(loop: Loop, missing: str, sample_time: float) -> bool:
+    """Whether the controller's first commands are numbers where that reading is none."""
+    seen = Measurement(*(np.float64(math.nan if name == missing else 0.0) for name in Measurement._fields))
+    state, commands = loop.controller.start(seen, loop.gains), []
+    with np.errstate(all="ignore"):
+        for _ in range(STEPS_TRIED):
+            command, state = loop.controller.step(Reference(0.0, 0.0, 0.0), seen, state, loop.gains, sample_time)
+            commands.append(float(command))
+    return not any(map(math.isnan, commands))
 
 
 def _check_own(tables: CaseTables, case: Case) -> None:
     """Raise SchemaError for what changes a plant of ours, and would change nothing here."""
     table, declared = tables.plant, case.declared.get("set", {})
-    for name in ("scale", "spread"):
-        if changed := next(iter(getattr(table, name)), None):
-            raise SchemaError(
-                ("plant", name, changed), "an FMU has parameters of its own; expected [plant.start_values]"
-            )
-    if changed := next((name for name, value in table.set.items() if declared.get(name) != value), None):
-        raise SchemaError(
-            ("plant", "set", changed),
-            "changes the machine, and an FMU has parameters of its own; expected [plant.start_values], or [belief.set]",
-        )
-    for section, names in (("plant", OF_THE_MODEL), ("simulation", OF_THE_SOLVER)):
-        given = getattr(tables, section).model_fields_set
-        if name := next((name for name in names if name in given), None):
-            raise SchemaError((section, name), "is the FMU's own affair; leave it out")
+    for section, names in (("scale", table.scale), ("spread", table.spread)):
+        for name in names:
+            message = "an FMU has parameters of its own; expected [plant.start_values]"
+            raise SchemaError(("plant", section, name), message)
+    for name, value in table.set.items():
+        if declared.get(name) != value:
+            message = "an FMU has parameters of its own; expected [plant.start_values], or [belief.set]"
+            raise SchemaError(("plant", "set", name), message)
+    for part, own in (("plant", OF_THE_MODEL), ("simulation", OF_THE_SOLVER)):
+        for name in own:
+            if name in getattr(tables, part).model_fields_set:
+                raise SchemaError((part, name), "is the FMU's own affair; leave it out")
     if tables.sensors.friction_gauge:
         raise SchemaError(("sensors", "friction_gauge"), "no FMU shows its true friction; leave it out")
 

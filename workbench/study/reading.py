@@ -12,13 +12,13 @@ from workbench.study.study import Study
 from workbench.toml import reading as files
 
 
-def read_study(path: Path) -> Study:
-    """Read and check a study file (not yet its cases).
+def read_study(path: Path, allow_fmu: bool | None = None) -> Study:
+    """Read and check a study file (not yet its cases); whoever runs it says whether FMUs may be run.
 
     Raises:
         UserError: unreadable, not TOML, unknown or missing keys.
     """
-    return study_of(*files.read_toml(path), path)
+    return replace(study_of(*files.read_toml(path), path), allow_fmu=allow_fmu)
 
 
 def study_of(data: Mapping[str, object], text: str, path: Path) -> Study:

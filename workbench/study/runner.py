@@ -6,7 +6,6 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from workbench.errors import UserError
-from workbench.fmu.machine import check_machines
 from workbench.parallel.chunks import KilledError, in_chunks
 from workbench.parallel.cluster import check_answer
 from workbench.publish.run_record import ran_on
@@ -44,10 +43,9 @@ def run_study(
         progress: told of each finished case.
 
     Raises:
-        UserError: the folder, or the cluster, does not serve; or an FMU may not be run, or not here.
+        UserError: the folder, or the cluster, does not serve.
     """
     check_answer(cluster)
-    check_machines([item.setup.machine for item in planned.declared if item.setup.machine is not None])
     began, identity, count = time.time(), planned.identity, len(planned.cases)
     with open_store(folder, planned.columns, identity, resume=resume, overwrite=overwrite) as store:
         write_study(planned.study, folder)

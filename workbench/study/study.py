@@ -40,14 +40,15 @@ REPORTED = {"title", "source", "question", "tables", "figures", "uncertainty"}
 @dataclass(frozen=True)
 class Study:
     """A study file as read. `file.machines` and `file.scenarios` hold those of files too, whose path and text are in
-    `sources`, by section and name. `allow_fmu` says whether the FMUs that it names, foreign code, may be run.
+    `sources`, by section and name. `allow_fmu` says whether the FMUs that it names, foreign code, may be
+    run; None where nothing is, so that nobody is asked.
     """
 
     path: Path
     text: str
     file: StudyFile
     sources: Mapping[files.Key, tuple[Path, str]] = field(default_factory=dict)
-    allow_fmu: bool = False
+    allow_fmu: bool | None = None
 
     def error(self, key: files.Key, message: str) -> UserError:
         """The error for a mistake at `key`, in the file of a machine or scenario where that is what holds it."""
