@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fuzz kills lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fuzz kills fmu-proof lint docs benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -81,6 +81,11 @@ ROUNDS ?= 20
 JOBS ?= 2
 kills: $(ENVIRONMENT)/ready-for-tests
 	PYTHONPATH=tests/helpers $(BIN)/python -m kills --command $(COMMAND) --rounds $(ROUNDS) --jobs $(JOBS) --seed $(SEED)
+
+# Exported plants in an importer that is not ours, FMPy, in closed loop beside the studies that they are from: a table.
+fmu-proof: $(ENVIRONMENT)/ready-for-tests
+	$(INSTALL) --editable ".[fmi]"
+	PYTHONPATH=tests/helpers $(BIN)/python -m fmu_proof
 
 lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/ruff check .

@@ -58,6 +58,7 @@ BAD = {
     ),
     "odd reference": (with_description(DESCRIPTION.replace('valueReference="4"', 'valueReference="-4"')), "-4"),
     "no type": (with_description(DESCRIPTION.replace('<Real unit="deg"/>', "")), 'variable "phi" has no type'),
+    "no factor": (with_description(DESCRIPTION.replace('factor="0.017453292519943295"', 'factor="0"')), "the factor 0"),
     "odd factor": (with_description(DESCRIPTION.replace('factor="0.017453292519943295"', 'factor="x"')), "float"),
 }
 

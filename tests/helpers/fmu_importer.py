@@ -34,7 +34,7 @@ class _Named:
     """What both kinds and both versions of FMI have in common: variables by name."""
 
     def __init__(self, instance: Any, references: Mapping[str, int], fmi: int) -> None:
-        self.instance, self.references = instance, references
+        self.instance, self.references, self.fmi = instance, references, fmi
         self.get = instance.getReal if fmi == 2 else instance.getFloat64
         self.set = instance.setReal if fmi == 2 else instance.setFloat64
 
@@ -45,8 +45,33 @@ class _Named:
         self.set([self.references[name] for name in values], [*values.values()])
 
 
-class _Slave(_Named):
+class Slave(_Named):
     """Co-simulation: the FMU's own solver."""
+
+    def save(self) -> bytes:
+        """The instance's state as bytes."""
+        instance = self.instance
+        take, serialize, free = (
+            (instance.getFMUstate, instance.serializeFMUstate, instance.freeFMUstate)
+            if self.fmi == 2
+            else (instance.getFMUState, instance.serializeFMUState, instance.freeFMUState)
+        )
+        state = take()
+        content: bytes = serialize(state)
+        free(state)
+        return content
+
+    def restore(self, content: bytes) -> None:
+        """The instance as it was."""
+        instance = self.instance
+        make, put, free = (
+            (instance.deSerializeFMUstate, instance.setFMUstate, instance.freeFMUstate)
+            if self.fmi == 2
+            else (instance.deserializeFMUState, instance.setFMUState, instance.freeFMUState)
+        )
+        state = make(content)
+        put(state)
+        free(state)
 
     def advance(self, time: float, step: float) -> None:
         self.instance.doStep(currentCommunicationPoint=time, communicationStepSize=step)
@@ -88,7 +113,7 @@ class _Exchanged(_Named):
 
 
 @contextmanager
-def opened(path: Path, fmi: int, kind: str) -> Iterator[Machine]:
+def opened(path: Path, fmi: int, kind: str) -> Iterator[Any]:
     """An initialized instance of an FMU; `kind` is one of `KINDS`."""
     description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path))
     try:
@@ -112,7 +137,7 @@ def opened(path: Path, fmi: int, kind: str) -> Iterator[Machine]:
             states = len(description.derivatives)
             yield _Exchanged(instance, references, fmi, states)
         else:
-            yield _Slave(instance, references, fmi)
+            yield Slave(instance, references, fmi)
         instance.terminate()
         instance.freeInstance()
     finally:

@@ -1,6 +1,7 @@
 """What an FMU says of itself in modelDescription.xml, FMI 2.0 or 3.0."""
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -168,4 +169,7 @@ def _unit(element: ET.Element) -> FmuUnit:
     if base is None:
         return FmuUnit(float("nan"), 0.0, {})
     exponents = {BASE[name]: float(value) for name, value in base.attrib.items() if name in BASE and float(value)}
-    return FmuUnit(float(base.get("factor", "1")), float(base.get("offset", "0")), exponents)
+    factor, offset = float(base.get("factor", "1")), float(base.get("offset", "0"))
+    if not (math.isfinite(factor) and math.isfinite(offset)) or factor == 0.0:
+        raise ValueError(f'unit "{element.get("name")}" has the factor {factor:g} and the offset {offset:g}')
+    return FmuUnit(factor, offset, exponents)
