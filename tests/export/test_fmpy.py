@@ -13,7 +13,7 @@ from workbench.simulation.setup import Integrator
 from workbench.simulation.simulate import simulate
 
 pytest.importorskip("fmpy")
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)

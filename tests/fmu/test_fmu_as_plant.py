@@ -1,6 +1,7 @@
 """An FMU of another maker in a study: it runs like any plant, when it is allowed to."""
 
 import functools
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -95,6 +96,17 @@ def test_an_fmu_that_fails_is_a_row_that_says_why(tmp_path: Path) -> None:
     assert [*rows["outcome"]] == ["FMU failed: fmi2ExitInitializationMode: coulomb is negative", "completed"]
     text = changed(axis, '"plant.start_values.fails_at" = ["0.5 s"]')
     assert run_of(tmp_path, text).time[-1] == pytest.approx(0.5)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="cases are run in processes there")
+def test_an_fmu_that_crashes_ends_the_run_with_a_line(tmp_path: Path) -> None:
+    motor_fmu(tmp_path)
+    axis = '"plant.start_values.coulomb" = ["0 N m", "0.4 N m", "0.8 N m"]'
+    study = write(tmp_path, changed(axis, '"plant.start_values.coulomb" = [0.4, 1000.0]'))
+    answer = workbench("run", study, "--out", tmp_path / "results", "--allow-fmu", "--jobs", "2")
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert "plant.start_values.coulomb 1000.0: its process was killed whenever it ran: its FMU crashes" in answer.err
 
 
 MISTAKES = {

@@ -65,7 +65,7 @@ def library() -> bytes:
     """The motor's binary for this platform."""
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "motor"
-        command = ["gcc", "-std=c99", "-Wall", "-pedantic", "-Werror", "-O1", "-fPIC", "-shared"]
+        command = ["cc", "-std=c99", "-Wall", "-pedantic", "-Werror", "-O1", "-fPIC", "-shared"]
         subprocess.run([*command, str(FOLDER / "motor.c"), "-o", str(made), "-lm"], check=True)
         return made.read_bytes()
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from command import changed, fails, workbench, write
 
+from workbench.export.compiler import compiled_library
 from workbench.rehearse import lockstep
-from workbench.rehearse.compiler import compiled_library
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 

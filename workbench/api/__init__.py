@@ -32,7 +32,7 @@ this:
 from workbench.api.analysis import linearise, loop_gain, margins
 from workbench.api.bench import Bench, bench
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
-from workbench.api.exports import export_controller, export_linear, rehearse
+from workbench.api.exports import export_controller, export_linear, export_plant, rehearse
 from workbench.api.loops import LoopSetup, setup
 from workbench.api.questions import decide, diagnose, identify, report, tune
 from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, reference, sine, steps, triangle
@@ -60,6 +60,7 @@ __all__ = [
     "evaluate",
     "export_controller",
     "export_linear",
+    "export_plant",
     "figures_at",
     "identify",
     "linearise",

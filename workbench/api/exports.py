@@ -1,4 +1,4 @@
-"""What goes on outside the program: a controller as C, linear models as files, and a study rehearsed with that C."""
+"""What goes on outside the program: a controller as C, a plant as an FMU, linear models, a study with that C in it."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,7 +9,7 @@ import pandas as pd
 from workbench.api.loops import A_LOOP, LoopSetup
 from workbench.api.plain import Quantity, expect
 from workbench.api.studies import Content, Study, as_study
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError, nearest, spelled
 
 if TYPE_CHECKING:
     from workbench.study.plan import Plan
@@ -82,6 +82,37 @@ def export_linear(setup: LoopSetup, out: str | Path, *, speed: Quantity | None =
     expect(setup, LoopSetup, "export_linear", A_LOOP)
     check_ending(Path(out))
     linear_export(setup.study, setup.case, setup.simulation, speed).write(Path(out), overwrite)
+    return Path(out)
+
+
+def export_plant(setup: LoopSetup, out: str | Path, *, fmi: int = 2, overwrite: bool = False) -> Path:
+    """The plant of a loop as an FMU, for co-simulation and model exchange in other tools (docs/fmi.md).
+
+    Args:
+        setup: the loop.
+        out: a file that ends in .fmu.
+        fmi: version of the Functional Mock-up Interface, 2 or 3.
+        overwrite: replace the file.
+
+    Returns:
+        the file.
+
+    Raises:
+        UserError: another ending or version, a plant that is an FMU itself, or C that the compiler refuses.
+
+    Example:
+        >>> loop = wb.setup("non_rotating", "owen2001_simulation", controller=wb.pid(kp=500))
+        >>> wb.export_plant(loop, folder / "plant.fmu", fmi=3).name
+        'plant.fmu'
+    """
+    from workbench.export.fmi.fmu import VERSIONS, exported
+    from workbench.export.fmi.plant import check_ending, write_fmu
+
+    expect(setup, LoopSetup, "export_plant", A_LOOP)
+    check_ending(Path(out))
+    if fmi not in VERSIONS:
+        raise UserError(f"export_plant: fmi is {spelled(fmi)}, expected 2 or 3")
+    write_fmu(exported(setup.simulation, fmi, setup.study.file.title), Path(out), overwrite)
     return Path(out)
 
 

@@ -17,7 +17,7 @@ def command(
 ) -> None:
     """Run a study with the exported C in the loop."""
     from workbench.cli.progress import ProgressBar, stoppable
-    from workbench.rehearse.compiler import compiler
+    from workbench.export.compiler import compiler
     from workbench.rehearse.folder import FOLDER, write_rehearsal
     from workbench.study.description import description
 

@@ -49,9 +49,8 @@ class FmuMachine:
 def check_runs(fmu: Fmu, allowed: bool) -> None:
     """Raise UserError where an FMU may not be run, or has no binary for this platform."""
     if not allowed:
-        raise UserError(
-            f"{fmu.path}: an FMU is foreign code, which no study may run by itself; to trust it, add {OPTION}"
-        )
+        trust = f"to trust it, add {OPTION} (of run, tune and decide)"
+        raise UserError(f"{fmu.path}: an FMU is foreign code, which no study runs by itself; {trust}")
     if not is_known() or binary_place(fmu.fmi, fmu.identifier) not in fmu.files:
         places = [name.split("/") for name in fmu.files if name.startswith("binaries/")]
         others = few_of(sorted({parts[1] for parts in places if len(parts) > 2}))

@@ -13,11 +13,11 @@ from controllers.open_loop import OPEN_LOOP
 from plants.equation import from_array, to_array
 from plants.interface import Measurement
 from workbench.export.c_controller import Exported, c_name
+from workbench.export.compiler import compiled_library
 from workbench.export.controller import exported_loop
 from workbench.export.recorded import in_c
 from workbench.export.walk import Path as NumberPath
 from workbench.export.walk import number_paths
-from workbench.rehearse.compiler import compiled_library
 from workbench.simulation.compilation import CompiledController
 from workbench.simulation.setup import Loop, Setup
 

@@ -95,9 +95,7 @@ def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
     return (replace(run, outcome=f"{MACHINE_FAILED}: {fmu.failure}") if fmu.failure else run), limit
 
 
-def _solved(
-    setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float, np.ndarray]
-) -> tuple[Run, float]:
+def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float, np.ndarray]) -> tuple[Run, float]:
     """The same of what stands at these addresses, solved as `scheme` says."""
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1

@@ -76,6 +76,11 @@ def _killed_told(planned: Plan) -> Iterator[None]:
         yield
     except KilledError as error:
         label = planned.cases[error.place].label
+        if planned.resolved[error.place].setup.machine is not None:
+            raise UserError(
+                f"{label}: its process was killed whenever it ran: its FMU crashes, or memory runs out; finished cases "
+                "are kept: mend that, then go on with --resume"
+            ) from None
         raise UserError(
             f"{label}: its process was killed whenever it ran, as a system does that is out of memory; finished "
             "cases are kept: go on with --resume --jobs 1"

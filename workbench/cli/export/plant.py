@@ -8,6 +8,7 @@ import typer
 
 from workbench.cli.export.options import CaseOf
 from workbench.cli.options import Overwrite, StudyFile, conditions, say
+from workbench.cli.progress import stoppable
 
 
 class Fmi(StrEnum):
@@ -25,15 +26,18 @@ def command(
     overwrite: Overwrite = False,
 ) -> None:
     """A study's plant as an FMU, for Simulink, OpenModelica, Dymola."""
-    from workbench.export.fmi.plant import check_place, plant_export, write_fmu
+    from workbench.export.fmi.fmu import exported
+    from workbench.export.fmi.plant import check_ending, chosen_plant, write_fmu
     from workbench.study.reading import read_study
 
-    check_place(out, overwrite)
-    made = plant_export(read_study(study), conditions(case, "--case"), int(fmi.value))
-    write_fmu(made, out)
-    say(f"wrote {out}: FMI {fmi.value}.0, co-simulation and model exchange")
+    check_ending(out)
+    with stoppable():
+        content = read_study(study)
+        made = exported(chosen_plant(content, conditions(case, "--case")), int(fmi.value), content.file.title)
+        write_fmu(made, out, overwrite)
     for kind, names in (("inputs", made.inputs), ("states", made.states), ("outputs", made.outputs)):
         say(f"  {kind}: {', '.join(names)}")
     say(f"  parameters: {made.parameters}, each tunable, in SI")
     if made.lacking:
-        say(f"  sources alone, since {made.lacking}: an importer that compiles them can run it, no other")
+        say(f"  sources alone, no binary: {made.lacking}; an importer that compiles them can run it, no other")
+    say(f"wrote {out}: FMI {fmi.value}.0, co-simulation and model exchange")

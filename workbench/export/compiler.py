@@ -25,13 +25,13 @@ def compiler() -> list[str]:
     return wanted
 
 
-def compiled_library(sources: Sequence[Path], library: Path) -> Path:
+def compiled_library(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
     """Compile C files into a library that can be loaded.
 
     Raises:
         UserError: there is no compiler, or it refuses them.
     """
-    command = [*compiler(), *FLAGS, "-fPIC", "-shared", "-o", str(library), *map(str, sources), "-lm"]
+    command = [*compiler(), *flags, "-fPIC", "-shared", "-o", str(library), *map(str, sources), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
