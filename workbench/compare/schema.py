@@ -7,29 +7,28 @@ from workbench.toml.reading import Strict
 
 
 class ComparisonTable(Strict):
-    """[comparison]: make a page that compares compensation with rotation out of the results.
-
-    `plain` names the controllers without friction compensation, whose rotated cases are the avoidance; `pressure` those
-    that compensate by the measured load pressure, without a friction model; all others have a friction model. `steps`
-    are the references that are judged by the largest error at the end of a dwell; what hunts in them never wins.
-    Errors that differ by less than `negligible` are level. `probability` is that of the intervals of one scenario and
-    reference together. The best of each class are measured again on `fresh_draws` plant samples that no choice has
-    seen, and those behind them where they hunt there.
-    `nominal_torque` (N m) is what the motor may deliver for good. `before` has for controllers with tuned gains the
-    name of the one with the gains before: the page is of the tuned ones, and says which conclusions are others.
-    `left_out` says what the study does not hold.
-    """
+    """[comparison]: make a page that compares compensation with rotation out of the results."""
 
     plain: list[str] = Field(min_length=1)
+    """Controllers without friction compensation; rotated, they are the avoidance."""
     pressure: list[str] = []
+    """Controllers that compensate by the measured load pressure; all others have a friction model."""
     steps: list[str] = []
+    """References judged by the largest error at the end of a dwell; what hunts in them never wins."""
     before: dict[str, str] = {}
+    """By tuned controller the one with the gains before: the page says which verdicts would be others with those."""
     negligible: Metre = Field(1e-6, gt=0.0)
+    """Difference of errors that does not count."""
     probability: float = Field(0.95, gt=0.5, lt=1.0)
+    """Of the intervals that one verdict rests on, together."""
     fresh_draws: int = Field(0, ge=0)
+    """Draws on which the best of each class are measured again, and those behind them where they hunt; 0: none."""
     nominal_torque: NewtonMetre = Field(8.0, gt=0.0)
+    """What the motor may deliver for good; more is told."""
     left_out: list[str] = []
+    """Lines for the page: what the study does not hold."""
     assumptions: list[str] = []
+    """Lines for the page."""
 
     @model_validator(mode="after")
     def _families_apart(self) -> "ComparisonTable":

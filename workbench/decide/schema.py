@@ -26,40 +26,54 @@ POWERS = {"paid": (PUMP, MOTOR), "electric": (HYDRAULIC, MOTOR), "total": (HYDRA
 class DecideTable(Strict):
     """[decide]: an accuracy at a speed, within a power, with a probability; who can do that?
 
-    `machine` names one of [machines] or of their files (default: the study's [plant] as it stands). The motion is a
-    sine of that `amplitude` whose frequency follows from its peak speed, f = speed / (2 pi amplitude); `cycles` of its
-    periods are simulated and the first is left out. `power_figure`: `paid` is what the pump and the motor's terminals
-    take, `electric` has the power at the piston in place of the pump's, `total` is what arrives at the rod. `spread`
-    is how many standard deviations of the parameter set friction is spread by; `speeds` and `spreads` are the map's, to
-    which those asked for are added. Each controller is run at each of `rpm`; `plain` names those without friction
-    compensation.
-
-    `draws` machines serve to look for candidates, `fresh_draws` others to measure those that may be chosen, of each
-    kind at most `contenders`. A loop that hunts while a step to `hold_level` is held for `hold_duration` is out
-    (default: a quarter of the amplitude). `assumptions` are lines for the page.
+    The motion is a sine whose frequency follows from its peak speed, f = speed / (2 pi amplitude). `power_figure`:
+    `paid` is what the pump and the motor's terminals take, `electric` has the power at the piston in place of the
+    pump's, `total` is what arrives at the rod. To `speeds` and `spreads` those asked for are added. A loop that hunts
+    while the step is held is out.
     """
 
     machine: str | None = None
+    """One of [machines] or of their files; by default [plant] as it stands."""
     accuracy: Metre = Field(gt=0.0)
+    """Largest error that is allowed."""
     figure: Literal["rms_error", "max_error"] = "rms_error"
+    """Which error counts."""
     speed: MetrePerSecond = Field(gt=0.0)
+    """Peak speed of the sine."""
     amplitude: Metre = Field(gt=0.0)
+    """Of the sine."""
     power: Watt = Field(gt=0.0)
+    """Largest mean power of a run."""
     power_figure: Literal["paid", "electric", "total"] = "paid"
+    """Which power counts."""
     probability: float = Field(0.9, gt=0.0, lt=1.0)
+    """With which accuracy and power have to be kept."""
     spread: float = Field(1.0, ge=0.0)
+    """Of friction, in standard deviations of the parameter file."""
     draws: int = Field(24, ge=2)
+    """Machines on which candidates are looked for."""
     fresh_draws: int = Field(200, ge=2)
+    """Other machines, on which those that may be chosen are measured."""
     contenders: int = Field(3, ge=1)
+    """How many of each kind are measured at most."""
     hold_level: Metre | None = Field(None, gt=0.0)
+    """Of the step that is held to see whether a loop hunts; by default a quarter of the amplitude."""
     hold_duration: Second = Field(10.0, gt=0.0)
+    """For how long."""
     speeds: list[Annotated[MetrePerSecond, Field(gt=0.0)]] | None = Field(None, min_length=1)
+    """Of the map."""
     spreads: list[Annotated[float, Field(ge=0.0)]] | None = Field(None, min_length=1)
+    """Of the map."""
     rpm: list[Rotation] = Field(min_length=1)
+    """Speeds of rotation at which every controller is a candidate."""
     controllers: list[str] | None = Field(None, min_length=1)
+    """The candidates; by default all."""
     plain: list[str] = Field(min_length=1)
+    """Those without friction compensation."""
     cycles: int = Field(2, ge=2)
+    """Periods that are simulated; the first is left out."""
     assumptions: list[str] = []
+    """Lines for the page."""
 
     @model_validator(mode="after")
     def _each_once(self) -> "DecideTable":

@@ -97,18 +97,26 @@ class Entry(toml.Strict):
     model_config = ConfigDict(allow_inf_nan=True)
 
     value: float | str
+    """A quantity, or a number in SI."""
     source: str
+    """Where it comes from."""
     std: float | str | None = None
+    """Its standard deviation."""
     correction: str | None = None
+    """What was mended in the source, and why."""
     note: str | None = None
+    """Anything else."""
 
 
 class ParameterFile(toml.Strict):
     """A parameter set as it stands in a file."""
 
     title: str
+    """Of the set."""
     source: str
+    """Of the set as a whole."""
     parameters: dict[str, Entry] = Field(min_length=1)
+    """By name."""
 
 
 @functools.cache

@@ -71,34 +71,44 @@ PUBLISHED: tuple[str, ...] = get_args(Published)
 
 
 class PlantTable(files.Strict):
-    """[plant]: what is believed. `scale` multiplies parameters, as in a study; `set` has all without `parameters`.
-
-    With `turned` the rod turns, by a motor or (`rotation` "ideal") with the speed that was recorded.
-    """
+    """[plant]: what is believed."""
 
     model: str
+    """A plant that `workbench list plants` shows."""
     parameters: str = ""
+    """A named set, or a parameter file relative to the experiment."""
     turned: Literal["rod"] | None = None
+    """That the rod turns."""
     bristle: Literal["helical", "isotropic", "anisotropic"] = "helical"
+    """As in a study."""
     rotation: Literal["motor", "ideal"] = "motor"
+    """Whether the recorded voltage turns the rod, or the recorded speed."""
     flow: Literal["derived", "chapter3"] = "derived"
+    """As in a study."""
     set: dict[str, Raw] = {}
+    """Values in the place of the set's; without `parameters` all of them."""
     scale: dict[str, float] = {}
+    """Factors on parameters."""
 
 
 class Bound(files.Strict):
     """Limits of a free parameter."""
 
     min: Raw | None = None
+    """Smallest value."""
     max: Raw | None = None
+    """Largest value."""
 
 
 class FitTable(files.Strict):
-    """[fit]: what is free, and how it is found. `bounds` takes what stands under a parameter's own name."""
+    """[fit]: what is free, and how it is found."""
 
     free: list[str] | None = None
+    """Names of what is fitted; by default friction, in the directions of the records."""
     method: Method = "both"
+    """How `workbench identify` finds parameters; `--method` takes another."""
     bounds: dict[str, Bound] = {}
+    """By parameter; they may also stand right in [fit], under the parameter's name."""
 
     @model_validator(mode="before")
     @classmethod
@@ -112,38 +122,39 @@ class FitTable(files.Strict):
 
 
 class ChannelTable(files.Strict):
-    """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit.
-
-    `column` is a name, or a number from 0, as a file without a header needs it. `offset` may be a quantity with a unit
-    of its own. `anti_alias` (Hz) is the cutoff of a
-    first-order filter before the converter: the simulated reading passes it too.
-    """
+    """One channel: its column, unit, and for raw counts value = scale * number + offset, in that unit."""
 
     column: str | Annotated[StrictInt, Field(ge=0)]
+    """Its name, or its number from 0 where the file has no header."""
     unit: str = "1"
+    """Of the column."""
     scale: float = 1.0
+    """Factor on raw counts: scale * number + offset, in the unit."""
     offset: Raw = 0.0
+    """A number in the unit, or a quantity."""
     anti_alias: Raw = 0.0
+    """Cutoff (Hz) of a first-order filter before the converter, which the simulated reading passes too; 0: none."""
 
 
 class RecordTable(files.Strict):
-    """One record, or several of the same kind where `file` is a pattern such as "run_*.csv".
-
-    `files` are in the place of `file` where every channel has a file of its own, with a column of the time in each.
-
-    Of each file `skip` rows at its start are left out, and `rows` taken (default: all). `sample_time` puts unevenly
-    sampled channels on an even grid of that step, by a curve through their samples. `rpm` is the speed of rotation that
-    was set, or the name of the column that holds it.
-    """
+    """[[records]]: one record, or several of the same kind."""
 
     file: str = ""
+    """Relative to the experiment; a pattern such as `run_*.csv` stands for several."""
     files: dict[str, str] = {}
+    """In its place: by channel, one file each, with a column of the time."""
     use: Literal["fit", "held_out"] = "fit"
+    """Whether it is fitted to, or tests what was found."""
     label: str = ""
+    """What it is called; by default the file's name."""
     skip: Annotated[StrictInt, Field(ge=0)] = 0
+    """Rows left out at the start."""
     rows: Annotated[StrictInt, Field(gt=0)] | None = None
+    """Rows taken; by default all."""
     sample_time: Raw | None = None
+    """Of an even grid on which unevenly sampled channels are put, by a curve through their samples."""
     rpm: Annotated[StrictFloat, Field(ge=0.0)] | str = 0.0
+    """The speed of rotation that was set, or the column that holds it."""
 
     @model_validator(mode="after")
     def _one_or_many(self) -> "RecordTable":
@@ -153,10 +164,12 @@ class RecordTable(files.Strict):
 
 
 class TruthTable(files.Strict):
-    """[truth]: what is behind simulated records, against which an error is told: parameters, and `sensors`' errors."""
+    """[truth]: what is behind simulated records, against which an error is told."""
 
     parameters: str
+    """The set or file behind simulated records."""
     sensors: dict[str, Raw] = {}
+    """The true errors of its sensors."""
 
 
 Printed = Annotated[float, Field(allow_inf_nan=True)]
@@ -166,18 +179,25 @@ Printed = Annotated[float, Field(allow_inf_nan=True)]
 class PublishedTable(files.Strict):
     """[[published]]: a printed table beside which the thesis's method is to be shown.
 
-    One entry a speed of rotation in `rpm` for every parameter in `values`, and in `std`; SI, nan where nothing is
-    printed. `static` is Coulomb and Stribeck friction together.
+    `static` is Coulomb and Stribeck friction together.
     """
 
     table: FileName
+    """Name of its files."""
     title: str
+    """Above it."""
     source: str = ""
+    """Where it is printed."""
     note: str = ""
+    """Below it."""
     direction: Direction
+    """Of the motion."""
     rpm: list[float] = [0.0]
+    """Speeds of rotation, one a column."""
     values: dict[str, list[Printed]]
+    """By parameter: one SI number a speed, nan where none is printed."""
     std: dict[str, list[Printed]] = {}
+    """The same of standard deviations."""
 
     @model_validator(mode="after")
     def _one_value_a_speed(self) -> "PublishedTable":
@@ -190,24 +210,41 @@ class PublishedTable(files.Strict):
 
 
 class FigureTable(files.Strict):
-    """[[figures]]: friction over velocity at `rpm`, or how a `parameter` depends on rpm."""
+    """[[figures]]: friction over velocity, or how a parameter depends on rpm."""
 
     name: FileName
+    """Of its files."""
     title: str
+    """Above it."""
     rpm: float = 0.0
+    """Friction over velocity at this speed."""
     parameter: Literal[""] | Published = ""
+    """In place of that: how this one depends on the speed."""
 
 
 class ExperimentFile(files.Strict):
     """A whole experiment file."""
 
     title: str
+    """Of the experiment and its pages."""
     source: str = ""
+    """Where the records come from."""
     plant: PlantTable
+    """What is believed to have made the records."""
     fit: FitTable = Field(default_factory=FitTable)
+    """What is free."""
     channels: dict[str, ChannelTable]
+    """By name: time, valve_voltage, position, pressure_1, ..."""
     sensors: dict[str, Raw] = {}
+    """Standard deviations of systematic errors that the fit may find.
+
+    They are `pressure_1_offset`, `pressure_1_gain` and those of `_2`, `position_calibration`.
+    """
     records: list[RecordTable] = Field(min_length=1)
+    """The files."""
     truth: TruthTable | None = None
+    """Of simulated records."""
     published: list[PublishedTable] = []
+    """Printed tables to stand beside what is found."""
     figures: list[FigureTable] = []
+    """Beside those that are always drawn."""

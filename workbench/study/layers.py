@@ -22,10 +22,15 @@ class ScenarioFile(Strict):
     """
 
     title: str
+    """What is different."""
     source: str
+    """Where that comes from."""
     plant: dict[str, Any] = {}
+    """Laid over [plant]."""
     sensors: dict[str, Any] = {}
+    """Laid over [sensors]."""
     simulation: dict[str, Any] = {}
+    """Laid over [simulation]."""
 
     @property
     def overrides(self) -> dict[str, object]:
@@ -37,6 +42,7 @@ class MachineFile(ScenarioFile):
     """A machine as it stands in a file: the same, and what controllers believe of it where that is not what it says."""
 
     belief: dict[str, Any] = {}
+    """Laid over [belief]."""
 
 
 @dataclass(frozen=True)

@@ -51,9 +51,13 @@ def _converted(value: float | str, unit: str, key: files.Key) -> float:
 
 class SineTable(ReferenceTable):
     amplitude: Raw
+    """Half of peak to peak."""
     frequency: Hertz = Field(gt=0.0)
+    """Of the sine."""
     offset: Raw = 0.0
+    """Added to it."""
     phase: Radian = 0.0
+    """At t = 0."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         amplitude, offset = quantity(self, "amplitude", unit), quantity(self, "offset", unit)
@@ -62,8 +66,11 @@ class SineTable(ReferenceTable):
 
 class StepsTable(ReferenceTable):
     levels: list[Raw] = Field(min_length=1)
+    """One after the other."""
     dwell: Second = Field(gt=0.0)
+    """At each level."""
     start: Second = Field(0.0, ge=0.0)
+    """Of the first; 0 before it."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         levels = tuple(_converted(level, unit, ("levels", i)) for i, level in enumerate(self.levels))
@@ -72,8 +79,11 @@ class StepsTable(ReferenceTable):
 
 class RampTable(ReferenceTable):
     rate: Raw
+    """Of the ramp."""
     start: Second = Field(0.0, ge=0.0)
+    """Of the motion."""
     stop: Second = np.inf
+    """Of the motion; it rests then."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         return signals.Ramp(quantity(self, "rate", f"{unit}/s"), self.start, self.stop)
@@ -81,9 +91,13 @@ class RampTable(ReferenceTable):
 
 class TriangleTable(ReferenceTable):
     amplitude: Raw
+    """Half of peak to peak."""
     frequency: Hertz | None = Field(None, gt=0.0)
+    """Either this"""
     speed: Raw | None = None
+    """or this, of its sides."""
     offset: Raw = 0.0
+    """Added to it."""
 
     @model_validator(mode="after")
     def _one_of(self) -> "TriangleTable":
@@ -104,8 +118,11 @@ class TriangleTable(ReferenceTable):
 
 class MultisineTable(ReferenceTable):
     amplitude: Raw
+    """The peak of the sum."""
     frequency: Hertz = Field(gt=0.0)
+    """Of the fundamental."""
     harmonics: list[Annotated[int, Field(ge=1, le=MOST_HARMONICS)]] = Field(min_length=1, max_length=MOST_HARMONICS)
+    """Whole numbers, of equal amplitude."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         return signals.Multisine(quantity(self, "amplitude", unit), self.frequency, tuple(self.harmonics))
@@ -113,9 +130,13 @@ class MultisineTable(ReferenceTable):
 
 class ChirpTable(ReferenceTable):
     amplitude: Raw
+    """Half of peak to peak."""
     start_frequency: Hertz = Field(gt=0.0)
+    """At t = 0."""
     end_frequency: Hertz = Field(gt=0.0)
+    """At the end of the sweep."""
     sweep: Second = Field(gt=0.0)
+    """Time that it takes."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         amplitude = quantity(self, "amplitude", unit)
@@ -124,10 +145,15 @@ class ChirpTable(ReferenceTable):
 
 class RecordedTable(ReferenceTable):
     file: str
+    """A table with a header, relative to the study."""
     time: str
+    """The column of the time."""
     value: str
+    """The column of the values."""
     time_unit: str = "s"
+    """Of that column."""
     unit: str | None = None
+    """Of the values; by default SI."""
 
     def build(self, unit: str, folder: Path) -> signals.ReferenceSignal:
         import pandas as pd  # slow to import, and no other reference needs it

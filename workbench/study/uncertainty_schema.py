@@ -15,8 +15,11 @@ class FactorTable(Strict):
     """The range of a factor on a parameter: uniform in the factor, or in its logarithm."""
 
     min: float = Field(gt=0.0)
+    """Smallest factor."""
     max: float = Field(gt=0.0)
+    """Largest factor."""
     scale: Literal["log", "linear"] = "linear"
+    """Uniform in the factor, or in its logarithm."""
 
     @model_validator(mode="after")
     def _in_order(self) -> "FactorTable":
@@ -29,21 +32,23 @@ class NoiseTable(Strict):
     """The range of a sensor's noise, uniform."""
 
     min: Raw = 0.0
+    """Smallest standard deviation."""
     max: Raw
+    """Largest standard deviation."""
 
 
 class UncertaintyTable(Strict):
-    """[uncertainty]: machines that may be met. Each draw is one.
-
-    `friction`: standard deviations of the parameter set by which each friction parameter is spread. `scale`: factors
-    on other parameters (mass, supply_pressure, bulk_modulus, ...). `noise`: of sensors, by channel. `calibration`: the
-    sensors' offsets and gain errors are bounds, of which a draw has any share of either sign, and it draws the
-    curves of their calibration errors. `draws`: on how many machines each case of `workbench run` is simulated.
-    """
+    """[uncertainty]: machines that may be met. Each draw is one, the same for whatever is compared."""
 
     draws: int = Field(0, ge=0, le=MOST_DRAWS)
+    """On how many machines `workbench run` simulates every case; 0: on the declared one."""
     friction: float = Field(1.0, ge=0.0)
+    """By how many standard deviations of the parameter file each friction parameter is spread."""
     scale: dict[str, FactorTable] = {}
+    """Factors on other parameters: mass, supply_pressure, bulk_modulus, ..."""
     noise: dict[str, NoiseTable] = {}
+    """Of sensors, by channel."""
     calibration: bool = True
+    """Whether offsets and gain errors are bounds, of which a draw has any share, and calibration curves are drawn."""
     seed: int = Field(1, ge=0)
+    """Of the draws."""

@@ -34,30 +34,41 @@ class MarginsTable(Strict):
     """[at.margins]: of the loop, linearised while it slides at `speed`; the smallest over the cases."""
 
     gain_margin_dB: float | None = None  # noqa: N815 - the unit's own spelling
+    """Smallest over the cases."""
     phase_margin_deg: float | None = None
+    """Smallest over the cases."""
     speed: str
+    """At which the loop slides."""
 
 
 class Entry(Strict):
-    """[[at]]: the settings for one speed of rotation, `rpm`, or for all of them. A margin that is not there is
-    infinite. `objective` and `search` say how they were found, and by how much the seeds of the search differ.
-    """
+    """[[at]]: the settings for one speed of rotation, or for all of them. A margin that is not there is infinite."""
 
     rpm: float | None = None
+    """Speed of rotation; without it the entry serves all."""
     settings: dict[str, int | float | str]
+    """What a controller's table may say itself."""
     rotation: dict[str, float | str] = {}
+    """A rotation that was tuned."""
     objective: dict[str, Any]
+    """What was reached."""
     margins: MarginsTable
+    """Of the loop, linearised."""
     search: dict[str, Any]
+    """How it was found, and by how much seeds differ."""
 
 
 class GainFile(Strict):
     """A whole gain file."""
 
     title: str
+    """Of the file."""
     source: str
+    """Which tuning wrote it."""
     type: str
+    """The controller's."""
     at: list[Entry] = Field(min_length=1)
+    """An entry, or one a speed of rotation."""
 
     @model_validator(mode="after")
     def _one_each(self) -> "GainFile":

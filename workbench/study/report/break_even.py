@@ -18,18 +18,26 @@ class Account(Strict):
     """One way to count: the sum of columns of the results."""
 
     label: str
+    """What this way to count is called."""
     columns: list[str] = Field(min_length=1)
+    """Of the results, added up."""
 
 
 class BreakEvenTable(Strict):
     """[[break_even]]: where along the axis the sum of some columns is less than at its first value, by each account."""
 
     name: FileName
+    """Of its files."""
     title: str
+    """Above it."""
     axis: str = "rpm"
+    """Along which something is less than at the first value."""
     where: dict[str, Any] = {}
+    """Picks its cases."""
     accounts: list[Account] = Field(min_length=1)
+    """Ways to count."""
     note: str = ""
+    """Below it."""
 
 
 def _check(even: BreakEvenTable, checked: Checked) -> None:

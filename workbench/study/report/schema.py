@@ -59,13 +59,19 @@ class Probe(Strict):
     """
 
     signal: str
+    """Of the plant, or of the controller's state."""
     take: Literal[
         "maximum", "minimum", "peak_to_peak", "mean", "rms", "final", "share_below", "decay_rate", "interval", "change"
     ]
+    """What is taken of it."""
     level: float | None = None
+    """Of `share_below`."""
     event: str | None = None
+    """Signal whose upward crossings are events."""
     event_level: float = 0.0
+    """Level that it crosses."""
     cases: list[str] = []
+    """The cases that have the column; by default all."""
 
     @model_validator(mode="after")
     def _complete(self) -> "Probe":
@@ -85,27 +91,44 @@ class Column(Strict):
     """
 
     result: str
+    """A column of results.csv."""
     label: str
+    """Its heading."""
     unit: str = "1"
+    """In which it is shown; 1: as it is stored."""
     digits: Digits = 4
+    """Significant ones."""
     published: dict[str, float] = {}
+    """Values to hold it against, by axis value."""
     against: dict[str, dict[str, float]] = {}
+    """The same for each of the table's `references`."""
     where: dict[str, Any] = {}
+    """Picks its cases among those of the table."""
     least: float = Field(0.0, ge=0.0)
+    """What is smaller is shown as less than this."""
 
 
 class Row(Strict):
     """One row of a table of single figures; `against` holds a value for each of the table's `references`."""
 
     where: dict[str, Any] = {}
+    """Picks the case."""
     result: str
+    """A column of results.csv."""
     label: str
+    """What the row is called."""
     unit: str = "1"
+    """In which it is shown."""
     digits: Digits = 4
+    """Significant ones."""
     published: float | None = None
+    """The value to hold it against."""
     against: dict[str, float] = {}
+    """The same for each of the table's `references`."""
     remark: str = ""
+    """Behind the numbers."""
     least: float = Field(0.0, ge=0.0)
+    """What is smaller is shown as less than this."""
 
 
 class TableSpec(Strict):
@@ -120,18 +143,31 @@ class TableSpec(Strict):
     """
 
     name: FileName
+    """Of its files."""
     title: str
+    """Above it."""
     source: str = ""
+    """Where published values come from."""
     note: str = ""
+    """Below it."""
     compared_with: Literal["published", "reference"] = "published"
+    """What the values under `published` are called."""
     references: dict[str, str] = {}
+    """Further values to hold it against: their sources by name."""
     index: str | None = None
+    """The axis of its lines."""
     index_label: str = ""
+    """Heading of that axis."""
     across: str | None = None
+    """A second axis, whose values stand side by side."""
     places: bool | None = None
+    """Whether each value has its place among its neighbours."""
     where: dict[str, Any] = {}
+    """Picks its cases."""
     columns: list[Column] = Field([], max_length=MOST_CURVES)
+    """Of a table over an axis."""
     rows: list[Row] = Field([], max_length=MOST_ROWS)
+    """Of a table of single figures."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "TableSpec":
@@ -156,12 +192,19 @@ class Curve(Strict):
     """
 
     y: str
+    """A signal, or a column of the results."""
     x: str | None = None
+    """By default the panel's."""
     where: dict[str, Any] = {}
+    """Picks the run, or the cases."""
     label: Words = ""
+    """In the legend; without one the line before goes on."""
     fit: Literal["line", "cubic"] | None = None
+    """Regression drawn beside it, written into the legend."""
     published: dict[str, float] = {}
+    """Values to draw beside it, by axis value."""
     style: Literal["line", "points", "reference"] = "line"
+    """How it is drawn."""
 
 
 class Panel(Strict):
@@ -174,15 +217,25 @@ class Panel(Strict):
     """
 
     title: Words = ""
+    """Above the panel."""
     x: str = "time"
+    """A signal, a column of the results or an axis."""
     x_label: Words
+    """Without the unit."""
     y_label: Words
+    """Without the unit."""
     x_unit: str | None = None
+    """In which x is shown."""
     y_unit: str | None = None
+    """In which y is shown."""
     x_range: Span | None = None
+    """Ends of the axis, in the unit shown."""
     y_range: Span | None = None
+    """The same of y."""
     start: Second = 0.0
+    """Time from which signals are drawn."""
     end: Second | None = None
+    """Time to which they are."""
     legend: Literal[
         "best",
         "upper left",
@@ -196,10 +249,15 @@ class Panel(Strict):
         "lower right",
         "outside",
     ] = "best"
+    """Where it stands."""
     levels: dict[Words, float] = Field({}, max_length=MOST_CURVES)
+    """Horizontal lines by label."""
     measured_rpm: float | None = None
+    """Draws the measured friction of [friction_curves] at this speed of rotation."""
     note: Words = ""
+    """In the panel."""
     curves: list[Curve] = Field(min_length=1, max_length=MOST_CURVES)
+    """What is drawn."""
 
     @model_validator(mode="after")
     def _measured_over_velocity(self) -> "Panel":
@@ -212,6 +270,10 @@ class FigureSpec(Strict):
     """[[figures]]: panels one above the other."""
 
     name: FileName
+    """Of its files."""
     title: Words
+    """Above it."""
     source: str = ""
+    """Where published curves come from."""
     panels: list[Panel] = Field(min_length=1, max_length=MOST_PANELS)
+    """One above the other."""
