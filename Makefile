@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fuzz kills fmu-proof lint docs benchmark diagnosis clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fmu-proof fuzz kills lint docs docs-answers docs-test benchmark diagnosis clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -93,9 +93,21 @@ lint: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# The reference of the public names, from their docstrings.
+# The guide as a site, results/docs/index.html: warnings, dead links among them, are errors. The gallery's studies are run
+# first, some two minutes; they are kept, and run again where something has changed.
 docs: $(ENVIRONMENT)/ready-for-docs
-	$(BIN)/python -W error -m pdoc workbench.api --docformat google --no-show-source --output-directory results/reference
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --fresh-env --quiet --doctree-dir results/docs_doctrees docs results/docs
+
+# What came out of the studies, as docs/answers.md tells it. DRAWS and FRESH are those of the comparison: fewer take less.
+DRAWS ?= 10
+FRESH ?= 40
+docs-answers: $(ENVIRONMENT)/ready
+	$(BIN)/python docs/builder/answers.py --draws $(DRAWS) --fresh-draws $(FRESH)
+
+# Every code block of the guide, run as a reader would: minutes. PAGE=tuning runs those of one page.
+PAGE ?=
+docs-test: $(ENVIRONMENT)/ready-for-tests
+	PYTHONPATH=tests/helpers $(BIN)/python -m snippets $(PAGE)
 
 # All that should be seen of the program's speed, written to docs/benchmarks.md: some ten minutes, with FULL=1 hours.
 FULL ?=

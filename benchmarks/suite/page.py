@@ -19,7 +19,7 @@ PACKAGES = ("numpy", "numba", "scipy", "casadi", "control")
 HEAD = """\
 # Benchmarks
 
-Written by `make benchmark{full}`; [benchmarks/README.md](../benchmarks/README.md) says how each figure is measured
+Written by `make benchmark{full}`; `benchmarks/README.md` says how each figure is measured
 and read. Times are of this machine alone; the ratios at the end are what other machines can be compared by.
 
 {machine}

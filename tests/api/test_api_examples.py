@@ -2,7 +2,6 @@
 
 import doctest
 import inspect
-import re
 from pathlib import Path
 
 import control
@@ -11,6 +10,7 @@ import pytest
 from api_examples import FACES, documented, examples, given, notebook
 from command import ROOT
 from nbclient import NotebookClient
+from snippets.blocks import blocks
 
 from workbench import api
 
@@ -55,10 +55,8 @@ def test_a_notebook_of_the_examples_executes(tmp_path: Path) -> None:
 def test_the_readme_and_the_guide_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "studies").symlink_to(ROOT / "studies")
     monkeypatch.chdir(tmp_path)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    section = readme.partition("## In Python")[2].partition("\n## ")[0]
-    guide = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
-    code = "\n".join(re.findall(r"^    (.*)$", section + guide, flags=re.MULTILINE))
+    pages = (ROOT / "README.md", ROOT / "docs" / "python.md")
+    code = "".join(block.text for page in pages for block in blocks(page) if block.language == "python")
     names: dict[str, object] = {"control": control}
     exec(code, names)
     assert str(names["results"]).startswith('StudyResults("Chapter 3: tracking", 9 cases')

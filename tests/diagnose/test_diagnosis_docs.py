@@ -3,38 +3,22 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from command import ROOT, workbench, write
+from snippets.given import given
 
 from plants.effects.curves import nodes_of
 from plants.effects.registry import effects
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 
-DOCS = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
-
-
-def save_run(path: Path, period: float) -> None:
-    """10 s as a logger writes them: ms, mV, mm from one end, bar, and counts of a sixteenth of a bar."""
-    time = 1e-3 * np.arange(10_000)
-    noise = np.random.default_rng(2).standard_normal((2, time.size))
-    turn = 2.0 * np.pi / period
-    forward = 5.0 * np.tanh(10.0 * np.cos(turn * time))
-    columns = {
-        "Time [ms]": 1e3 * time,
-        "Valve [mV]": 500.0 * np.cos(turn * time),
-        "Rod [mm]": 30.0 + 15.0 * np.sin(turn * time),
-        "pA [bar]": 14.7 + forward + 0.02 * noise[0],
-        "Counts B": (14.7 - forward + 0.02 * noise[1] + 0.625) / 0.0625,
-    }
-    pd.DataFrame(columns).to_csv(path, index=False)
+PAGE = ROOT / "docs" / "diagnosis.md"
+DOCS = PAGE.read_text(encoding="utf-8")
 
 
 def test_the_experiment_to_copy_is_in_order(tmp_path: Path) -> None:
     path = write(tmp_path, DOCS.partition("```toml\n")[2].partition("```")[0], "experiment.toml")
-    save_run(tmp_path / "run_a.csv", 4.0)
-    save_run(tmp_path / "run_b.csv", 3.0)
+    given(PAGE, tmp_path)
     answer = workbench("check", path)
     assert (answer.code, answer.err) == (0, "")
     assert answer.out.startswith(f"{path}: an experiment, in order\n")
