@@ -102,7 +102,7 @@ docs: $(ENVIRONMENT)/ready-for-docs
 DRAWS ?= 10
 FRESH ?= 40
 docs-answers: $(ENVIRONMENT)/ready
-	$(BIN)/python docs/builder/answers.py --draws $(DRAWS) --fresh-draws $(FRESH)
+	PYTHONPATH=docs $(BIN)/python -m builder.answers --draws $(DRAWS) --fresh-draws $(FRESH)
 
 # Every code block of the guide, run as a reader would: minutes. PAGE=tuning runs those of one page.
 PAGE ?=

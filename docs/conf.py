@@ -18,7 +18,6 @@ default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 add_module_names = False
-pygments_style = "sphinx"
 
 html_theme = "furo"
 html_static_path = ["static"]

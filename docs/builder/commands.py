@@ -33,17 +33,17 @@ def _usage(name: str, command: Any) -> str:
 def _argument(item: Any) -> str:
     name = item.metavar or item.name.upper()
     name = f"{name} [{name}...]" if item.nargs == -1 else name
-    return name if item.required else f"[{name}]"
+    return name if item.required or name.startswith("[") else f"[{name}]"
 
 
 def _arguments(command: Any) -> str:
-    rows = [[f"`{_argument(item)}`", cell(item.help or "")] for item in command.params if not _is_option(item)]
+    rows = [[cell(f"`{_argument(item)}`"), cell(item.help or "")] for item in command.params if not _is_option(item)]
     return table(["argument", "meaning"], rows)
 
 
 def _options(command: Any) -> str:
     options = [item for item in command.params if _is_option(item)]
-    rows = [[f"`{_names(item)}`", _default(item), cell(item.help or "")] for item in options]
+    rows = [[cell(f"`{_names(item)}`"), _default(item), cell(item.help or "")] for item in options]
     return table(["option", "default", "meaning"], rows)
 
 

@@ -1,6 +1,7 @@
-"""The gallery: fast studies, run by the build; their answers, tables and figures as the program writes them."""
+"""The gallery: fast studies, run by the build; their tables and figures as the program writes them."""
 
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 
 import workbench as wb
@@ -37,15 +38,20 @@ def page(folder: Path) -> str:
 
 
 def section(name: str, found: Contents, results: Path, folder: Path) -> list[str]:
-    """One study: how to run it, what it says, its tables and figures."""
+    """One study: what it asks, how to run it, its figures and tables."""
     shown = folder / "gallery" / name
     shown.mkdir(parents=True, exist_ok=True)
     parts = [f"## {found.title}", found.question]
     parts += [f"```sh\nworkbench run studies/{name}.toml --out results/{name}\n```"]
-    parts += ["\n".join(f"- {line}" for line in found.answer)]
+    parts += found.notes[:1]
     for figure in found.figures:
         shutil.copy(results / "figures" / f"{figure}.svg", shown)
         parts += [f"![{figure.replace('_', ' ')}]({shown.relative_to(folder)}/{figure}.svg)"]
-    parts += [(results / "tables" / f"{table}.md").read_text(encoding="utf-8").strip() for table in found.tables]
+    parts += shown_tables(results, found.tables)
     parts += [f"[{name}.toml](../../studies/{name}.toml) is all of it."]
     return [part for part in parts if part]
+
+
+def shown_tables(results: Path, names: Iterable[str]) -> list[str]:
+    """Tables of a folder of results, as Markdown."""
+    return [(results / "tables" / f"{name}.md").read_text(encoding="utf-8").strip() for name in names]

@@ -15,7 +15,7 @@ def page(folder: Path) -> str:
         "Classes": [name for name in api.__all__ if inspect.isclass(getattr(api, name))],
         "Controllers": types,
     }
-    parts = ["# Python names", "The public names of `import workbench as wb`.", _rest(".. automodule:: workbench.api")]
+    parts = ["# Python names", _rest(".. automodule:: workbench.api")]
     for heading, names in kinds.items():
         parts += [f"## {heading}", *(_rest(_directive(name)) for name in names)]
     return "\n\n".join(parts) + "\n"

@@ -58,3 +58,8 @@ def test_boxes() -> None:
     assert mathematics_fails("$x_1$") == ""
     assert "Unknown symbol" in mathematics_fails(r"$\undefined$")
     assert mathematics_fails("$" + "{" * 5000 + "$")
+
+
+def test_lines_are_set_one_by_one(caplog: pytest.LogCaptureFixture) -> None:
+    assert mathematics_fails("rotating\n$R^2$ = 1") == ""
+    assert caplog.records == []

@@ -30,7 +30,7 @@ class Study:
     """A study: plants, controllers, references and axes; its cases are the product of its axes.
 
     Args:
-        source: the path of a study file, or its content as a dictionary (docs/study_files.md has every key).
+        source: the path of a study file, or its content as a dictionary (docs/study_files.md says what stands there).
         folder: where the files that a dictionary names are looked for.
 
     Raises:
