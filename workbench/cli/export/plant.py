@@ -8,6 +8,7 @@ import typer
 
 from workbench.cli.export.options import CaseOf
 from workbench.cli.options import Overwrite, StudyFile, conditions, say
+from workbench.cli.planned import study_at
 from workbench.cli.progress import stoppable
 
 
@@ -28,11 +29,10 @@ def command(
     """A study's plant as an FMU, for Simulink, OpenModelica, Dymola."""
     from workbench.export.fmi.fmu import exported
     from workbench.export.fmi.plant import check_ending, chosen_plant, write_fmu
-    from workbench.study.reading import read_study
 
     check_ending(out)
     with stoppable():
-        content = read_study(study)
+        content = study_at(study)
         made = exported(chosen_plant(content, conditions(case, "--case")), int(fmi.value), content.file.title)
         write_fmu(made, out, overwrite)
     for kind, names in (("inputs", made.inputs), ("states", made.states), ("outputs", made.outputs)):
