@@ -98,6 +98,17 @@ def test_an_fmu_that_fails_is_a_row_that_says_why(tmp_path: Path) -> None:
     assert run_of(tmp_path, text).time[-1] == pytest.approx(0.5)
 
 
+def test_what_needs_equations_says_so(tmp_path: Path) -> None:
+    motor_fmu(tmp_path)
+    axis = '"plant.start_values.coulomb" = ["0 N m", "0.4 N m", "0.8 N m"]'
+    tuned = write(tmp_path, changed("[axes]\n" + axis, "[tune.objective]\nrms_error = 1"))
+    fails(workbench("tune", tuned, "--out", tmp_path / "out"), "tune needs a plant's equations", "use workbench run")
+    fails(workbench("check", tuned), "tune needs a plant's equations")
+    one = write(tmp_path, changed("[axes]\n" + axis, ""))
+    fails(workbench("export", "plant", one, "--out", tmp_path / "out.fmu"), "an FMU has no equations")
+    assert not (tmp_path / "out.fmu").exists()
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="cases are run in processes there")
 def test_an_fmu_that_crashes_ends_the_run_with_a_line(tmp_path: Path) -> None:
     motor_fmu(tmp_path)

@@ -14,6 +14,7 @@ from workbench.bench.measured import PLANT_FILE, measured_loop
 from workbench.errors import UserError
 from workbench.parameters.sets import axis_of, build, lacks, read_parameters, serves
 from workbench.records.experiment import is_experiment
+from workbench.study.fmu_plant import refuse_fmu
 from workbench.study.layers import layer_of
 from workbench.study.names import in_words, matches
 from workbench.study.reading import layer_trial, read_study, study_of
@@ -79,6 +80,7 @@ def _opened(path: Path | None, where: Mapping[str, object]) -> BenchLoop:
 
 
 def _case(study: Study, where: Mapping[str, object]) -> BenchLoop:
+    refuse_fmu(study, "the bench")
     cases = unfold(study)
     found = next((case for case in cases if matches(case.columns, where)), None)
     if found is None:

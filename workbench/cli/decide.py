@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import AllowFmu, Cluster, Out, Overwrite, PageFormat, StudyFile, print_contents, say
+from workbench.cli.options import Cluster, Out, Overwrite, PageFormat, StudyFile, print_contents, say
 from workbench.cli.progress import AGAIN, ProgressLine, stoppable
 
 
@@ -18,7 +18,6 @@ def command(
     overwrite: Overwrite = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be run.")] = False,
     machine: Annotated[str | None, typer.Option(help="The machine, in place of the study's.", metavar="NAME")] = None,
-    allow_fmu: AllowFmu = False,
     page: PageFormat = None,
 ) -> None:
     """Say which controllers meet an accuracy, and how probably."""
@@ -32,7 +31,7 @@ def command(
 
     kept = f"finished runs are kept in {out}: go on with --resume"
     with stoppable(kept if resume else AGAIN):
-        began, planned = time.time(), plan_decision(read_study(study, allow_fmu), machine)
+        began, planned = time.time(), plan_decision(read_study(study), machine)
         if dry_run:
             say("\n".join(description(planned)))
             return

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.options import AllowFmu, Cluster, Out, PageFormat, StudyFile
+from workbench.cli.options import Cluster, Out, PageFormat, StudyFile
 from workbench.cli.progress import AGAIN, ProgressLine, stoppable
 
 
@@ -21,7 +21,6 @@ def command(
     cluster: Cluster = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the trials in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in DIR.")] = False,
-    allow_fmu: AllowFmu = False,
     page: PageFormat = None,
 ) -> None:
     """Find gains, with the same budget and objective for all."""
@@ -34,7 +33,7 @@ def command(
 
     kept = f"finished trials are kept in {out}: go on with --resume"
     with stoppable(kept if resume else AGAIN):
-        ready, names = prepared(read_study(study, allow_fmu), controller or ["all"], trials)
+        ready, names = prepared(read_study(study), controller or ["all"], trials)
         check_answer(cluster)
     began = time.time()
     with (

@@ -10,6 +10,7 @@ from workbench.decide.schema import DecideTable
 from workbench.errors import UserError, nearest
 from workbench.simulation.simulate import Loop
 from workbench.study.checks.use import check_use
+from workbench.study.fmu_plant import refuse_fmu
 from workbench.study.layers import MACHINE
 from workbench.study.overrides import Overrides
 from workbench.study.plan import PROGRAM_FOLDERS
@@ -94,6 +95,7 @@ def plan_decision(study: Study, machine: str | None = None) -> Plan:
         raise UserError(
             f"{study.path}: has no [decide]; expected one with accuracy, speed, amplitude, power, rpm, plain"
         )
+    refuse_fmu(study, "decide")
     if machine is not None:
         table = table.model_copy(update={"machine": machine})
     if table.machine is not None:

@@ -49,7 +49,7 @@ class FmuMachine:
 def check_runs(fmu: Fmu, allowed: bool) -> None:
     """Raise UserError where an FMU may not be run, or has no binary for this platform."""
     if not allowed:
-        trust = f"to trust it, add {OPTION} (of run, tune and decide)"
+        trust = f"to trust it, add {OPTION} to workbench run"
         raise UserError(f"{fmu.path}: an FMU is foreign code, which no study runs by itself; {trust}")
     if not is_known() or binary_place(fmu.fmi, fmu.identifier) not in fmu.files:
         places = [name.split("/") for name in fmu.files if name.startswith("binaries/")]

@@ -21,7 +21,7 @@ from workbench.fmu.machine import ABSENT, STILL, FmuMachine, Mapped, check_runs
 from workbench.fmu.units import factor_to, value_for
 from workbench.simulation.setup import Loop
 from workbench.study.schema import CaseTables, FmuVariableTable
-from workbench.study.study import Case
+from workbench.study.study import Case, Study
 from workbench.toml.reading import Key, SchemaError
 from workbench.toml.units import QuantityError
 
@@ -102,6 +102,20 @@ def foreign_plant(tables: CaseTables, case: Case, model: Plant, declared: Any, a
     return ForeignPlant(
         _plant(fmu, model, [*inputs], [shown[name] for name in outputs], machine.channels), limits, machine
     )
+
+
+def refuse_fmu(study: Study, command: str) -> None:
+    """Raise UserError where a study names an FMU and the command needs a plant's equations."""
+    file = study.file
+    layers = [("cases", file.cases), ("machines", file.machines), ("scenarios", file.scenarios)]
+    places: dict[Key, Any] = {("plant",): file.plant}
+    places |= {
+        (section, name, "plant"): table.get("plant") for section, known in layers for name, table in known.items()
+    }
+    for place, table in places.items():
+        if isinstance(table, dict) and "fmu" in table:
+            message = f"{command} needs a plant's equations, and an FMU has none; use workbench run"
+            raise study.error((*place, "fmu"), message)
 
 
 def check_sees(foreign: ForeignPlant, loop: Loop, sample_time: float, key: Key) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from workbench.errors import UserError, nearest
+from workbench.study.fmu_plant import refuse_fmu
 from workbench.study.names import in_words, matches
 from workbench.study.overrides import Overrides
 from workbench.study.resolve import parse_case
@@ -134,6 +135,7 @@ def prepared(study: Study, wanted: Sequence[str], trials: int | None) -> tuple[S
         UserError: no [tune], no such controller, or a mistake in what is asked of one of them.
     """
     table = tune_table(study)
+    refuse_fmu(study, "tune")
     if trials is not None and trials < 1:
         raise UserError(f"trials: got {trials}, expected 1 or more")
     if trials is not None:
