@@ -7,6 +7,7 @@ make docs-answers DRAWS=4 FRESH=12      # half an hour; the page says how many t
 import argparse
 import re
 import sys
+from pathlib import Path
 
 import workbench as wb
 from builder.gallery import ROOT, shown_tables
@@ -16,8 +17,11 @@ PAGE = ROOT / "docs" / "answers.md"
 
 COMPARISON = "comparison"
 
+BEHIND = "\n## Who was measured"
+"""The heading of a comparison's page behind its matrices and what they say together."""
+
 TABLES = {
-    COMPARISON: ("thesis_simulation", "thesis_rig"),
+    COMPARISON: (),
     "hunting_rotation": ("thesis_simulation_100_1000", "thesis_rig_100_1000"),
     "friction_model_worth": (),
     "rotation_on_demand": (),
@@ -37,12 +41,23 @@ def main() -> None:
         folder = ROOT / "results" / "answers" / name
         drawn = {"draws": asked.draws, "fresh_draws": asked.fresh_draws} if name == COMPARISON else {}
         wb.Study(ROOT / "studies" / f"{name}.toml").run(folder, resume=True, **drawn)
-        found = study_contents(folder)
-        parts = ["\n".join(f"- {line}" for line in found.answer)] if name == COMPARISON else []
-        parts += shown_tables(folder, tables or found.tables[:1])
+        parts = [_matrices(folder)] if name == COMPARISON else shown_tables(folder, tables or _first(folder))
         text = _between(text, name, "\n\n".join(parts))
         print(f"{name}: told in {PAGE.name}", flush=True)
     PAGE.write_text(text, encoding="utf-8")
+
+
+def _first(folder: Path) -> list[str]:
+    """The name of the first table of a study."""
+    return list(study_contents(folder).tables[:1])
+
+
+def _matrices(folder: Path) -> str:
+    """The answer of a comparison in words, and its matrix for each machine."""
+    said = (folder / "comparison.md").read_text(encoding="utf-8")
+    answer = said[said.index("\n- ") :]
+    machines = answer[: answer.index(BEHIND)]
+    return machines.replace("\n## ", "\n### ").strip()
 
 
 def _between(text: str, name: str, said: str) -> str:
