@@ -290,6 +290,7 @@ class Diagnosis:
         }
         data = {
             "title": self.experiment.title,
+            "experiment": self.experiment.path.as_posix(),
             "verdict": self.verdict,
             "effects": [effect.to_json(self.axis) for effect in self.effects],
             "unexplained": None if self.unexplained is None else self.unexplained.to_json(),

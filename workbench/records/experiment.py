@@ -71,7 +71,7 @@ class Experiment:
     no `_negative` name. The plant has those effects of which a parameter is not neutral, or is named in [fit]. `free`
     is None where the file says nothing. `deviations` are the standard deviations of declared values, of those that have
     one. `accuracies` are the standard deviations of the
-    sensors' systematic errors (`NUISANCES`) that a fit may find.
+    sensors' systematic errors (`NUISANCES`) that a fit may find. `design` is the table of that name as it was written.
     """
 
     path: Path
@@ -92,6 +92,7 @@ class Experiment:
     figures: tuple[FigureTable, ...] = ()
     true_sensors: Mapping[str, float] = field(default_factory=dict)
     deviations: Mapping[str, float] = field(default_factory=dict)
+    design: Mapping[str, object] = field(default_factory=dict)
 
     def parameters(self, changes: Mapping[str, float] | None = None) -> NamedTuple:
         """The plant's parameters, declared or with `changes` by canonical name.
@@ -172,6 +173,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         tuple(content.figures),
         {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors"), plant.axis),
         _deviations(content.plant, path.parent, bare.axis, values),
+        content.design,
     )
 
 

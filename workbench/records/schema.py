@@ -1,7 +1,7 @@
 """What may stand in an experiment file."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field, StrictFloat, StrictInt, model_validator
 
@@ -223,7 +223,7 @@ class FigureTable(files.Strict):
 
 
 class ExperimentFile(files.Strict):
-    """A whole experiment file."""
+    """A whole experiment file; `design` is checked where a motion is designed."""
 
     title: str
     """Of the experiment and its pages."""
@@ -248,3 +248,5 @@ class ExperimentFile(files.Strict):
     """Printed tables to stand beside what is found."""
     figures: list[FigureTable] = []
     """Beside those that are always drawn."""
+    design: dict[str, Any] = {}
+    """What a motion is designed for: docs/design.md."""

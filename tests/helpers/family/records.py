@@ -55,24 +55,31 @@ def scatter(rig: Rig, use: str, channel: str) -> np.ndarray:
     return rig.noises[channel].drawn(rig.samples, rig.sample_time, stream(rig.seed, f"noise {use} {channel}"))
 
 
-def record(rig: Rig, machine: Machine, use: str) -> Record:
-    """The record of a machine on its rig: the same reference and noise whatever its effects.
+def record(rig: Rig, machine: Machine, use: str, wanted: np.ndarray | None = None, scattered: str = "") -> Record:
+    """The record of a machine on its rig: the same reference and noise whatever its effects; of what is `wanted` (m), of
+    `rig.samples`, or else of a motion of the seed. Noise is that of `use`, or of another name (`scattered`).
 
     A loop sees the position's noise; the open one is designed on the machine without noise: the speed that is wanted,
     a weak hold to the middle, and steps of the command. A hand pulls towards where it wants the mass.
     """
     draw = stream(rig.seed, f"motion {use}")
-    wanted = make_reference(rig.samples, rig.sample_time, rig.travel, rig.speed, draw)
+    if wanted is None:
+        wanted = make_reference(rig.samples, rig.sample_time, rig.travel, rig.speed, draw)
     loop, added = _loop(rig, wanted, stream(rig.seed, "loop"), draw)
     sees = rig.motion not in (OPEN, HAND)
     noise = rig.noises["position"]
-    seen = scatter(rig, use, "position") if sees else np.zeros(rig.samples)
+    seen = scatter(rig, scattered or use, "position") if sees else np.zeros(rig.samples)
     command = added.copy()
     count = substeps(rig)
     quantum = noise.quantum if sees else 0.0
     p, start = numbers(machine), resting(rig.machine)
     clean = run(p, start, command, True, loop, wanted, seen, quantum, rig.sample_time, count)
-    return Record(rig, machine, use, command, clean)
+    return Record(rig, machine, scattered or use, command, clean)
+
+
+def loop_of(rig: Rig) -> np.ndarray:
+    """Gains of the rig's loop, by places in `physics`."""
+    return _loop(rig, np.zeros(rig.samples), stream(rig.seed, "loop"), stream(rig.seed, "motion"))[0]
 
 
 def _loop(

@@ -146,7 +146,7 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
             if not more or not set(variant) < set(own):
                 continue
             spared = ask.of(effect, own, current.balance) - ask.of(effect, variant, current.balance)
-            if -Outlook(current, {}).gain([], _away(current, more, ask))[0] > REACH * spared:
+            if -Outlook(current, {}).gain([], away_of(current, more, ask))[0] > REACH * spared:
                 continue
             names = [name for name in current.names if name not in more]
             values = {name: value for name, value in current.values.items() if name not in more}
@@ -163,7 +163,7 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
     current = outlook.fitted
     level: dict[str, list[str]] = {effect: [] for effect in taken}
     for effect in taken:
-        away = {effect: _away(current, taken[effect], ask)}
+        away = {effect: away_of(current, taken[effect], ask)}
         offers: dict[str, Proposal] = {}
         for trial in outlook.columns:
             if trial.effect not in taken:
@@ -225,7 +225,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     found = []
     for dropped in drops:
         for added in [(), *((trial,) for trial in leading)] if dropped else sets:
-            away = {effect: _away(outlook.fitted, taken[effect], ask) for effect in dropped}
+            away = {effect: away_of(outlook.fitted, taken[effect], ask) for effect in dropped}
             found.append(outlook.proposal(added, away, ask.price(added, dropped, taken, outlook.fitted.balance)))
     most = max((proposal.score for proposal in alone), default=0.0)
     found = [proposal for proposal in found if proposal.score > most or proposal.dropped]  # else one goes first
@@ -245,7 +245,7 @@ def _promising(proposals: Sequence[Proposal], current: Fit, taken: Effects, ask:
     return fitted
 
 
-def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
+def away_of(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
     """How far the unknowns of an effect are from where it does nothing."""
     known = {**NEUTRAL, **ask.declared}
     away = {}
@@ -266,7 +266,7 @@ def _away(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
 def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
     """What an effect gains that is there: how much would be lost without it, to first order."""
     outlook = Outlook(current, {})
-    return -outlook.gain([], _away(current, taken[effect], ask))[0]
+    return -outlook.gain([], away_of(current, taken[effect], ask))[0]
 
 
 def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: Asked) -> list[Candidate]:

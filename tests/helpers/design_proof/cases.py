@@ -1,0 +1,93 @@
+"""Cases of which a first record cannot tell the truth from a rival, and the folder that a diagnosis would leave."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from family.cases import THREE, Case, make_cases
+from family.experiments import declared_values, named, true_values, write_experiment
+from family.limits import LIMIT, distances, free_parameters
+from family.machines import HAND, ROTARY, Rig
+from family.making import Made, candidates, draw
+from family.records import loop_of
+from family.physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN
+
+from plants.axis import name_along
+
+SET = "design"
+"""Of the seeds: nothing was chosen on them."""
+
+NONE = "none"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A case as it was made, its true effect, and the rival that its first record cannot tell from it: of several the
+    likest, or no effect, where the machine's own parameters alone make up for the true one.
+    """
+
+    made: Made
+    true: str
+    rival: str
+    profiled: float
+    apart: float
+
+
+def cases() -> Iterator[Case]:
+    """Cases with one effect of three limits, of all machines that a computer commands, in a fixed order."""
+    yield from (case for case in make_cases(SET, [THREE]) if case.motion != HAND)
+
+
+def pair_of(case: Case) -> Pair | None:
+    """The pair that a first record leaves open; None where it tells the truth from all else, or no machine serves."""
+    try:
+        made = draw(case)
+    except RuntimeError:
+        return None
+    (true,) = case.effects
+    found = distances(made.rig, made.effects, true, candidates(case))
+    if found.profiled < LIMIT:
+        return Pair(made, true, NONE, found.profiled, found.profiled)
+    if not found.same:
+        return None
+    rival = min(found.same, key=lambda name: found.with_other[name])
+    return Pair(made, true, rival, found.profiled, found.with_other[rival])
+
+
+def write(pair: Pair, folder: Path) -> None:
+    """The experiment, and report.json as a diagnosis would leave it that could not decide: fits begin at the machine."""
+    made, rig = pair.made, pair.made.rig
+    path = write_experiment(folder, rig, made.records, {})
+    path.write_text(_with_design(path.read_text(encoding="utf-8"), rig), encoding="utf-8")
+    axis = "rad" if rig.kind == ROTARY else "m"
+    true, declared = true_values(rig), declared_values(rig)
+    fitted = {
+        name_along(named(rig, own), axis): {"value": true[named(rig, own)], "std": declared[named(rig, own)], "identified": True}
+        for own in free_parameters(rig)
+    }
+    report = {
+        "title": f"rig {rig.seed}",
+        "experiment": path.as_posix(),
+        "verdict": "none_missing",
+        "effects": [],
+        "fitted": fitted,
+        "baseline": fitted,
+        "simulation": {"voltage_is_held": True},
+    }
+    (folder / "report.json").write_text(json.dumps(report) + "\n", encoding="utf-8")
+
+
+def _with_design(text: str, rig: Rig) -> str:
+    """The experiment with the rig's controller, and with where it moves."""
+    loop, axis = loop_of(rig), "rad" if rig.kind == ROTARY else "m"
+    unit = "V" if rig.is_fluid or rig.plant.endswith("_voltage") else "N m" if rig.kind == ROTARY else "N"
+    settings = {"type": "pid", "kp": f"{float(loop[OPEN_GAIN])!r} {unit}/{axis}"}
+    if loop[INTEGRAL]:
+        settings["ki"] = f"{float(loop[INTEGRAL])!r} {unit}/({axis} s)"
+    if loop[DAMPING]:
+        settings |= {"kd": f"{float(loop[DAMPING])!r} {unit} s/{axis}", "velocity_time_constant": f"{float(loop[FILTER])!r} s"}
+    table = ", ".join(f"{name} = {json.dumps(value)}" for name, value in settings.items())
+    travel = 1.2 * rig.travel
+    limits = f'low = "{-travel} {axis}", high = "{travel} {axis}", speed = "{1.3 * rig.speed} {axis}/s"'
+    return f"{text}[design]\ncontroller = {{ {table} }}\nlimits = {{ {limits} }}\n"

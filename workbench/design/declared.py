@@ -1,0 +1,76 @@
+"""Hypotheses of an experiment without a diagnosis: the declared plant, and what it may lack at a size that is felt."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from plants.effects.registry import effects as registered
+from workbench.design.asked import Asked
+from workbench.design.hypotheses import Hypothesis
+from workbench.diagnose.readiness import declared_values
+from workbench.diagnose.residuals.balances import allowed, effects_told, own_parameters
+from workbench.diagnose.residuals.fit import VAGUE
+from workbench.diagnose.residuals.scales import Moved, scales_from
+from workbench.diagnose.residuals.unknowns import Unknown, unknown
+from workbench.errors import UserError, nearest
+from workbench.parameters.sets import NEUTRAL
+from workbench.records.experiment import Experiment
+
+SIZES = 3.0
+"""Standard deviation of what sizes an effect, in sizes that are felt, before any record."""
+
+ACCELERATED = 10.0
+"""1/s: of the largest speed, that machine is taken to be accelerated by [assumed]."""
+
+
+def hypotheses_of(
+    experiment: Experiment, asked: Asked, channels: Sequence[str], moved: tuple[float, float, float]
+) -> list[Hypothesis]:
+    """The declared plant with each of the effects that are asked about; `moved` are its way, speed and sample time.
+
+    Raises:
+        UserError: an effect that the plant cannot have, or that no channel shows.
+    """
+    values = declared_values(experiment)
+    told = effects_told(experiment.plant, channels)
+    for name in asked.between:
+        if name != "none" and name not in told:
+            raise UserError(
+                f'"{name}": no effect that the channels of {experiment.path} could show; {nearest(name, ["none", *told])}'
+            )
+    way, speed, sample_time = moved
+    scales = scales_from(Moved(speed, way, ACCELERATED * speed, asked.duration, sample_time), values)
+    balances = allowed(experiment.plant, experiment.flow, channels)
+    own = [name for names in own_parameters(balances, experiment.free, values).values() for name in names]
+    base = [unknown(name, values, experiment.bounds, scales) for name in dict.fromkeys([*own, *asked.identify])]
+    known = [_precision(each, experiment.deviations) for each in base]
+    found = []
+    for name in asked.between or ("none",):
+        if name == "none":
+            found.append(Hypothesis((), values, base, np.diag(known)))
+            continue
+        effect = registered(experiment.plant.axis)[name]
+        sized: dict[str, float] = {}
+        for key in effect.variants[-1]:
+            number = effect.numbers[key]
+            unit = number.scale(scales)
+            size = number.size or (number.grid[len(number.grid) // 2] if number.grid else 0.0)
+            sized[key] = NEUTRAL.get(key, 0.0) + size * unit if size else _other_direction(key, values)
+        sized |= {key: value for key, value in asked.sizes.items() if key in effect.numbers}
+        there = {**values, **sized}
+        free = [unknown(key, there, experiment.bounds, scales) for key in sized if not effect.numbers[key].shapes]
+        precision = np.diag([*known, *([1.0 / SIZES**2] * len(free))])
+        found.append(Hypothesis((name,), there, [*base, *free], precision))
+    return found
+
+
+def _other_direction(name: str, values: Mapping[str, float]) -> float:
+    """A parameter of the other direction that is felt: half more than that of the first."""
+    return 1.5 * values.get(name.removesuffix("_negative"), 0.0)
+
+
+def _precision(of: Unknown, deviations: Mapping[str, float]) -> float:
+    """Of an unknown as a search sees it: by its declared deviation, else within a factor."""
+    if std := deviations.get(of.name):
+        return float((abs(of.slope(of.place(of.start))) / std) ** 2)
+    return 1.0 / VAGUE**2

@@ -1,0 +1,1 @@
+"""A design as files: reference, study, page, tables, figures."""

@@ -1,0 +1,185 @@
+"""Which pieces a motion is made of: greedily, from pieces that fill the space of all, each moved on by an optimiser.
+
+What pieces show adds up. So every piece that was ever simulated competes for every place in the motion, and costs
+nothing then. Points that fill a space evenly: Sobol 1967; the descent: COBYQA (Ragonneau 2022).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from cobyqa import minimize
+from scipy.stats import norm, qmc
+
+from workbench.design.contrast import Contrast, Pair, Tried, pairs_of, tried
+from workbench.design.hypotheses import Hypothesis
+from workbench.design.pieces import KINDS, Piece
+from workbench.design.rig import Rig
+from workbench.errors import UserError
+from workbench.fitting.covariance import inverse
+from workbench.progress import Progress
+
+ODDS = 6.0
+"""Twice the logarithm of the odds, of 20 to 1, by which a hypothesis has to be likelier to be told from another."""
+
+PIECES = 8
+"""Of a motion, if they are neither too long nor too short."""
+
+PIECE = (2.0, 10.0)
+"""s, of a piece."""
+
+STEPS = 1.0e7
+"""Of the solver, that a search may take: some ten seconds on each of two cores."""
+
+TRIALS = (24, 100)
+"""Pieces that are simulated, at least and at most."""
+
+DESCENT = 0.4
+"""Share of them that an optimiser moves on."""
+
+RADIUS, LAST_RADIUS = 0.15, 0.01
+"""Of the descent, in shares."""
+
+LEAST = 0.1
+"""T below which a pair is so far from being told apart that no piece matters more than another."""
+
+BESIDE = 1e-3
+"""Of the logarithm of T beside that of the power: what tells apart surely may do so more surely still."""
+
+SMALLER, TIMES = 0.25, 4
+"""Share of its size that is taken off a piece that exceeds a limit, and how often."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a motion is for: to tell hypotheses apart, and to show parameters of the first of them (their places)."""
+
+    hypotheses: Sequence[Hypothesis]
+    parameters: Sequence[int] = ()
+
+    def score(self, chosen: Sequence[Tried]) -> float:
+        """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters' precision
+        (D-optimal: Kiefer and Wolfowitz 1960).
+        """
+        total = 0.0
+        for pair, contrast in summed(chosen).items():
+            left = contrast.refitted(self.hypotheses[pair[1]])[0]
+            sure = max(left, LEAST)
+            total += float(norm.logcdf((sure - ODDS) / (2.0 * np.sqrt(sure)))) + BESIDE * float(np.log1p(left))
+        if self.parameters:
+            known = self.hypotheses[0].precision + sum(one.information for one in chosen)
+            block = inverse(known)[np.ix_(self.parameters, self.parameters)]
+            total -= 0.5 * float(np.linalg.slogdet(block)[1])
+        return total
+
+
+def summed(chosen: Sequence[Tried]) -> dict[Pair, Contrast]:
+    """The contrasts of pieces that follow each other."""
+    total = dict[Pair, Contrast]()
+    for one in chosen:
+        for pair, contrast in one.contrasts.items():
+            total[pair] = total[pair] + contrast if pair in total else contrast
+    return total
+
+
+@dataclass
+class Search:
+    """Pieces that were tried on a rig, and how many more may be."""
+
+    rig: Rig
+    wanted: Wanted
+    length: float
+    progress: Progress
+    most: int = TRIALS[0]
+    known: list[Tried] = field(default_factory=list)
+    refused: list[Tried] = field(default_factory=list)
+
+    def at(self, piece: Piece) -> Tried:
+        """A piece, simulated; one that exceeds a limit is made smaller until it does not, a few times."""
+        for _ in range(TIMES):
+            found = tried(self.rig, self.wanted.hypotheses, piece, informs=bool(self.wanted.parameters))
+            if not found.beyond:
+                self.known.append(found)
+                break
+            self.refused.append(found)
+            size, pace, place = piece.shares
+            piece = replace(piece, shares=(max(size - SMALLER, 0.0), pace, 0.5 + 0.5 * (place - 0.5)))
+        count = len(self.known) + len(self.refused)
+        self.progress("trying pieces of a motion", min(count / self.most, 1.0))
+        return found
+
+    def fill(self) -> None:
+        """Try pieces of every kind and condition, evenly spread."""
+        kinds, conditions = list(KINDS), self.rig.conditions
+        points = qmc.Sobol(3, scramble=True, seed=1).random_base2(7)
+        at, count = 0, 1
+        while len(self.known) + len(self.refused) < (1.0 - DESCENT) * self.most and at < points.shape[0]:
+            kind, condition = kinds[at % len(kinds)], conditions[(at // len(kinds)) % len(conditions)]
+            size, pace, place = points[at].tolist()
+            found = self.at(Piece(kind, (size, pace, place), self.length, condition))
+            if at == 0:
+                count = max(found.steps, 1)
+                self.most = int(np.clip(STEPS / count, *TRIALS))
+            at += 1
+
+    def best(self, chosen: Sequence[Tried]) -> Tried:
+        """Of all that are known the piece that does most beside those that are chosen."""
+        return max(self.known, key=lambda one: self.wanted.score([*chosen, one]))
+
+    def descended(self, chosen: Sequence[Tried], start: Tried, count: int) -> None:
+        """Move a piece to where it does more, with so many simulations."""
+
+        def cost(shares: np.ndarray) -> float:
+            found = self.at(start.piece.with_shares(shares))
+            return -self.wanted.score(chosen if found.beyond else [*chosen, found])
+
+        minimize(
+            cost,
+            np.array(start.piece.shares),
+            bounds=[(0.0, 1.0)] * 3,
+            options={"radius_init": RADIUS, "radius_final": LAST_RADIUS, "maxfev": count},
+        )
+
+
+def search(rig: Rig, wanted: Wanted, duration: float, progress: Progress) -> list[Tried]:
+    """The pieces of a motion of a `duration` (s) on a rig, in the order of their conditions and kinds.
+
+    Raises:
+        UserError: every piece exceeds a limit, or none tells any two hypotheses apart.
+    """
+    length = float(np.clip(duration / PIECES, *PIECE))
+    places = max(int(duration / length + 1e-9), 1)
+    found = Search(rig, wanted, duration / places, progress)
+    found.fill()
+    if not found.known:
+        reasons = [one.beyond for one in found.refused]
+        most = max(sorted(set(reasons)), key=reasons.count)
+        raise UserError(f"no piece of a motion keeps the rig's limits: most exceed {most}; widen [design.limits]")
+    chosen = list[Tried]()
+    descents = min(places, 3)
+    for place in range(places):
+        best = found.best(chosen)
+        left = found.most - len(found.known) - len(found.refused)
+        if place < descents and left > 0:
+            found.descended(chosen, best, max(left // (descents - place), 4))
+            best = found.best(chosen)
+        chosen.append(best)
+    _check_tells(wanted, found.known)
+    kinds = list(KINDS)
+    return sorted(chosen, key=lambda one: (rig.conditions.index(one.piece.condition), kinds.index(one.piece.kind)))
+
+
+def _check_tells(wanted: Wanted, known: Sequence[Tried]) -> None:
+    """That of some pair at least one piece, repeated for ever, tells something."""
+    pairs = pairs_of(wanted.hypotheses)
+    if not pairs or wanted.parameters:
+        return
+    most = max(
+        one.contrasts[pair].refitted(wanted.hypotheses[pair[1]])[0] for one in known for pair in pairs
+    )
+    if most < LEAST / len(known):
+        names = " and ".join(one.name for one in wanted.hypotheses)
+        raise UserError(
+            f"no motion within the rig's limits tells {names} apart: after its refit no rival is off by more than "
+            f"{np.sqrt(most):.1g} standard deviations of noise in any of {len(known)} pieces"
+        )
