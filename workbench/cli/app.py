@@ -28,6 +28,7 @@ COMMANDS = (
     "import",
     "identify",
     "diagnose",
+    "design",
     "tune",
     "rehearse",
 )

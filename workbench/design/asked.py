@@ -59,7 +59,8 @@ def asked_of(
         found = _asked(table, experiment, between, identify, duration)
     except files.SchemaError as mistake:
         raise files.lines_of(
-            (mistake, *mistake.others), lambda each: files.at(experiment.path, text, ("design", *each.key), each.message)
+            (mistake, *mistake.others),
+            lambda each: files.at(experiment.path, text, ("design", *each.key), each.message),
         ) from None
     if not SHORTEST <= found.duration <= LONGEST:
         raise UserError(f"duration: got {found.duration:g} s, expected {SHORTEST:g} s to {LONGEST:g} s")
@@ -72,7 +73,9 @@ def _asked(
     axis, plant = experiment.plant.axis, experiment.plant
     position, force = axis, unit_along("N", axis)
     if any(rpm > 0.0 for rpm in table.rpm) and plant.rotary_command is None:
-        raise files.SchemaError(("rpm",), f'plant {plant.name} does not turn; declare it with turned = "rod", or leave it out')
+        raise files.SchemaError(
+            ("rpm",), f'plant {plant.name} does not turn; declare it with turned = "rod", or leave it out'
+        )
     units = {
         "low": position,
         "high": position,
@@ -81,11 +84,7 @@ def _asked(
         "most_pressure": "Pa",
         "command": plant.command_unit,
     }
-    limits = {
-        name: quantity(value, units[name], ("limits", name))
-        for name, value in table.limits
-        if value is not None
-    }
+    limits = {name: quantity(value, units[name], ("limits", name)) for name, value in table.limits if value is not None}
     _check_limits(limits)
     loads = [quantity(load, force, ("loads", i)) for i, load in enumerate(table.loads)]
     if table.controller is not None and table.loop == "open":
@@ -152,6 +151,7 @@ def limits_of(asked: Asked, low: float, high: float, speed: float) -> Limits:
     )
     if found.low >= found.high:
         raise UserError(
-            f"[design.limits]: between {found.low:g} and {found.high:g} there is no room; the plant has {low:g} to {high:g}"
+            f"[design.limits]: between {found.low:g} and {found.high:g} there is no room; the plant has {low:g} to "
+            f"{high:g}"
         )
     return found

@@ -5,8 +5,8 @@ known with a precision P; to first order in them it is off by
 
     T = min over d of |y_i - y_j(u) - J_j d|^2 + d' P d        in standard deviations of the sensors' noise,
 
-twice the expected logarithm of the ratio of both likelihoods (Atkinson and Fedorov 1975: T-optimal designs). Squares and
-slopes of pieces of a motion add up, so that those of a sum of pieces need no further simulation.
+twice the expected logarithm of the ratio of both likelihoods (Atkinson and Fedorov 1975: T-optimal designs). Squares
+and slopes of pieces of a motion add up, so that those of a sum of pieces need no further simulation.
 """
 
 from collections.abc import Mapping, Sequence
@@ -64,11 +64,7 @@ class Tried:
 
 def pairs_of(hypotheses: Sequence[Hypothesis]) -> list[Pair]:
     """All pairs in which the rival cannot do all that the true one does."""
-    return [
-        (i, j)
-        for i, j in permutations(range(len(hypotheses)), 2)
-        if not hypotheses[i].is_part_of(hypotheses[j])
-    ]
+    return [(i, j) for i, j in permutations(range(len(hypotheses)), 2) if not hypotheses[i].is_part_of(hypotheses[j])]
 
 
 def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: bool) -> Tried:

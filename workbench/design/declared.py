@@ -36,7 +36,8 @@ def hypotheses_of(
     for name in asked.between:
         if name != "none" and name not in told:
             raise UserError(
-                f'"{name}": no effect that the channels of {experiment.path} could show; {nearest(name, ["none", *told])}'
+                f'"{name}": no effect that the channels of {experiment.path} could show; '
+                f"{nearest(name, ['none', *told])}"
             )
     way, speed, sample_time = moved
     scales = scales_from(Moved(speed, way, ACCELERATED * speed, asked.duration, sample_time), values)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from plants.interface import SENSORS
-from workbench.design import declared, diagnosed
+from workbench.design import declared, diagnosed, open_questions
 from workbench.design.asked import Asked, asked_of, limits_of
 from workbench.design.contrast import Tried
 from workbench.design.hypotheses import Hypothesis
@@ -65,10 +65,9 @@ def design(
 
     Args:
         source: the file, or the folder.
-        between: hypotheses that it is to tell apart, names of effects or "none"; by default those that a diagnosis left.
-        identify: parameters that it is to show; by default those that a diagnosis left without a deviation.
-        duration: s, at most; by default what [design] says, else 60 s.
-        progress: told what is being done.
+        between: hypotheses that it is to tell apart, names of effects or "none"; by default those that a diagnosis
+        left. identify: parameters that it is to show; by default those that a diagnosis left without a deviation.
+        duration: s, at most; by default what [design] says, else 60 s. progress: told what is being done.
 
     Raises:
         UserError: a file or folder that cannot be used, impossible limits, or hypotheses that no motion tells apart.
@@ -104,7 +103,12 @@ def _of_experiment(
         raise UserError(
             f"{path}: no record is there to tell the sensors' noise; give it in [design.noise], position at least"
         )
-    channels = [*noise, "time", experiment.plant.command, *(["valve_voltage"] if "valve_voltage" in experiment.channels else [])]
+    channels = [
+        *noise,
+        "time",
+        experiment.plant.command,
+        *(["valve_voltage"] if "valve_voltage" in experiment.channels else []),
+    ]
     sample_time = asked.sample_time or (motions[0].record.sample_time if motions else SAMPLE_TIME)
     seen = _seen(motions, sample_time) if motions else None
     values = declared_values(experiment)
@@ -129,7 +133,7 @@ def _of_diagnosis(
     asked = asked_of(experiment, between, identify, duration)
     evidence = diagnosed.evidence_of(reported, progress)
     sets = [] if asked.identify and not asked.between else asked.between
-    hypotheses = diagnosed.hypotheses_of(reported, evidence, sets, progress)
+    hypotheses = open_questions.hypotheses_of(reported, evidence, sets, progress)
     if not asked.identify and not asked.between:
         names = {u.name for u in hypotheses[0].unknowns}
         asked = replace(asked, identify=[name for name in reported.vague if name in names])
@@ -138,7 +142,9 @@ def _of_diagnosis(
     room = _room(experiment, asked, seen, seen.sample_time)
     channels, noise = list(motions[0].channels), {**evidence.noise, **asked.noise}
     rig = _rig(experiment, asked, channels, noise, evidence.whitening, room, hypotheses[0].values)
-    return experiment, asked, replace(rig, held=evidence.how.held, grain=motions[0].thinning), hypotheses
+    how, grain = evidence.how, motions[0].thinning
+    rig = replace(rig, held=how.held, grain=grain, tolerance=min(rig.tolerance, how.tolerance))
+    return experiment, asked, rig, hypotheses
 
 
 def _seen(motions: Sequence[Motion], sample_time: float) -> Seen:
@@ -164,7 +170,9 @@ def _room(experiment: Experiment, asked: Asked, seen: Seen | None, sample_time: 
         low, high = seen.low, seen.high
     low, high = (asked.limits.get(name, value) for name, value in (("low", low), ("high", high)))
     if not np.isfinite(low) or not np.isfinite(high):
-        raise UserError(f"{experiment.path}: nothing tells how far the mass may move; give [design.limits] low and high")
+        raise UserError(
+            f"{experiment.path}: nothing tells how far the mass may move; give [design.limits] low and high"
+        )
     speed = asked.limits.get("speed", np.inf if seen is None else FAST * seen.speed)
     if not np.isfinite(speed):
         raise UserError(f"{experiment.path}: nothing tells how fast the mass may move; give [design.limits] speed")
@@ -227,22 +235,21 @@ def _place(hypothesis: Hypothesis, name: str, experiment: Experiment) -> int:
     return names.index(name)
 
 
-def _confirmed(
-    experiment: Experiment, source: str, rig: Rig, wanted: Wanted, chosen: Sequence[Tried]
-) -> Design:
+def _confirmed(experiment: Experiment, source: str, rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Design:
     """The pieces as a whole motion, run under every hypothesis, and fitted by every rival."""
     pieces = [one.piece for one in chosen]
     conditions = list(dict.fromkeys(piece.condition for piece in pieces))
-    legs = [_leg(rig, condition, [sampled(p, rig.reach) for p in pieces if p.condition == condition]) for condition in conditions]
+    legs = [
+        _leg(rig, condition, [sampled(p, rig.reach) for p in pieces if p.condition == condition])
+        for condition in conditions
+    ]
     with ThreadPoolExecutor(THREADS) as pool:
         runs = [
             list(pool.map(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs))
             for one in wanted.hypotheses
         ]
     told = told_apart(rig, wanted.hypotheses, legs, runs) if len(wanted.hypotheses) > 1 else []
-    return Design(
-        experiment, source, rig, wanted.hypotheses, pieces, legs, runs, told, _known(wanted, chosen)
-    )
+    return Design(experiment, source, rig, wanted.hypotheses, pieces, legs, runs, told, _known(wanted, chosen))
 
 
 def _leg(rig: Rig, condition: Condition, references: Sequence[np.ndarray]) -> Leg:

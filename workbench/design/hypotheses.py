@@ -1,4 +1,4 @@
-"""Hypotheses of a plant: the values that each gives its parameters, what it may still move, and how well that is known."""
+"""Hypotheses of a plant: the values of its parameters, which of them are still open, and how well these are known."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

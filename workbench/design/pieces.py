@@ -72,7 +72,7 @@ class Piece:
     kind: str
     shares: tuple[float, float, float]
     duration: float
-    condition: Condition = Condition()
+    condition: Condition
 
     def with_shares(self, shares: np.ndarray) -> "Piece":
         """The same kind of piece, larger, faster or elsewhere."""

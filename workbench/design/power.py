@@ -4,11 +4,12 @@ Both are fitted to the record of the motion with noise, beside what is known of 
 and the true one is told from its rival where S_rival - S_true exceeds what odds of 20 to 1 ask for. Where the rival can
 do all that the true one does, it must not gain so much. Machines are drawn from what is known of the parameters.
 
-A rival's fit is searched for in simulations, and all that noise and drawn machines change is taken to first order there.
-All of that lies in the few directions in which either plant can move the record, and in their difference.
+The rival's fit is searched for in simulations of each machine, and what noise changes of either is taken to first
+order: it lies in the few directions in which a plant can move the record, and in their differences.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,16 +20,20 @@ from workbench.design.pieces import Condition
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
 from workbench.fitting.covariance import inverse
+from workbench.fitting.least_squares import THREADS
 from workbench.simulation.run import Run
 
-MACHINES, REPETITIONS = 200, 50
-"""Machines that are drawn, and records of each."""
+MACHINES, SHARES, REPETITIONS = 4, 50, 50
+"""Machines that are drawn and simulated, shares of repeated records that are counted on each, and records of each."""
 
 INTERVAL = (5.0, 95.0)
 """Percentiles of the share told apart in the repetitions of one machine."""
 
-ROUNDS, SETTLED = 6, 1e-2
-"""Steps of a rival's refit, at most, and the share of T by which one has to lower it for another."""
+STEPS = (1.0, 1.0, 0.3, 1.0, 1.0, 0.3, 1.0, 0.1)
+"""Shares of Gauss and Newton's steps, which a refit tries one after the other."""
+
+SETTLED = 0.1
+"""By which a step has to lower the squares for another."""
 
 NEAR = 0.2
 """Of an unknown as a search sees it, to which first order reaches: no machine is drawn farther away."""
@@ -43,7 +48,7 @@ SEED = 11
 class Told:
     """Of a true hypothesis and a rival (by number): T, how far the rival's unknowns move in its refit, in their
     deviations; the share of repetitions in which the true one is told, and between which shares those of one machine
-    lie.
+    lie; what the refitted rival leaves of a record without noise (rows,), as `Rig.seen` has them, leg by leg.
     """
 
     true: int
@@ -53,6 +58,7 @@ class Told:
     power: float
     low: float
     high: float
+    left: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,24 +78,72 @@ class Shown:
     starts: np.ndarray
 
 
-def told_apart(rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]) -> list[Told]:
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A machine as its record would be without noise, the runs that made it, leg by leg, and how far it is from the
+    hypothesis that it is drawn of, by name of the unknown, as a search sees them.
+    """
+
+    record: np.ndarray
+    runs: Sequence[Run]
+    away: Mapping[str, float]
+
+
+def told_apart(
+    rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
+) -> list[Told]:
     """Every ordered pair of hypotheses; `runs` are those of each hypothesis over the legs."""
     found = []
     for i, true in enumerate(hypotheses):
-        seen = [rig.seen(run) for run in runs[i]]
-        own = _shown(rig, true, legs, runs[i])
+        nowhere = np.zeros(len(true.unknowns))
+        machines = [one for one in (_machine(rig, true, nowhere, runs[i]), *_drawn(rig, true, legs)) if one is not None]
+        own = shown_along(rig, true, legs, runs[i])
+        if own is None or not machines:
+            continue
+        mine = [own.columns @ np.array(list(machine.away.values())) for machine in machines]
         for j, rival in enumerate(hypotheses):
-            if j == i:
-                continue
-            if own is None or any(each is None for each in seen):
-                continue
-            record = np.concatenate([each for each in seen if each is not None])
-            other = _shown(rig, rival, legs, runs[i])
-            found.append(_told(rig, (i, j), (true, rival), record, (own, other), legs, runs[i]))
+            if j != i:
+                other = shown_along(rig, rival, legs, runs[i])
+                theirs = None if other is None else _left_of(rig, rival, other, legs, machines)
+                found.append(_told((i, j), (true, rival), (own, other), (mine, theirs)))
     return found
 
 
-def _shown(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run]) -> Shown | None:
+def _machine(rig: Rig, of: Hypothesis, away: np.ndarray, runs: Sequence[Run]) -> Machine | None:
+    """A machine by its runs; None where it diverged."""
+    seen = [shown for run in runs if (shown := rig.seen(run)) is not None]
+    by_name = dict(zip((u.name for u in of.unknowns), away.tolist(), strict=True))
+    return Machine(np.concatenate(seen), runs, by_name) if len(seen) == len(runs) else None
+
+
+def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg]) -> list[Machine | None]:
+    """Machines that a hypothesis may be."""
+    draw = np.random.default_rng(SEED)
+    places = draw.standard_normal((MACHINES, len(true.unknowns))) @ drawn_from(true).T
+
+    def driven(away: np.ndarray) -> Machine | None:
+        values = true.moved(away)
+        return _machine(rig, true, away, [rig.driven(values, leg.reference, leg.condition) for leg in legs])
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(driven, places))
+
+
+def _left_of(
+    rig: Rig, of: Hypothesis, shown: Shown, legs: Sequence[Leg], machines: Sequence[Machine]
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """For each machine how far a rival moves in its refit, and what it leaves without what that took away."""
+
+    def left(machine: Machine) -> tuple[np.ndarray, np.ndarray]:
+        start = np.array([machine.away.get(unknown.name, 0.0) for unknown in of.unknowns])
+        _, moved, left = refitted(rig, of, machine.record, shown, legs, machine.runs, start)
+        return moved, left + shown.columns @ moved
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(left, machines))
+
+
+def shown_along(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run]) -> Shown | None:
     """A hypothesis along the commands of some runs; None where it diverges."""
     seen, columns, starts = list[np.ndarray](), list[np.ndarray](), list[np.ndarray]()
     count = len(of.unknowns)
@@ -110,29 +164,26 @@ def _shown(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run]) -
 
 
 def _told(
-    rig: Rig,
     pair: tuple[int, int],
     of: tuple[Hypothesis, Hypothesis],
-    record: np.ndarray,
     shown: tuple[Shown, Shown | None],
-    legs: Sequence[Leg],
-    runs: Sequence[Run],
+    off: tuple[list[np.ndarray], list[tuple[np.ndarray, np.ndarray]] | None],
 ) -> Told:
-    true, rival = of
-    own, other = shown
-    if other is None:  # its plant runs away where the true one does not
-        return Told(*pair, np.inf, np.zeros(len(rival.unknowns)), 1.0, 1.0, 1.0)
-    moved, left = _refitted(rig, rival, record, other, legs, runs)
-    difference = left + other.columns @ moved
-    theirs, mine = np.column_stack([other.columns, other.starts]), np.column_stack([own.columns, own.starts])
-    basis = np.linalg.qr(np.column_stack([difference, theirs, mine]))[0]
-    known = _with_starts(rival, other), _with_starts(true, own)
-    shares, distance = _repeated(
-        basis.T @ difference, basis.T @ theirs, basis.T @ mine, known, true, asked=-ODDS if true.is_part_of(rival) else ODDS
-    )
+    (true, rival), (own, other) = of, shown
+    if other is None or off[1] is None:  # its plant runs away where the true one does not
+        return Told(*pair, np.inf, np.zeros(len(rival.unknowns)), 1.0, 1.0, 1.0, np.zeros(own.seen.size))
+    mine, theirs = (np.column_stack([one.columns, one.starts]) for one in (own, other))
+    whole = [np.column_stack(off[0]), np.column_stack([each for _, each in off[1]]), mine, theirs]
+    basis = np.linalg.qr(np.column_stack(whole))[0]
+    within = [basis.T @ each for each in whole]
+    known = _with_starts(true, own), _with_starts(rival, other)
+    asked = -ODDS if true.is_part_of(rival) else ODDS
+    shares, distance = _repeated((within[0], within[1]), (within[2], within[3]), known, asked)
     low, high = np.percentile(shares, INTERVAL)
     deviations = np.sqrt(np.maximum(np.diag(rival.covariance), 1e-300))
-    return Told(*pair, distance, moved / deviations, float(np.mean(shares)), float(low), float(high))
+    moved, first = off[1][0]
+    left = first - other.columns @ moved
+    return Told(*pair, distance, moved / deviations, float(np.mean(shares)), float(low), float(high), left)
 
 
 def _with_starts(of: Hypothesis, shown: Shown) -> np.ndarray:
@@ -143,65 +194,79 @@ def _with_starts(of: Hypothesis, shown: Shown) -> np.ndarray:
     return whole
 
 
-def _refitted(
-    rig: Rig, rival: Hypothesis, record: np.ndarray, shown: Shown, legs: Sequence[Leg], runs: Sequence[Run]
-) -> tuple[np.ndarray, np.ndarray]:
-    """How far a rival's unknowns move in its refit, and what that leaves (rows,): Gauss and Newton's steps with the
-    columns of where it began, as long as they lower T.
+def refitted(
+    rig: Rig,
+    of: Hypothesis,
+    record: np.ndarray,
+    shown: Shown,
+    legs: Sequence[Leg],
+    runs: Sequence[Run],
+    start: np.ndarray,
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """What a hypothesis's refit leaves of a record, squared with what is known of its unknowns; how far these move, and
+    what is left (rows,): Gauss and Newton's steps from a `start` with the columns of the hypothesis, as long as they
+    lower the squares.
     """
     columns = np.column_stack([shown.columns, shown.starts])
-    precision = _with_starts(rival, shown)
-    whole, count = inverse(columns.T @ columns + precision), len(rival.unknowns)
+    precision = _with_starts(of, shown)
+    whole, count = inverse(columns.T @ columns + precision), len(of.unknowns)
+    begins = np.linalg.qr(shown.starts)[0]
 
     def worth(moved: np.ndarray, left: np.ndarray) -> tuple[float, np.ndarray]:
         slope = columns.T @ left - precision[:, :count] @ moved
-        freed = left - shown.starts @ np.linalg.lstsq(shown.starts, left, rcond=1e-9)[0] if shown.starts.size else left
-        return float(freed @ freed + moved @ rival.precision @ moved), whole @ slope
+        freed = left - begins @ (begins.T @ left)
+        return float(freed @ freed + moved @ of.precision @ moved), whole @ slope
 
-    moved, left = np.zeros(count), record - shown.seen
-    least, step = worth(moved, left)
-    for _ in range(ROUNDS):
-        reached = np.clip(moved + step[:count], *rival.room)
-        replayed = [
-            rig.seen(rig.replayed(rival.moved(reached), run.command, leg.condition))
+    def left_at(moved: np.ndarray) -> np.ndarray | None:
+        seen = [
+            rig.seen(rig.replayed(of.moved(moved), run.command, leg.condition))
             for leg, run in zip(legs, runs, strict=True)
         ]
-        seen = [each for each in replayed if each is not None]
-        if len(seen) < len(replayed):
-            break
-        other = record - np.concatenate(seen)
+        whole = [each for each in seen if each is not None]
+        return record - np.concatenate(whole) if len(whole) == len(seen) else None
+
+    moved = np.clip(start, *of.room)
+    begun = left_at(moved)
+    left = record - shown.seen if begun is None else begun
+    least, step = worth(moved, left)
+    for share in STEPS:
+        reached = np.clip(moved + share * step[:count], *of.room)
+        other = left_at(reached)
+        if other is None:
+            continue
         found, further = worth(reached, other)
-        if found >= least:
-            break
-        flat = found > (1.0 - SETTLED) * least
-        moved, left, least, step = reached, other, found, further
-        if flat:
-            break
-    return moved, left
+        if found < least:
+            flat = found > least - SETTLED
+            moved, left, least, step = reached, other, found, further
+            if flat:
+                break
+    return least, moved, left
 
 
 def _repeated(
-    difference: np.ndarray,
-    theirs: np.ndarray,
-    mine: np.ndarray,
+    off: tuple[np.ndarray, np.ndarray],
+    columns: tuple[np.ndarray, np.ndarray],
     known: tuple[np.ndarray, np.ndarray],
-    true: Hypothesis,
     asked: float,
 ) -> tuple[np.ndarray, float]:
-    """The share told apart on each machine, shape (machines,), and T; all in the directions that matter."""
-    draw = np.random.default_rng(SEED)
-    spread = drawn_from(true)
+    """Shares of repetitions that tell the true hypothesis, shape (machines, shares), and T of the first machine. By
+    what the true one and its rival are `off` (directions, machines), with their columns and what is known of these.
+    """
+    count = off[0].shape[1]
+    noise = np.random.default_rng(SEED).standard_normal((count, SHARES, REPETITIONS, off[0].shape[0]))
+    left = [
+        _least(one.T[:, None, None, :] + noise, own, precision)
+        for one, own, precision in zip(off, columns, known, strict=True)
+    ]
+    clean = [_least(one[:, 0], own, precision) for one, own, precision in zip(off, columns, known, strict=True)]
+    return np.mean(left[1] - left[0] > asked, axis=-1), max(float(clean[1] - clean[0]), 0.0)
 
-    def left(of: np.ndarray, columns: np.ndarray, precision: np.ndarray) -> np.ndarray:
-        slope = of @ columns
-        return np.sum(of**2, axis=-1) - np.sum((slope @ inverse(columns.T @ columns + precision)) * slope, axis=-1)
 
-    count = len(true.unknowns)
-    machines = draw.standard_normal((MACHINES, count)) @ spread.T @ mine[:, :count].T
-    noise = draw.standard_normal((MACHINES, REPETITIONS, difference.size))
-    own = machines[:, None, :] + noise
-    gained = left(own + difference, theirs, known[0]) - left(own, mine, known[1])
-    return np.mean(gained > asked, axis=1), max(float(left(difference, theirs, known[0])), 0.0)
+def _least(of: np.ndarray, columns: np.ndarray, precision: np.ndarray) -> np.ndarray:
+    """What is left at least of squares (..., directions) by columns whose numbers are known with a precision."""
+    slope = of @ columns
+    taken = np.sum((slope @ inverse(columns.T @ columns + precision)) * slope, axis=-1)
+    return np.asarray(np.sum(of**2, axis=-1) - taken)
 
 
 def drawn_from(hypothesis: Hypothesis) -> np.ndarray:

@@ -29,8 +29,9 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A motion of `pieces`, in `legs` that are run in one go, with what each hypothesis does in them (`runs`), how pairs
-    are `told` apart, and which parameters become `known`. `source` is the folder of a diagnosis, or the experiment's file.
+    """A motion of `pieces`, in `legs` that are run in one go, with what each hypothesis does in them (`runs`), how
+    pairs are `told` apart, and which parameters become `known`. `source` is the folder of a diagnosis, or the
+    experiment's file.
     """
 
     experiment: Experiment
@@ -91,7 +92,12 @@ class Design:
                 for one in self.told
             ],
             "parameters": [
-                {"name": one.name, "value": one.value, "std_before": _finite(one.before), "std_after": _finite(one.after)}
+                {
+                    "name": one.name,
+                    "value": one.value,
+                    "std_before": _finite(one.before),
+                    "std_after": _finite(one.after),
+                }
                 for one in self.known
             ],
         }
@@ -113,5 +119,3 @@ def _condition(condition: Condition) -> dict[str, float]:
 
 def _finite(number: float) -> float | None:
     return number if math.isfinite(number) else None
-
-

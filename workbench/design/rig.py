@@ -68,6 +68,7 @@ class Rig:
     reach: Reach
     conditions: Sequence[Condition]
     held: bool = True
+    tolerance: float = TOLERANCE
 
     @property
     def channels(self) -> list[str]:
@@ -99,7 +100,7 @@ class Rig:
             inputs=replaced(inputs, {plant.command: 0.0}),
             duration=self.sample_time * (samples - 1),
             sample_time=self.sample_time,
-            integrator=Integrator(tolerance=TOLERANCE),
+            integrator=Integrator(tolerance=self.tolerance),
         )
 
     def driven(self, values: Values, reference: np.ndarray, condition: Condition) -> Run:

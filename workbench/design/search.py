@@ -58,8 +58,8 @@ class Wanted:
     parameters: Sequence[int] = ()
 
     def score(self, chosen: Sequence[Tried]) -> float:
-        """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters' precision
-        (D-optimal: Kiefer and Wolfowitz 1960).
+        """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters'
+        precision (D-optimal: Kiefer and Wolfowitz 1960).
         """
         total = 0.0
         for pair, contrast in summed(chosen).items():
@@ -174,9 +174,7 @@ def _check_tells(wanted: Wanted, known: Sequence[Tried]) -> None:
     pairs = pairs_of(wanted.hypotheses)
     if not pairs or wanted.parameters:
         return
-    most = max(
-        one.contrasts[pair].refitted(wanted.hypotheses[pair[1]])[0] for one in known for pair in pairs
-    )
+    most = max(one.contrasts[pair].refitted(wanted.hypotheses[pair[1]])[0] for one in known for pair in pairs)
     if most < LEAST / len(known):
         names = " and ".join(one.name for one in wanted.hypotheses)
         raise UserError(

@@ -42,7 +42,11 @@ def described(table: Mapping[str, Any], plant: Plant, folder: Path) -> Steering:
     """
     tables = files.conform(
         CaseTables,
-        {"plant": {"model": plant.name, "parameters": ""}, "simulation": {"duration": 1.0}, "controllers": {NAME: dict(table)}},
+        {
+            "plant": {"model": plant.name, "parameters": ""},
+            "simulation": {"duration": 1.0},
+            "controllers": {NAME: dict(table)},
+        },
     )
     try:
         found = parse_controller(tables, plant, folder)
@@ -67,7 +71,7 @@ def plain(rig: Rig, hypotheses: Sequence[Hypothesis]) -> Steering:
         try:
             settings = tracking(rig.along, start.parameters, start.state, start.inputs, crossover)
         except ValueError as error:
-            raise UserError(f"{error}; describe the controller in [design.controller], or set loop = \"open\"") from None
+            raise UserError(f'{error}; describe the controller in [design.controller], or set loop = "open"') from None
         settings = settings._replace(velocity_time_constant=max(0.1 / crossover, rig.sample_time))
         steering = Steering(PID, settings, _table(settings, rig))
         trial = replace(rig, steering=steering)

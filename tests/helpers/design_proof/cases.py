@@ -2,16 +2,16 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from family.cases import THREE, Case, make_cases
 from family.experiments import declared_values, named, true_values, write_experiment
 from family.limits import LIMIT, distances, free_parameters
-from family.machines import HAND, ROTARY, Rig
+from family.machines import HAND, OPEN, PROPORTIONAL, ROTARY, Rig
 from family.making import Made, candidates, draw
-from family.records import loop_of
 from family.physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN
+from family.records import loop_of
 
 from plants.axis import name_along
 
@@ -56,14 +56,18 @@ def pair_of(case: Case) -> Pair | None:
 
 
 def write(pair: Pair, folder: Path) -> None:
-    """The experiment, and report.json as a diagnosis would leave it that could not decide: fits begin at the machine."""
+    """The experiment, and report.json as a diagnosis would leave it that could not decide, fitted at the machine."""
     made, rig = pair.made, pair.made.rig
     path = write_experiment(folder, rig, made.records, {})
     path.write_text(_with_design(path.read_text(encoding="utf-8"), rig), encoding="utf-8")
     axis = "rad" if rig.kind == ROTARY else "m"
     true, declared = true_values(rig), declared_values(rig)
     fitted = {
-        name_along(named(rig, own), axis): {"value": true[named(rig, own)], "std": declared[named(rig, own)], "identified": True}
+        name_along(named(rig, own), axis): {
+            "value": true[named(rig, own)],
+            "std": declared[named(rig, own)],
+            "identified": True,
+        }
         for own in free_parameters(rig)
     }
     report = {
@@ -78,15 +82,23 @@ def write(pair: Pair, folder: Path) -> None:
     (folder / "report.json").write_text(json.dumps(report) + "\n", encoding="utf-8")
 
 
+def steered(rig: Rig) -> Rig:
+    """The rig with its loop closed, where it was open."""
+    return replace(rig, motion=PROPORTIONAL) if rig.motion == OPEN else rig
+
+
 def _with_design(text: str, rig: Rig) -> str:
     """The experiment with the rig's controller, and with where it moves."""
-    loop, axis = loop_of(rig), "rad" if rig.kind == ROTARY else "m"
+    loop, axis = loop_of(steered(rig)), "rad" if rig.kind == ROTARY else "m"
     unit = "V" if rig.is_fluid or rig.plant.endswith("_voltage") else "N m" if rig.kind == ROTARY else "N"
     settings = {"type": "pid", "kp": f"{float(loop[OPEN_GAIN])!r} {unit}/{axis}"}
     if loop[INTEGRAL]:
         settings["ki"] = f"{float(loop[INTEGRAL])!r} {unit}/({axis} s)"
     if loop[DAMPING]:
-        settings |= {"kd": f"{float(loop[DAMPING])!r} {unit} s/{axis}", "velocity_time_constant": f"{float(loop[FILTER])!r} s"}
+        settings |= {
+            "kd": f"{float(loop[DAMPING])!r} {unit} s/{axis}",
+            "velocity_time_constant": f"{float(loop[FILTER])!r} s",
+        }
     table = ", ".join(f"{name} = {json.dumps(value)}" for name, value in settings.items())
     travel = 1.2 * rig.travel
     limits = f'low = "{-travel} {axis}", high = "{travel} {axis}", speed = "{1.3 * rig.speed} {axis}/s"'

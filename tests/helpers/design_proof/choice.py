@@ -1,15 +1,16 @@
 """The likelihood choice between two hypotheses by the generator's own equations: both are fitted to the same records.
 
 Of each the machine's free parameters, where each record starts, and the numbers of its effect are found, by Gauss and
-Newton's steps with the columns of where they begin: the machine as it is, the rival's effect as large as first order says.
+Newton's steps with the columns of where they begin: the machine as it is, the rival's effect as large as first order
+says.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from family.forms import Form
-from family.limits import LINEAR_SIZE, coarse, drawn_form, free_parameters
+from family.limits import LINEAR_SIZE, drawn_form, free_parameters
 from family.machines import Rig, resting
 from family.parameters import Machine
 from family.physics import P1, P2, SHOWN, SPOOL, X, Z
@@ -19,6 +20,9 @@ from design_proof.cases import NONE, Pair
 
 STEPS, LEAST_GAIN = 8, 0.02
 """Of a fit, at most, and what one has to lower the squares by for another."""
+
+ROUNDS = 2
+"""Times that columns are found anew, where a fit has ended."""
 
 SINGULAR = 1e-8
 """Share of the largest direction below which one is none."""
@@ -49,7 +53,9 @@ class Model:
     def machine(self, x: np.ndarray) -> Machine:
         """The machine with these unknowns, of parameters that do not vanish."""
         m, own = self.rig.machine, len(self.names)
-        machine = m._replace(**{name: getattr(m, name) * float(np.exp(s)) for name, s in zip(self.names, x, strict=False)})
+        machine = m._replace(
+            **{name: getattr(m, name) * float(np.exp(s)) for name, s in zip(self.names, x, strict=False)}
+        )
         if self.form:
             for strength, column in zip(x[own:], self.form.columns.values(), strict=True):
                 machine = machine._replace(**column(float(strength)))
@@ -88,7 +94,7 @@ def _column(shows, base: np.ndarray, size: float) -> tuple[np.ndarray, float]:
     moved = shows(size) - base
     for _ in range(5):
         length = float(np.linalg.norm(moved)) if np.all(np.isfinite(moved)) else 1e6
-        if LINEAR_SIZE[0] <= length <= LINEAR_SIZE[1] or size >= 0.5 and length < LINEAR_SIZE[0]:
+        if LINEAR_SIZE[0] <= length <= LINEAR_SIZE[1] or (size >= 0.5 and length < LINEAR_SIZE[0]):
             break
         size = min(size * MOVED / length if length > 0.0 else 1e3 * size, 0.5)
         moved = shows(size) - base
@@ -119,8 +125,10 @@ def linear(of: Record, model: Model, x: np.ndarray) -> Linear:
     return Linear(base, np.column_stack(columns), np.column_stack(starts))
 
 
-def fitted(records: Sequence[Record], seen: Sequence[np.ndarray], model: Model, x: np.ndarray, about: Sequence[Linear]) -> float:
-    """The squares that a model leaves of records that show `seen`, from unknowns x on."""
+def fitted(
+    records: Sequence[Record], seen: Sequence[np.ndarray], model: Model, x: np.ndarray, about: Sequence[Linear]
+) -> tuple[np.ndarray, float]:
+    """The unknowns at their best, and the squares that a model leaves of records that show `seen`, from x on."""
     count, begins = model.count, model.begins
     rows = np.cumsum([0, *(one.base.size for one in about)])
     whole = np.zeros((rows[-1], count + begins * len(about)))
@@ -154,7 +162,7 @@ def fitted(records: Sequence[Record], seen: Sequence[np.ndarray], model: Model, 
                 break
         if not lower:
             break
-    return least
+    return place[:count], least
 
 
 def models_of(pair: Pair, rig: Rig) -> tuple[tuple[Model, np.ndarray], tuple[Model, np.ndarray]]:
@@ -169,10 +177,10 @@ def models_of(pair: Pair, rig: Rig) -> tuple[tuple[Model, np.ndarray], tuple[Mod
 
 def difference(pair: Pair, records: Sequence[Record]) -> float:
     """S_rival - S_true over all records: twice the logarithm of the odds for the truth."""
-    rig = coarse(records[0].rig)
-    records = [replace(of, rig=coarse(of.rig)) for of in records]
+    rig = records[0].rig
     seen, squares = [shown(of) for of in records], []
     for model, x in models_of(pair, rig):
-        about = [linear(of, model, x) for of in records]
-        squares.append(fitted(records, seen, model, x, about))
+        for _ in range(ROUNDS):
+            x, least = fitted(records, seen, model, x, [linear(of, model, x) for of in records])
+        squares.append(least)
     return squares[1] - squares[0]

@@ -56,8 +56,8 @@ def scatter(rig: Rig, use: str, channel: str) -> np.ndarray:
 
 
 def record(rig: Rig, machine: Machine, use: str, wanted: np.ndarray | None = None, scattered: str = "") -> Record:
-    """The record of a machine on its rig: the same reference and noise whatever its effects; of what is `wanted` (m), of
-    `rig.samples`, or else of a motion of the seed. Noise is that of `use`, or of another name (`scattered`).
+    """The record of a machine on its rig: the same reference and noise whatever its effects; of what is `wanted` (m),
+    of `rig.samples`, or else of a motion of the seed. Noise is that of `use`, or of another name (`scattered`).
 
     A loop sees the position's noise; the open one is designed on the machine without noise: the speed that is wanted,
     a weak hold to the middle, and steps of the command. A hand pulls towards where it wants the mass.

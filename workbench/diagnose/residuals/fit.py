@@ -154,6 +154,11 @@ class Fit:
         weighed = weighing(self.residual)
         return float(weighed @ weighed + self.vague @ self.vague)
 
+    def seen_at(self, values: Values) -> float:
+        """The squares of other values, in the same noise."""
+        weighed = self.weighing(stacked(self.balance, values))
+        return float(weighed @ weighed + self.vague @ self.vague)
+
 
 def fit(
     balance: Balance,

@@ -1,0 +1,132 @@
+"""A design in words: the motion, what it decides, and what remains open."""
+
+import math
+from collections.abc import Sequence
+from itertools import groupby
+
+from workbench.design.pieces import Piece, shaped
+from workbench.design.power import Told
+from workbench.design.result import HARDLY, SURE, Design
+from workbench.publish.along import SHOWN
+from workbench.publish.tables import shown_number
+from workbench.publish.words import listed, plain_name
+
+COMMAND = "workbench design"
+
+
+def motion_words(design: Design) -> str:
+    """The pieces in their order: "12 s of slow strokes of 5 mm at 2 mm/s, then 8 s of steps of 0.5 mm with ..."."""
+    said = []
+    conditions = len({piece.condition for piece in design.pieces}) > 1
+    for _, group in groupby(design.pieces, key=lambda piece: (piece.condition, piece.kind)):
+        pieces = list(group)
+        at = f" {_condition(design, pieces[0])}" if conditions or any(pieces[0].condition) else ""
+        said.append(f"{_number(sum(piece.duration for piece in pieces))} s of {_kind(design, pieces)}{at}")
+    return ", then ".join(said)
+
+
+def _kind(design: Design, pieces: Sequence[Piece]) -> str:
+    numbers = [shaped(piece, design.rig.reach).numbers for piece in pieces]
+
+    def over(key: str, speed: bool = False) -> str:
+        values = [one[key] for one in numbers]
+        return _span(design, min(values), max(values), speed=speed)
+
+    def hertz(low: str, high: str) -> str:
+        return _plain_span(min(one[low] for one in numbers), max(one[high] for one in numbers), "Hz")
+
+    match pieces[0].kind:
+        case "steps":
+            holds = _plain_span(min(one["hold"] for one in numbers), max(one["hold"] for one in numbers), "s")
+            return f"steps of {over('amplitude')} with holds of {holds}"
+        case "sines":
+            return f"sums of sines up to {over('amplitude')} from {hertz('frequency', 'frequency')} on"
+        case "sweep":
+            return f"sweeps of {over('amplitude')} from {hertz('from', 'from')} to {hertz('to', 'to')}"
+        case kind:
+            return f"{kind} of {over('amplitude')} at {over('speed', speed=True)}"
+
+
+def _span(design: Design, low: float, high: float, *, speed: bool) -> str:
+    """A length, a speed or a command, or from one to another."""
+    shown, rig = SHOWN[design.rig.axis], design.rig
+    if rig.steering is None:
+        return _plain_span(low, high, rig.along.plant.command_unit + ("/s" if speed else ""))
+    return _plain_span(shown.factor * low, shown.factor * high, shown.speed_unit if speed else shown.unit)
+
+
+def _plain_span(low: float, high: float, unit: str) -> str:
+    first, last = _number(low), _number(high)
+    return f"{last} {unit}" if first == last else f"{first} to {last} {unit}"
+
+
+def _number(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def _condition(design: Design, piece: Piece) -> str:
+    rotation, load = piece.condition
+    said = [f"{rotation * 30.0 / math.pi:.0f} rpm"] if design.rig.along.plant.rotary_command else []
+    said += [f"a load of {load:g} {SHOWN[design.rig.axis].force_unit}"] if load else []
+    return f"at {listed(said)}" if said else "without a further load"
+
+
+def answer(design: Design) -> str:
+    """The motion, and what it is for."""
+    return f"Record {_number(design.duration)} s: {motion_words(design)}."
+
+
+def verdicts(design: Design) -> list[str]:
+    """Of each pair how surely the motion tells it, and of each parameter how well it shows it."""
+    said = []
+    for one in design.told:
+        true, rival = (design.hypotheses[k].name for k in (one.true, one.rival))
+        share = f"in {_percent(one.power)} of records ({_percent(one.low)} to {_percent(one.high)})"
+        sure = "surely" if one.power >= SURE else "hardly" if one.power < HARDLY else "not surely"
+        said.append(f"If it is {true}, this tells it from {rival} {sure}: {share}.")
+    for known in design.known:
+        before, after = (_share(std, known.value) for std in (known.before, known.after))
+        said.append(f"{plain_name(known.name)}: a standard deviation of {after} of its value, after {before} before.")
+    return said
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def _share(std: float, value: float) -> str:
+    if not math.isfinite(std) or value == 0.0:
+        return "an unknown share"
+    return f"{shown_number(100.0 * std / abs(value), 2)} %"
+
+
+def undecided(design: Design) -> list[str]:
+    """What remains open after the motion, and why."""
+    return [_why(design, one) for one in design.undecided]
+
+
+def _why(design: Design, one: Told) -> str:
+    true, rival = (design.hypotheses[k].name for k in (one.true, one.rival))
+    taken = [plain_name(name) for name in design.taken_up_by(one)]
+    makes_up = f", mostly since {listed(taken)} make{'s' * (len(taken) == 1)} up for it" if taken else ""
+    return (
+        f"{true} remains hard to tell from {rival}: refitted, this is off by {math.sqrt(one.distance):.1f} standard "
+        f"deviations of the sensors' noise over the whole motion{makes_up}. A longer motion, wider limits, other "
+        "speeds of rotation or loads in [design], or a finer sensor would tell more."
+    )
+
+
+def how_run(design: Design) -> list[str]:
+    """How the rig is to be driven."""
+    rig = design.rig
+    kind = "the command itself, in open loop" if rig.steering is None else "the reference of the closed loop"
+    said = [f"reference.csv is {kind}, a sample every {1e3 * rig.sample_time:g} ms."]
+    if len(design.legs) > 1:
+        said = [f"reference_1.csv to reference_{len(design.legs)}.csv are {kind}, one for each speed or load."]
+    said.append("workbench run study.toml simulates it under every hypothesis.")
+    if any(piece.condition.load for piece in design.pieces):
+        said.append(
+            "Records under a further load are records of another plant: declare its load_force in an experiment of "
+            "their own."
+        )
+    return said
