@@ -12,7 +12,7 @@ from workbench.design.schema import DesignTable
 from workbench.errors import UserError, nearest
 from workbench.parameters.sets import parameter_value
 from workbench.records.channels import quantity
-from workbench.records.experiment import Experiment
+from workbench.records.experiment import Experiment, parameter_names
 from workbench.records.schema import CHANNELS
 from workbench.toml import reading as files
 from workbench.toml.units import QuantityError
@@ -62,6 +62,9 @@ def asked_of(
             (mistake, *mistake.others),
             lambda each: files.at(experiment.path, text, ("design", *each.key), each.message),
         ) from None
+    for name in found.identify:
+        if name not in (known := parameter_names(experiment.plant)):
+            raise UserError(f'--identify "{name}": unknown parameter; {nearest(name, known)}')
     if not SHORTEST <= found.duration <= LONGEST:
         raise UserError(f"duration: got {found.duration:g} s, expected {SHORTEST:g} s to {LONGEST:g} s")
     return found

@@ -19,6 +19,7 @@ import numpy as np
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Piece, sampled
 from workbench.design.rig import Rig
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.least_squares import THREADS, bounded_minimum
 from workbench.simulation.run import Run
 
@@ -99,7 +100,7 @@ def replays(
     """
     command = run.command
     changes = [of.moved(step * one) for one, step in zip(np.eye(len(of.unknowns)), of.steps, strict=True)]
-    asked = [(of.values, None), *((values, None) for values in changes)]
+    asked: list[tuple[Values, np.ndarray | None]] = [(of.values, None), *((values, None) for values in changes)]
     sizes = of.steps.tolist()
     if starts:
         moves = rig.moves()

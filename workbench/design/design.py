@@ -1,6 +1,6 @@
 """The whole of a design: hypotheses, the rig, the search for a motion, and how surely that tells them apart."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,12 +21,14 @@ from workbench.design.steering import described, plain
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.balances import diagnosed_plant
 from workbench.diagnose.residuals.motion import THINNED, Motion
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
-from workbench.errors import UserError, nearest
+from workbench.errors import UserError
 from workbench.fitting.covariance import inverse
 from workbench.fitting.least_squares import THREADS
 from workbench.progress import Progress, part_of, silent
-from workbench.records.experiment import Experiment, parameter_names, read_experiment
+from workbench.publish.words import listed
+from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
 from workbench.toml import reading as files
 
@@ -75,7 +77,7 @@ def design(
     made = _of_diagnosis if source.is_dir() else _of_experiment
     experiment, asked, rig, hypotheses = made(source, between, identify, duration, progress)
     rig = _steered(experiment, asked, rig, hypotheses)
-    wanted = Wanted(hypotheses, [_place(hypotheses[0], name, experiment) for name in asked.identify])
+    wanted = Wanted(hypotheses, [_place(hypotheses[0], name) for name in asked.identify])
     if len(hypotheses) < 2 and not wanted.parameters:
         raise UserError(
             f"{source}: nothing is asked of a motion; name hypotheses with --between, such as none,backlash, or "
@@ -192,16 +194,16 @@ def _rig(
     experiment: Experiment,
     asked: Asked,
     channels: Sequence[str],
-    noise: dict[str, float],
-    whitening: dict[str, Whitening],
+    noise: Mapping[str, float],
+    whitening: Mapping[str, Whitening],
     room: tuple[Limits, Reach],
-    believed: dict[str, float] | None,
+    believed: Values,
 ) -> Rig:
     limits, reach = room
     return Rig(
         along=diagnosed_plant(experiment.plant, experiment.flow, channels),
         steering=None,
-        believed=believed or {},
+        believed=believed,
         sample_time=reach.sample_time,
         grain=max(round(THINNED / reach.sample_time), 1),
         noise=noise,
@@ -225,13 +227,15 @@ def _steered(experiment: Experiment, asked: Asked, rig: Rig, hypotheses: Sequenc
         raise files.at(experiment.path, text, ("design", *mistake.key), mistake.message) from None
 
 
-def _place(hypothesis: Hypothesis, name: str, experiment: Experiment) -> int:
-    """The place of a parameter among the unknowns."""
+def _place(hypothesis: Hypothesis, name: str) -> int:
+    """The place of a parameter among the unknowns.
+
+    Raises:
+        UserError: it is none of them.
+    """
     names = [u.name for u in hypothesis.unknowns]
     if name not in names:
-        known = parameter_names(experiment.plant)
-        why = "is not free in [fit]" if name in known else "unknown parameter"
-        raise UserError(f'--identify "{name}": {why}; {nearest(name, names)}')
+        raise UserError(f'--identify "{name}": no fit moves it; name it in [fit] free, or take {listed(names, "or")}')
     return names.index(name)
 
 

@@ -161,7 +161,7 @@ def sampled(piece: Piece, reach: Reach) -> np.ndarray:
     of = shaped(piece, reach)
     time = reach.sample_time * np.arange(samples(piece, reach))
     inside = np.clip(time - of.approach, 0.0, piece.duration - 2.0 * of.approach)
-    moving = of.signal(inside)[0]
+    moving = np.where(time < of.approach, 0.0, of.signal(inside)[0])
     late = np.clip((piece.duration - time) / of.approach, 0.0, 1.0)
     begun = np.clip(time / of.approach, 0.0, 1.0)
     there = _least_jerk(begun) * _least_jerk(late)

@@ -88,7 +88,7 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
     cases: dict[str, Any] = {}
     for name, leg in zip(references, design.legs, strict=True):
         case: dict[str, Any] = {
-            "axes": {"reference": [name]},
+            "axes": {"plant.parameters": plants, "reference": [name]},
             "simulation": {"duration": f"{_duration(design, leg.reference):.9g} s"},
         }
         if leg.condition.rotation:
@@ -117,7 +117,6 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
             name: {"kind": "recorded", "file": f"{name}.csv", "time": "time_s", "value": _column(design)}
             for name in references
         },
-        "axes": {"plant.parameters": plants},
         "cases": cases,
     }
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from workbench.diagnose.report.series import title_of
 from workbench.diagnose.report.sureness import sureness
-from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.report.verdict import next_words, verdict_sentence
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.result import Diagnosis
 from workbench.publish.along import SHOWN
@@ -52,7 +52,8 @@ nothing is called an effect that better parameters remove. <em>After</em> is the
 </details>
 <p>Files: <a href="report.json">report.json</a> (SI, for programs), <a href="plant.toml">plant.toml</a>, tables/,
 figures/.</p>
-{% endblock %}
+{% if next %}<p><strong>{{ next }}</strong></p>
+{% endif %}{% endblock %}
 """
 
 BALANCES = {
@@ -88,6 +89,7 @@ def page(
         pictures=pictures,
         tables=tables,
         plant=plant,
+        next=next_words(diagnosis, "DIR"),
     )
 
 

@@ -45,6 +45,13 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return _none_missing(diagnosis)
 
 
+def next_words(diagnosis: Diagnosis, folder: str) -> str:
+    """What to do next where effects could not be told apart: the command that finds out; empty otherwise."""
+    if diagnosis.verdict != "ambiguous" or diagnosis.simulation is None:
+        return ""
+    return f"What to record to tell them apart: workbench design {folder} --out {folder}_next"
+
+
 def _undecided(diagnosis: Diagnosis) -> str:
     simulation, most = diagnosis.simulation, max(result.after.rms for result in diagnosis.results)
     if simulation is not None:
