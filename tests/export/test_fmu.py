@@ -1,5 +1,6 @@
 """A plant as an FMU: what the file holds, and that it runs as the study does, here and in an independent importer."""
 
+import ctypes
 import shutil
 import zipfile
 from dataclasses import replace
@@ -16,7 +17,8 @@ from short_loop import small
 from plants.effects.registry import EFFECTS
 from plants.equation import fields, from_array, leaves, to_array
 from plants.registry import plants
-from workbench.export.fmi.equations import equations_of
+from workbench.export.compiler import compiled_library
+from workbench.export.fmi.equations import DECLARED, Equations, equations_of
 from workbench.export.fmi.fmu import VERSIONS, exported
 from workbench.export.fmi.units import unit_definitions
 from workbench.fmu.description import read_fmu
@@ -181,8 +183,22 @@ def test_a_ramp_between_samples_is_held_at_its_middle(tmp_path: Path) -> None:
     assert np.max(np.abs(ours.state("position") - theirs.state("position"))) < 1e-7
 
 
+def run_in_c(equations: Equations, folder: Path, time: float, *values: np.ndarray) -> list[np.ndarray]:
+    """Rates and outputs of the C, compiled."""
+    (folder / "plant.c").write_text(equations.code, encoding="utf-8")
+    declared = "".join(f"{function};\n" for function in DECLARED.values())
+    (folder / "model.h").write_text(f"#include <math.h>\n{declared}", encoding="utf-8")
+    library = ctypes.CDLL(str(compiled_library([folder / "plant.c"], folder / "plant.so")))
+    pointer = ctypes.POINTER(ctypes.c_double)
+    found = [np.empty(len(equations.rates)), np.empty(len(equations.outputs))]
+    for function, out in zip((library.plant_rates, library.plant_outputs), found, strict=True):
+        vectors = (array.ctypes.data_as(pointer) for array in (*values, out))
+        function(ctypes.c_double(time), *vectors)
+    return found
+
+
 @pytest.mark.parametrize("name", plants())
-def test_the_equations_in_c_are_those_of_the_plant(name: str) -> None:
+def test_the_equations_in_c_are_those_of_the_plant(name: str, tmp_path: Path) -> None:
     """At a random point, at a time other than 0, rates and outputs are what the plant's functions give there."""
     plant = plants()[name]
     if name in ("non_rotating", "drive_force"):
@@ -192,8 +208,8 @@ def test_the_equations_in_c_are_those_of_the_plant(name: str) -> None:
     state, inputs, parameters = map(from_array, (plant.State, plant.Inputs, plant.Parameters), values)
     equations = equations_of(plant)
     rates = to_array(plant.derivatives(3.0, state, inputs, parameters))
-    np.testing.assert_allclose(equations.rates(3.0, *values).full().ravel(), rates, rtol=1e-12)
-    values_of = equations.outputs(3.0, *values).full().ravel()
+    found_rates, values_of = run_in_c(equations, tmp_path, 3.0, *values)
+    np.testing.assert_allclose(found_rates, rates, rtol=1e-12)
     found = {output.name: value for output, value in zip(equations.named, values_of, strict=True)}
     signals = leaves(plant.signals(3.0, state, inputs, parameters))
     expected = dict(zip(names_of(plant.Signals), signals, strict=True))

@@ -107,7 +107,10 @@ def test_a_condition_and_a_plain_number_are_stored_as_numbers() -> None:
 @pytest.mark.parametrize(
     ("equation", "reason"),
     [
-        (lambda a, b: a if a > b else b, "branches on a value; `select` of plants.equation does that"),
+        (
+            lambda a, b: a if a > b else b,
+            'branches on a value; in place of a condition ("if", "and", "max") use select(condition, a, b)',
+        ),
         (lambda a, b: np.cbrt(a) + b, "uses np.cbrt, which is not among the functions of equations"),
         (lambda a, b: float(a) + b, "turns a value into a float; leave that out"),
     ],

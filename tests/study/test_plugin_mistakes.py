@@ -72,7 +72,7 @@ IT = FrictionLaw("mine", "a law", "a test", friction, level)
 
 
 def test_a_law_with_an_if_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is compiled as it stands; its signals, over arrays, cannot be had."""
+    """It cannot be recorded, so that nothing of it is run."""
     brings(tmp_path, "friction_workbench.friction_laws", "mine = branching:IT")
     visible(tmp_path, monkeypatch)
     write(tmp_path, BRANCHING, "branching.py")
@@ -81,8 +81,9 @@ def test_a_law_with_an_if_is_one_line(tmp_path: Path, monkeypatch: pytest.Monkey
     done = workbench("run", study, "--out", tmp_path / "out")
     assert (done.code, done.err) == (
         2,
-        'error: friction law "mine" of the package "other": "level" (branching.py, line 5) takes no arrays; in place '
-        'of a condition ("if", "and", "max") use select(condition, a, b) or np.where (--debug shows all of it)\n',
+        'error: friction law "mine" of the package "other" cannot be compiled: "level" (branching.py, line 5) branches '
+        'on a value; in place of a condition ("if", "and", "max") use select(condition, a, b) '
+        "(--debug shows all of it)\n",
     )
     with pytest.raises(UserError) as raised:
         workbench("--debug", "run", study, "--out", tmp_path / "again")
@@ -114,8 +115,8 @@ def test_an_effect_with_an_if_is_one_line(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(sets, "known_units", sets.known_units.__wrapped__)
     done = workbench("run", write(tmp_path, MAGNET), "--out", tmp_path / "out")
     assert done.code == 2
-    told = 'error: effect "magnet" of the package "other": "pull" (branching_effect.py, line 8) takes no arrays; in '
-    assert done.err.startswith(told)
+    told = 'error: effect "magnet" of the package "other" cannot be compiled: "pull" (branching_effect.py, line 8) '
+    assert done.err.startswith(f"{told}branches on a value; ")
 
 
 def test_a_function_without_the_mark_of_equations_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,4 +96,7 @@ OURS = (
 )
 """Arguments, functions and files of what is exported."""
 
-RESERVED = frozenset((*KEYWORDS, *LIBRARY, *OURS))
+VECTORS = ("time", "states", "inputs", "parameters", "rates", "outputs")
+"""Of a plant: what its functions take and give."""
+
+RESERVED = frozenset((*KEYWORDS, *LIBRARY, *OURS, *VECTORS))

@@ -31,7 +31,7 @@ PASSED = (str(Path(__file__).parents[1]), str(Path(np.__file__).parent), "equati
 """Of the files of functions that are no equations: the workbench, NumPy, and `select` with its kin."""
 
 
-class UnrecordableError(Exception):
+class UnrecordableError(ValueError):
     """Why an equation cannot be recorded, in words that follow its name."""
 
 
@@ -71,7 +71,9 @@ class Symbol(NDArrayOperatorsMixin):
         return self.recording.apply("where", values)
 
     def __bool__(self) -> bool:
-        raise UnrecordableError("branches on a value; `select` of plants.equation does that")
+        raise UnrecordableError(
+            'branches on a value; in place of a condition ("if", "and", "max") use select(condition, a, b)'
+        )
 
     def __float__(self) -> float:
         raise UnrecordableError("turns a value into a float; leave that out")

@@ -28,7 +28,7 @@ def arrays_told(plant: Plant) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        owner = _owner(plant, error.__traceback__)
+        owner = owner_of(plant, error.__traceback__)
         if not owner and AMBIGUOUS not in str(error):
             raise
         last = traceback.extract_tb(error.__traceback__)[-1]
@@ -41,7 +41,7 @@ def arrays_told(plant: Plant) -> Iterator[None]:
         ) from error
 
 
-def _owner(plant: Plant, trace: TracebackType | None) -> str:
+def owner_of(plant: Plant, trace: TracebackType | None) -> str:
     """Whose equation failed: the plug-in's law or effect, the innermost, as messages call it; "" if neither."""
     laws = {name: (law.friction, law.steady) for name, law in LAWS.working().items() if law.name == plant.friction}
     effects = {name: item.equations for name, item in EFFECTS.working().items() if item.name in plant.effects}

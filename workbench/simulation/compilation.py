@@ -17,6 +17,7 @@ from plants.interface import Measurement, Plant
 from plants.plugins import OURS
 from workbench.errors import UserError
 from workbench.recording.machine_code import MachineCode, machine_code
+from workbench.simulation.arrays import owner_of
 
 FOLDERS = (*(Path(__file__).parents[2] / name for name in OURS), Path(np.__file__).parent)
 """Where code lies that is no author's of a plug-in."""
@@ -106,28 +107,32 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
 @functools.cache
 def _compiled_plant(plant: Plant) -> tuple[MachineCode, MachineCode]:
     """The plant's C functions; kept, since only their addresses go to the engine."""
-    with _told("plant", plant.name):
+    with _told(f'plant "{plant.name}"', plant):
         return compile_derivatives(plant), compile_measure(plant)
 
 
 @functools.cache
 def _compiled_controller(controller: Controller) -> tuple[MachineCode, MachineCode]:
-    with _told("controller", controller.name):
+    with _told(f'controller "{controller.name}"'):
         return compile_step(controller), compile_commit(controller)
 
 
 @contextmanager
-def _told(kind: str, name: str) -> Iterator[None]:
+def _told(called: str, plant: Plant | None = None) -> Iterator[None]:
     """What cannot be recorded is its author's mistake: one line for the user, the rest in the traceback.
 
     Raises:
-        UserError: the reason, and where in the author's own code it is.
+        UserError: whose law, effect, plant or controller it is, the place in the author's own code, and the reason.
     """
     try:
         yield
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        places = [(Path(frame.filename), frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
-        theirs = [(file.name, line) for file, line in places if not any(map(file.is_relative_to, FOLDERS))]
-        where = f", in {theirs[-1][0]}, line {theirs[-1][1]}" if theirs else ""
-        raise UserError(f'{kind} "{name}" cannot be compiled: {reason}{where} (--debug shows all of it)') from error
+        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_theirs(frame)]
+        place = f'"{frames[-1].name}" ({Path(frames[-1].filename).name}, line {frames[-1].lineno}) ' if frames else ""
+        owner = owner_of(plant, error.__traceback__) if plant is not None else ""
+        raise UserError(f"{owner or called} cannot be compiled: {place}{reason} (--debug shows all of it)") from error
+
+
+def _is_theirs(frame: traceback.FrameSummary) -> bool:
+    return not any(map(Path(frame.filename).is_relative_to, FOLDERS))

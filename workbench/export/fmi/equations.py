@@ -1,15 +1,26 @@
-"""A plant's equations as C: CasADi's symbols go through the functions that the simulation compiles."""
+"""A plant's equations as C, recorded from the functions that the simulation compiles."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
-import casadi
-
-from plants.equation import fields, from_array, leaves
+from plants.equation import fields, from_array, leaves, size_of
 from plants.interface import Measurement, Plant
-from workbench.linear.linearise import numpy_functions_of_symbols
+from workbench.export.c_words import VECTORS
+from workbench.export.operations import HELPERS
+from workbench.export.statements import DOUBLE, helpers_of, statements
+from workbench.recording.symbols import INPUT, Recording, needed
 
-RATES, OUTPUTS = "plant_rates", "plant_outputs"
-"""The C functions (time, states, inputs, parameters) -> vector."""
+TIME, STATES, INPUTS, PARAMETERS, RATES, OUTPUTS = VECTORS
+
+DECLARED = {
+    kind: (
+        f"void plant_{kind}(double {TIME}, const double *{STATES}, const double *{INPUTS}, const double *{PARAMETERS}, "
+        f"double *{kind})"
+    )
+    for kind in (RATES, OUTPUTS)
+}
+"""The C functions."""
 
 MEASURED = "measured_"
 """What stands before the name of what a rig measures, as in the signals of a run."""
@@ -25,33 +36,54 @@ class Output:
 
 @dataclass(frozen=True)
 class Equations:
-    """The rates of the states, and outputs behind them, as functions of (time, states, inputs, parameters)."""
+    """The rates of the states, and outputs behind them: their places in a recording."""
 
-    rates: casadi.Function
-    outputs: casadi.Function
+    recording: Recording
+    rates: Sequence[int]
+    outputs: Sequence[int]
     named: tuple[Output, ...]
 
-    def depends(self, function: casadi.Function) -> list[tuple[list[int], list[int]]]:
-        """Of each number of a function: places of the states, and of the inputs, on which it depends."""
-        over_states, over_inputs = (function.jac_sparsity(0, place) for place in (1, 2))
-        return [(_columns(over_states, row), _columns(over_inputs, row)) for row in range(function.numel_out(0))]
+    def depends(self, places: Iterable[int]) -> list[tuple[list[int], list[int]]]:
+        """Of each of these: places of the states, and of the inputs, on which it depends."""
+        return [(self._reads(STATES, place), self._reads(INPUTS, place)) for place in places]
 
     @property
     def code(self) -> str:
         """Both functions as C."""
-        generator = casadi.CodeGenerator("plant.c", {"with_header": False})
-        generator.add(self.rates)
-        generator.add(self.outputs)
-        return str(generator.dump())
+        functions = {RATES: self.rates, OUTPUTS: self.outputs}
+        results = {kind: {f"{kind}[{i}]": place for i, place in enumerate(of)} for kind, of in functions.items()}
+        helpers = [HELPERS[name] for name in helpers_of(self.recording, tuple(results.values()))]
+        parts = ['#include "model.h"\n', *(text.format(real="double", zero="0.0", one="1.0") for text in helpers)]
+        for kind, function in results.items():
+            read = {name for name in (TIME, STATES, INPUTS, PARAMETERS) if self._is_read(name, functions[kind])}
+            unused = [f"    (void){name};" for name in (TIME, STATES, INPUTS, PARAMETERS) if name not in read]
+            lines = [DECLARED[kind], "{", *unused, *statements(self.recording, function, DOUBLE), "}"]
+            parts.append("\n".join(lines) + "\n")
+        return "\n".join(parts)
+
+    def _texts(self, places: Iterable[int]) -> set[str]:
+        found = (self.recording.instructions[place] for place in needed(self.recording, places))
+        return {instruction.text for instruction in found if instruction.operation == INPUT}
+
+    def _is_read(self, name: str, places: Iterable[int]) -> bool:
+        return any(text.partition("[")[0] == name for text in self._texts(places))
+
+    def _reads(self, vector: str, place: int) -> list[int]:
+        parts = (text.rstrip("]").partition("[") for text in self._texts([place]))
+        return sorted(int(index) for name, _, index in parts if name == vector)
 
 
 def equations_of(plant: Plant) -> Equations:
     """The equations of a plant; its outputs are its signals that are no states or inputs, and what a rig measures."""
-    classes = {"state": plant.State, "inputs": plant.Inputs, "parameters": plant.Parameters}
-    time = casadi.SX.sym("time")
-    vectors = {name: casadi.SX.sym(name, len(fields(cls))) for name, cls in classes.items()}
-    state, inputs, parameters = (from_array(cls, casadi.vertsplit(vectors[name])) for name, cls in classes.items())
-    with numpy_functions_of_symbols():
+    recording = Recording()
+
+    def given(name: str, cls: type[NamedTuple]) -> Any:
+        return from_array(cls, [recording.input(f"{name}[{i}]") for i in range(size_of(cls))])
+
+    time = recording.input(TIME)
+    state, inputs = given(STATES, plant.State), given(INPUTS, plant.Inputs)
+    parameters = given(PARAMETERS, plant.Parameters)
+    with recording.sources():
         rates = [*leaves(plant.derivatives(time, state, inputs, parameters))]
         signals = [*leaves(plant.signals(time, state, inputs, parameters))]
         readings = plant.measure(state, parameters)._asdict()
@@ -63,14 +95,7 @@ def equations_of(plant: Plant) -> Equations:
     }
     units = {item.name: plant.unit_for(item.unit) for item in fields(Measurement)}
     found |= {Output(f"{MEASURED}{name}", units[name]): readings[name] for name in plant.channels}
-    arguments = [time, *vectors.values()]
-
-    def function(name: str, values: list[casadi.SX]) -> casadi.Function:
-        return casadi.Function(name, arguments, [casadi.densify(casadi.vertcat(*values))])
-
-    return Equations(function(RATES, rates), function(OUTPUTS, [*found.values()]), tuple(found))
-
-
-def _columns(sparsity: casadi.Sparsity, row: int) -> list[int]:
-    rows, columns = sparsity.get_triplet()
-    return sorted(column for at, column in zip(rows, columns, strict=True) if at == row)
+    rate_places, output_places = (
+        [recording.number_place(value) for value in values] for values in (rates, found.values())
+    )
+    return Equations(recording, rate_places, output_places, tuple(found))

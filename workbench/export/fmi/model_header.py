@@ -2,10 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 
-import casadi
-
 from plants.equation import fields
-from workbench.export.fmi.equations import OUTPUTS, RATES, Equations
+from workbench.export.fmi.equations import DECLARED, INPUTS, PARAMETERS, STATES, Equations
 from workbench.export.fmi.variables import start_values
 from workbench.simulation.integrators.dormand_prince import DORMAND_PRINCE
 from workbench.simulation.setup import Setup
@@ -31,9 +29,9 @@ def model_header(setup: Setup, equations: Equations, token: str) -> str:
         "ORDER": float(pair.order),
         "TOLERANCE": repr(setup.integrator.tolerance),
         "FIRST_STEP": repr(setup.sample_time),
-        **_sizes("RATES", equations.rates),
-        **_sizes("OUTPUTS", equations.outputs),
     }
+    vectors = zip((STATES, INPUTS, PARAMETERS), (states, inputs, parameters), strict=True)
+    names = [f"{vector}[{i}]: {item.name}, {item.unit}" for vector, of in vectors for i, item in enumerate(of)]
     lines = [
         f"/* {plant.name}: its sizes, its start values, and a Runge-Kutta pair ({pair.source}). Generated. */",
         "#ifndef MODEL_H",
@@ -43,11 +41,12 @@ def model_header(setup: Setup, equations: Equations, token: str) -> str:
         "",
         *(f"#define {name} {value}" for name, value in defined.items()),
         "",
-        "typedef long long int casadi_int;",
-        *(f"int {name}(const double **, double **, casadi_int *, double *, int memory);" for name in (RATES, OUTPUTS)),
+        *(f"{function};" for function in DECLARED.values()),
         "",
         "/* States, inputs, parameters, in SI. */",
-        *_array("start_values[VALUES]", start_values(setup)),
+        "static const double start_values[VALUES] = {",
+        *(f"    {_numbers([value])}, /* {name} */" for name, value in zip(names, start_values(setup), strict=True)),
+        "};",
         "",
         "/* Typical magnitudes of the states. */",
         *_array("magnitudes[STATES]", [item.scale for item in states]),
@@ -59,16 +58,6 @@ def model_header(setup: Setup, equations: Equations, token: str) -> str:
         "#endif",
     ]
     return "\n".join(lines) + "\n"
-
-
-def _sizes(name: str, function: casadi.Function) -> dict[str, int]:
-    """What a function of CasADi's works on; no array of C has no elements."""
-    sizes = zip(
-        ("ARGUMENTS", "RESULTS", "INTEGERS", "NUMBERS"),
-        (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()),
-        strict=True,
-    )
-    return {f"{name}_{kind}": max(size, 1) for kind, size in sizes}
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -15,33 +15,13 @@ static const double *parameters_of(const Machine *machine) { return machine->val
 /* dx/dt = f(t, x, u, p) into `rates`. */
 static void rates_at(const Machine *machine, double time, const double *states, double *rates)
 {
-    const double *arguments[RATES_ARGUMENTS] = {0};
-    double *results[RATES_RESULTS] = {0};
-    casadi_int integers[RATES_INTEGERS];
-    double numbers[RATES_NUMBERS];
-
-    arguments[0] = &time;
-    arguments[1] = states;
-    arguments[2] = inputs_of(machine);
-    arguments[3] = parameters_of(machine);
-    results[0] = rates;
-    plant_rates(arguments, results, integers, numbers, 0);
+    plant_rates(time, states, inputs_of(machine), parameters_of(machine), rates);
 }
 
 /* y = g(t, x, u, p) into the machine's outputs. */
 static void read_outputs(Machine *machine)
 {
-    const double *arguments[OUTPUTS_ARGUMENTS] = {0};
-    double *results[OUTPUTS_RESULTS] = {0};
-    casadi_int integers[OUTPUTS_INTEGERS];
-    double numbers[OUTPUTS_NUMBERS];
-
-    arguments[0] = &machine->time;
-    arguments[1] = machine->values;
-    arguments[2] = inputs_of(machine);
-    arguments[3] = parameters_of(machine);
-    results[0] = machine->outputs;
-    plant_outputs(arguments, results, integers, numbers, 0);
+    plant_outputs(machine->time, machine->values, inputs_of(machine), parameters_of(machine), machine->outputs);
 }
 
 static void evaluate(Machine *machine)
