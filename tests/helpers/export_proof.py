@@ -23,6 +23,7 @@ from combinations import Machine, acting, named_turning, parameter_file, require
 from plugin_site import site
 
 from controllers.interface import Controller
+from controllers.open_loop import OPEN_LOOP
 from plants.equation import to_array
 from plants.interface import Measurement
 from plants.registry import plants
@@ -116,6 +117,8 @@ def subjects(folder: Path) -> Iterator[Subject]:
     for machine in MACHINES:
         for name, law in acting():
             table = {"type": name, **required(name), **({"law": law} if law else {})}
+            if name == OPEN_LOOP.name:
+                continue  # without feedback there is nothing to export: the command says so
             try:
                 setup = resolved_setup(study_content(machine, table, folder), folder)
             except UserError:
