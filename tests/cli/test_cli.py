@@ -215,6 +215,7 @@ RESUMED = "finished cases are kept in {out}: go on with --resume"
     ("command", "file", "stopped", "kept"),
     [
         ("diagnose", "closed_loop/experiment.toml", "diagnose.diagnose.diagnose", "nothing is written"),
+        ("design", "closed_loop/experiment.toml", "design.design.design", "nothing is written"),
         ("identify", "closed_loop/experiment.toml", "identify.identification.identify", "nothing is written"),
         ("run", "comparison.toml", "study.rounds.run_rounds", RESUMED),
     ],

@@ -122,6 +122,7 @@ def test_the_same_experiment_gives_the_same_motion(designed: tuple[Any, Path], e
     [
         ("", "", ["--between", "backlsh,none"], '"backlsh": no effect that the channels'),
         ("", "", ["--identify", "viscos"], '--identify "viscos": unknown parameter; did you mean "viscous"?'),
+        ("", "", ["--between", ",".join(["none"] * 7)], "7 hypotheses are held against each other, expected 6 at most"),
         ("", "", ["--duration", "1 s"], "duration: got 1 s, expected 4 s to 600 s"),
         ("", "", ["--duration", "long"], "--duration: "),
         ('low = "-20 mm"', 'low = "30 mm"', [], "design.limits.low: expected a value below high"),

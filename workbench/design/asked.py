@@ -20,6 +20,9 @@ from workbench.toml.units import QuantityError
 SHORTEST, LONGEST = 4.0, 600.0
 """s of a motion."""
 
+MOST_HYPOTHESES, MOST_CONDITIONS = 6, 12
+"""That one motion is for: each costs its simulations."""
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -62,6 +65,12 @@ def asked_of(
             (mistake, *mistake.others),
             lambda each: files.at(experiment.path, text, ("design", *each.key), each.message),
         ) from None
+    for what, count, most in (
+        ("hypotheses", len(found.between), MOST_HYPOTHESES),
+        ("speeds of rotation and loads", len(found.conditions), MOST_CONDITIONS),
+    ):
+        if count > most:
+            raise UserError(f"{experiment.path}: {count} {what} are held against each other, expected {most} at most")
     for name in found.identify:
         if name not in (known := parameter_names(experiment.plant)):
             raise UserError(f'--identify "{name}": unknown parameter; {nearest(name, known)}')

@@ -183,4 +183,6 @@ def difference(pair: Pair, records: Sequence[Record]) -> float:
         for _ in range(ROUNDS):
             x, least = fitted(records, seen, model, x, [linear(of, model, x) for of in records])
         squares.append(least)
+    if pair.rival == NONE:  # the true model can do all that the machine without its effect does
+        squares[0] = min(squares)
     return squares[1] - squares[0]

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from workbench.design.asked import MOST_CONDITIONS, MOST_HYPOTHESES
 from workbench.design.report.figures import draw_motion, motion_data
 from workbench.design.report.page import page
 from workbench.design.report.study_file import STUDY, write_study
@@ -17,9 +18,6 @@ from workbench.publish.tables import write_frame
 
 RESULT = "design.json"
 PAGE = "design.html"
-
-MOST_LEGS, MOST_HYPOTHESES = 40, 10
-"""References and plants that a folder may hold."""
 
 
 def _is_design(path: Path) -> bool:
@@ -36,7 +34,7 @@ FOLDER = ResultFolder(
         PAGE,
         STUDY,
         "reference.csv",
-        *(f"reference_{i}.csv" for i in range(1, MOST_LEGS + 1)),
+        *(f"reference_{i}.csv" for i in range(1, MOST_CONDITIONS + 1)),
         *(f"hypothesis_{i}.toml" for i in range(1, MOST_HYPOTHESES + 1)),
         "tables",
         "figures",
