@@ -25,7 +25,7 @@ def command(
     overwrite: Overwrite = False,
     page: PageFormat = None,
 ) -> None:
-    """Find the motion to record next: what tells hypotheses apart, or shows parameters."""
+    """Find the motion to record next."""
     from workbench.design.design import design
     from workbench.design.report.folder import claimed_folder, summary, write_design
     from workbench.publish.page_format import figures_at
