@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # reads it when it comes in; who has it in already, or has set it, has said what he wants.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-QUESTIONS = ("tune", "decide", "identify", "diagnose", "report", "bench", "rehearse")
+QUESTIONS = ("tune", "decide", "identify", "diagnose", "report", "bench", "rehearse", "design")
 """Rooms of the program, and functions of the same names."""
 
 

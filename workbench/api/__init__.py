@@ -34,7 +34,7 @@ from workbench.api.bench import Bench, bench
 from workbench.api.controllers import ControllerChoice, controller, controller_functions
 from workbench.api.exports import export_controller, export_linear, export_plant, rehearse
 from workbench.api.loops import LoopSetup, setup
-from workbench.api.questions import decide, diagnose, identify, report, tune
+from workbench.api.questions import decide, design, diagnose, identify, report, tune
 from workbench.api.references import ReferenceChoice, chirp, multisine, ramp, recorded, reference, sine, steps, triangle
 from workbench.api.results import CaseResult, StudyResults
 from workbench.api.runs import LoopRun, evaluate, simulate
@@ -56,6 +56,7 @@ __all__ = [
     "chirp",
     "controller",
     "decide",
+    "design",
     "diagnose",
     "evaluate",
     "export_controller",

@@ -1,4 +1,4 @@
-"""The questions that have a command of their own: tune, decide, identify, diagnose; and a report of answers."""
+"""The questions that have a command of their own: tune, decide, identify, diagnose, design; and a report of answers."""
 
 import time
 from collections.abc import Sequence
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from workbench.api.faces.diagnosis import ShownDiagnosis
     from workbench.api.faces.identification import ShownIdentification
     from workbench.api.faces.tuning import ShownTuning
+    from workbench.design.result import Design
     from workbench.report.folder import Report
 
 
@@ -210,6 +211,53 @@ def diagnose(experiment: str | Path, out: str | Path | None = None, *, overwrite
         if out is not None:
             write_diagnosis(diagnosis, Path(out))
     return shown_as(ShownDiagnosis, diagnosis)
+
+
+def design(
+    source: str | Path,
+    out: str | Path | None = None,
+    *,
+    between: Sequence[str] = (),
+    identify: Sequence[str] = (),
+    duration: float | str | None = None,
+    overwrite: bool = False,
+) -> "Design":
+    """Find the motion to record next: one that tells apart what is left open (docs/design.md).
+
+    Args:
+        source: the folder of a diagnosis, or the path of an experiment file.
+        out: folder for design.json, design.html, the reference and a study; without one nothing is kept.
+        between: effects to be told apart, or "none"; by default what a diagnosis left open.
+        identify: parameters to be shown.
+        duration: s, or "60 s": at most; by default what [design] says, else 60 s.
+        overwrite: replace what is in `out`.
+
+    Returns:
+        the motion, what each hypothesis shows in it, and how surely it tells them apart.
+
+    Raises:
+        UserError: a mistake in the file, impossible limits, hypotheses that no motion tells apart, or a folder that
+            does not serve.
+
+    Example:
+        >>> found = wb.design(experiment, between=["none", "backlash"], duration="4 s")
+        >>> [one.name for one in found.hypotheses]
+        ['nothing missing', 'backlash']
+    """
+    from workbench.design.design import design as designed
+    from workbench.design.report.folder import claimed_folder, write_design
+    from workbench.toml.units import QuantityError, si
+
+    expect(source, str | Path, "design", "the path of an experiment file, or of a folder of diagnose")
+    try:
+        seconds = None if duration is None else si(duration, "s")
+    except QuantityError as error:
+        raise UserError(f"duration: {error}") from None
+    with claimed_folder(Path(out), overwrite) if out is not None else nullcontext():
+        found = designed(Path(source), between=between, identify=identify, duration=seconds)
+        if out is not None:
+            write_design(found, Path(out))
+    return found
 
 
 def report(
