@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
-from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from plants.equation import package_hash
@@ -43,7 +42,8 @@ class Registry(Generic[T]):
 
     def working(self) -> Mapping[str, T]:
         """All that can be used, ours first."""
-        return _working(self, tuple(sys.path))
+        found = _usable(self.group, self.kind, self.check, tuple(sys.path))
+        return {**self.ours, **{name: item for name, item in found.items() if name not in self.ours}}
 
     def broken(self) -> dict[str, str]:
         """Of each plug-in that cannot be used: why."""
@@ -69,10 +69,10 @@ class Registry(Generic[T]):
 
 
 @functools.cache
-def _working(registry: Registry[Any], search_path: tuple[str, ...]) -> Mapping[str, Any]:
-    """See `Registry.working`; every case of a study asks for it."""
-    found = {name: plugin.found for name, plugin in registry._plugins() if not plugin.failure}
-    return MappingProxyType({**registry.ours, **found})
+def _usable(group: str, kind: type, check: Check, search_path: tuple[str, ...]) -> Mapping[str, Any]:
+    """What works of plug-ins; every case of a study asks for it."""
+    found = _loaded(group, kind, check, search_path)
+    return {name: plugin.found for name, plugin in found.items() if not plugin.failure}
 
 
 @functools.cache

@@ -12,7 +12,7 @@ DOCS = ROOT / "docs"
 KINDS = ("file", "part of", "quick", "output", "illustration")
 """What a comment above a block may say first."""
 
-LANGUAGES = ("sh", "toml", "python", "text")
+LANGUAGES = ("sh", "toml", "python", "text", "c", "matlab")
 """What a block may be in, beside equations and directives of the site, which are no code."""
 
 _FENCE = re.compile(r"^(?P<marks>`{3,})(?P<language>\S*)\s*$")
