@@ -1,5 +1,6 @@
 """The reference of the command line: every command with its arguments and options, from the program's own typer app."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,16 @@ def page(folder: Path) -> str:
         "`workbench COMMAND --help` says the same. A mistake is told in one to three lines, with exit code 2; "
         "`workbench --debug COMMAND` shows the traceback behind it.",
     ]
-    for name, command in group.commands.items():  # type: ignore[attr-defined]
+    for name, command in _commands(group, ""):
         parts += [f"## workbench {name}", _usage(name, command), command.help, _arguments(command), _options(command)]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _commands(group: Any, before: str) -> Iterator[tuple[str, Any]]:
+    """Every command with its name, those of a group one by one."""
+    for name, command in group.commands.items():
+        inner = getattr(command, "commands", None)
+        yield from [(before + name, command)] if inner is None else _commands(command, f"{before}{name} ")
 
 
 def _usage(name: str, command: Any) -> str:

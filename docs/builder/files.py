@@ -145,7 +145,7 @@ def meanings_of(model: type[BaseModel]) -> dict[str, str]:
 
 def _fields_below(cls: type) -> dict[str, str]:
     (tree,) = ast.parse(textwrap.dedent(inspect.getsource(cls))).body
-    body = tree.body  # type: ignore[attr-defined]
+    body = tree.body if isinstance(tree, ast.ClassDef) else []
     return {
         first.target.id: inspect.cleandoc(second.value.value)
         for first, second in itertools.pairwise(body)

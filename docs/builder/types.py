@@ -72,20 +72,24 @@ def _unit(validator: object) -> str:
     keywords = function.keywords if isinstance(function, functools.partial) else {}
     if bound is si:
         return f"quantity, {keywords['unit']}"
-    if getattr(bound, "__func__", None) is AxisNumber.read.__func__:  # type: ignore[attr-defined]
+    if getattr(bound, "__func__", None) is getattr(AxisNumber.read, "__func__", bound):
         return f"quantity, m{keywords.get('per', '')} or rad{keywords.get('per', '')}"
     return ""
 
 
+def _number(value: Any) -> str:
+    return f"{value:g}"
+
+
 def _limit(limit: object) -> str:
     if isinstance(limit, Ge):
-        return f"at least {limit.ge:g}"  # type: ignore[str-format]
+        return f"at least {_number(limit.ge)}"
     if isinstance(limit, Gt):
-        return f"above {limit.gt:g}"  # type: ignore[str-format]
+        return f"above {_number(limit.gt)}"
     if isinstance(limit, Le):
-        return f"at most {limit.le:g}"  # type: ignore[str-format]
+        return f"at most {_number(limit.le)}"
     if isinstance(limit, Lt):
-        return f"below {limit.lt:g}"  # type: ignore[str-format]
+        return f"below {_number(limit.lt)}"
     if isinstance(limit, MinLen):
         return f"{limit.min_length} or more"
     if isinstance(limit, MaxLen):

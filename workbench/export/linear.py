@@ -12,13 +12,14 @@ from scipy.io import savemat
 
 from plants.equation import fields, to_array
 from workbench.errors import UserError
+from workbench.export.one_file import ends_in, new_file
 from workbench.linear.equilibrium import at_rest, changing
 from workbench.linear.linearise import linearise
 from workbench.linear.open_loop import open_loop
 from workbench.linear.operating_point import slide
 from workbench.linear.slow_model import slow_model
 from workbench.progress import Progress, silent
-from workbench.publish.folders import faults_told, write_whole
+from workbench.publish.folders import write_whole
 from workbench.simulation.setup import Numbers, Setup
 from workbench.study.study import Case, Study
 from workbench.toml.units import QuantityError, si
@@ -79,18 +80,13 @@ class LinearExport:
         Raises:
             UserError: another ending, or it is there already or cannot be written.
         """
-        check_ending(path)
-        if path.exists() and not overwrite:
-            raise UserError(f"{path}: is there already; replace it with --overwrite")
-        with faults_told(path.parent, "nothing is written: mend that and run it again"):
-            path.parent.mkdir(parents=True, exist_ok=True)
+        with new_file(path, WRITERS, overwrite):
             write_whole(path, lambda temporary: WRITERS[path.suffix](self, temporary))
 
 
 def check_ending(path: Path) -> None:
     """Raise UserError where a file is to be of no kind that is written."""
-    if path.suffix not in WRITERS:
-        raise UserError(f"{path}: expected a name that ends in {' or '.join(WRITERS)}")
+    ends_in(path, WRITERS)
 
 
 def linear_export(

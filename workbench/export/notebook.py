@@ -9,9 +9,9 @@ from contextlib import chdir
 from pathlib import Path
 from typing import NamedTuple
 
-from workbench.errors import UserError
+from workbench.export.one_file import new_file
 from workbench.progress import Progress, silent
-from workbench.publish.folders import faults_told, write_whole
+from workbench.publish.folders import write_whole
 from workbench.study.plan import Plan
 
 FORMAT = {
@@ -89,14 +89,9 @@ def write_notebook(
     Raises:
         UserError: a file of another ending, one that is there already, or what a cell raises.
     """
-    if out.suffix != ".ipynb":
-        raise UserError(f"{out}: expected a name that ends in .ipynb")
-    if out.exists() and not overwrite:
-        raise UserError(f"{out}: is there already; replace it with --overwrite")
     results = out.with_name(f"{out.stem}_results")
     study = Path(os.path.relpath(planned.study.path, out.parent)).as_posix()
-    with faults_told(out.parent, "nothing is written: mend that and run it again"):
-        out.parent.mkdir(parents=True, exist_ok=True)
+    with new_file(out, (".ipynb",), overwrite):
         with chdir(out.parent):
             executed = _executed(cells_of(planned, study, results.name, case, draws), progress)
         text = json.dumps({**FORMAT, "cells": executed}, indent=1) + "\n"

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from workbench.errors import UserError
 from workbench.export.case import chosen_case
 from workbench.export.fmi.fmu import Exported
-from workbench.publish.folders import faults_told, write_whole
+from workbench.export.one_file import ends_in, new_file
+from workbench.publish.folders import write_whole
 from workbench.simulation.setup import Setup
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
@@ -30,8 +30,7 @@ def chosen_plant(study: Study, where: Mapping[str, object]) -> Setup:
 
 def check_ending(path: Path) -> None:
     """Raise UserError where a file is not to be called an FMU."""
-    if path.suffix != SUFFIX:
-        raise UserError(f"{path}: expected a name that ends in {SUFFIX}")
+    ends_in(path, (SUFFIX,))
 
 
 def write_fmu(made: Exported, path: Path, overwrite: bool = False) -> None:
@@ -40,9 +39,5 @@ def write_fmu(made: Exported, path: Path, overwrite: bool = False) -> None:
     Raises:
         UserError: another ending, or it is there already or cannot be written.
     """
-    check_ending(path)
-    if path.exists() and not overwrite:
-        raise UserError(f"{path}: is there already; replace it with --overwrite")
-    with faults_told(path.parent, "nothing is written: mend that and run it again"):
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with new_file(path, (SUFFIX,), overwrite):
         write_whole(path, lambda temporary: temporary.write_bytes(made.archive))
