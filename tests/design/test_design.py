@@ -125,7 +125,12 @@ def test_the_same_experiment_gives_the_same_motion(designed: tuple[Any, Path], e
         ("", "", ["--between", ",".join(["none"] * 7)], "7 hypotheses are held against each other, expected 6 at most"),
         ("", "", ["--duration", "1 s"], "duration: got 1 s, expected 4 s to 600 s"),
         ("", "", ["--duration", "long"], "--duration: "),
-        ('low = "-20 mm"', 'low = "30 mm"', [], "design.limits.low: expected a value below high"),
+        (
+            'low = "-20 mm"',
+            'low = "30 mm"',
+            [],
+            "design.limits.low: got 0.03 for low and 0.02 for high",
+        ),
         ('speed = "50 mm/s"', 'speed = "-1 mm/s"', [], "design.limits.speed: got -0.001, expected a value above 0"),
         ('speed = "50 mm/s"', 'speed = "1 nm/s"', [], "no piece of a motion keeps the rig's limits"),
         ('speed = "50 mm/s"', "", [], "nothing tells how fast the mass may move; give [design.limits] speed"),

@@ -121,8 +121,12 @@ def _check_limits(limits: Mapping[str, float]) -> None:
             raise files.SchemaError(("limits", name), f"got {limits[name]:g}, expected a value above 0")
     for least, most in (("low", "high"), ("least_pressure", "most_pressure")):
         default = Limits._field_defaults
-        if limits.get(least, default[least]) >= limits.get(most, default[most]):
-            raise files.SchemaError(("limits", least), f"expected a value below {most}")
+        lower, upper = limits.get(least, default[least]), limits.get(most, default[most])
+        if lower >= upper:
+            raise files.SchemaError(
+                ("limits", least if least in limits else most),
+                f"got {lower:g} for {least} and {upper:g} for {most}, expected {least} below {most}",
+            )
 
 
 def _sizes(table: DesignTable, axis: str) -> dict[str, float]:
