@@ -124,13 +124,20 @@ def test_a_click_in_a_sweep_takes_the_bench_there(browser: "Browser", address: s
         page.get_by_label("points", exact=True).press("Enter")
         page.get_by_role("button", name="Sweep", exact=True).click()
         page.wait_for_selector("text=/^1[0-9] points$/")
-        page.wait_for_timeout(500)
-        before = page.get_by_label("kp", exact=True).input_value()
-        page.mouse.click(*page.evaluate(POINT))
-        page.wait_for_timeout(500)
-        after = page.get_by_label("kp", exact=True).input_value()
-        assert after != before
-        assert float(after.removesuffix(" V/m")) == pytest.approx(page.evaluate(VALUE), rel=1e-5)
+        field = page.get_by_label("kp", exact=True)
+        before = field.input_value()
+        page.mouse.click(*at_rest(page))
+        page.wait_for_function("([field, before]) => field.value !== before", arg=[field.element_handle(), before])
+        assert float(field.input_value().removesuffix(" V/m")) == pytest.approx(page.evaluate(VALUE), rel=1e-5)
+
+
+def at_rest(page: "Page") -> tuple[float, float]:
+    """Where the ninth point of the sweep is on the screen, once the page has stopped moving and drawing."""
+    places: list[tuple[float, float]] = []
+    while len(places) < 3 or not places[-1] == places[-2] == places[-3]:
+        page.wait_for_timeout(200)
+        places.append(page.evaluate(POINT))
+    return places[-1]
 
 
 _SWEEP = """

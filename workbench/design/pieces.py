@@ -33,6 +33,9 @@ APPROACH = 0.1
 PEAK_SPEED, PEAK_ACCELERATION = 1.875, 5.774
 """Of a motion of least jerk over a way of 1 in a time of 1."""
 
+ROUNDING = 1e-9
+"""Relative, of a number of periods: one that is whole but for the last digits is whole."""
+
 SAMPLES_A_PERIOD = 20.0
 """Of the fastest sine, at least."""
 
@@ -139,8 +142,8 @@ KINDS: Mapping[str, Callable[[float, float, float, Reach], tuple[ReferenceSignal
 
 
 def _whole(frequency: float, span: float) -> float:
-    """The nearest frequency with a whole number of periods in a span (s), one at least."""
-    return max(round(frequency * span), 1) / span
+    """The fastest frequency, no faster than asked, with a whole number of periods in a span (s); one period at least."""
+    return max(int(frequency * span * (1.0 + ROUNDING)), 1) / span
 
 
 def shaped(piece: Piece, reach: Reach) -> Shaped:
