@@ -1,23 +1,22 @@
 """Hypotheses that a diagnosis left open, with what its records tell of them.
 
 An effect that the records show is as they show it. One that they do not show is as large as they allow: two standard
-deviations of what they tell of its size, once the plant's parameters have made up for it.
+deviations of what they tell of its size, once the plant's parameters are fitted to it anew.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from workbench.design.diagnosed import Evidence, Reported
 from workbench.design.hypotheses import Hypothesis
 from workbench.diagnose.readiness import declared_values
-from workbench.diagnose.residuals.fit import VAGUE, Fit
-from workbench.diagnose.residuals.unknowns import Values, unknown
+from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.likelihood import Outlook, Proposal
 from workbench.diagnose.selection.search import away_of
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import Asked, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import QUICK, Asked, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import Columns, Trial, columns_of, trials_of
 from workbench.errors import UserError, nearest
 from workbench.fitting.covariance import inverse
@@ -28,8 +27,13 @@ from workbench.publish.words import listed, plain_name
 SHOWN = 2.0
 """Standard deviations from 0 up to which records do not show an effect: it may be as large."""
 
-SMALLER, TIMES = 0.3, 16
-"""Factor by which such a size is taken down where first order does not reach so far, and how often."""
+BEYOND = 1.5
+"""Times what first order says of such a size that squares may rise by."""
+
+SMALLER, TIMES, FURTHER = 0.3, 16, 4
+"""Factor by which such a size is taken down where first order does not reach so far, how often, and how often it is
+taken up where it reaches farther.
+"""
 
 MOST = 4
 """Hypotheses of a diagnosis that names none, at most."""
@@ -97,18 +101,22 @@ def _hypothesis(current: Fit, taken: Effects, effects: tuple[str, ...], ask: Ask
     proposal = outlook.proposal(chosen, away, 0.0)
     if away:
         return _fitted(fitted_with(current, taken, proposal, ask), effects)
-    found = None
+    shapes = dict(shape for trial in chosen for shape in trial.shapes)
     if proposal.gain > 0.5 * SHOWN**2:
         fitted = fitted_with(current, taken, proposal, ask)
-        found = fitted.values if fitted.squares < current.squares and is_estimated(fitted, current.balance) else None
-    if found is None:
-        chosen = [_hidden(outlook, name) for name in added]
-    return _beside(current, outlook, chosen, effects, found)
+        if fitted.squares < current.squares and is_estimated(fitted, current.balance):
+            return _known(fitted, [*fitted.names, *shapes], effects, ask.bounds)
+    return _allowed(current, [outlook.columns[_hidden(outlook, name)] for name in added], effects, ask.bounds)
 
 
 def _fitted(of: Fit, effects: tuple[str, ...]) -> Hypothesis:
     """A fit as a hypothesis."""
     return Hypothesis(effects, _acting(of.values, of.names), of.unknowns, of.curvature)
+
+
+def _known(of: Fit, names: Sequence[str], effects: tuple[str, ...], bounds: Bounds) -> Hypothesis:
+    """The values of a fit as a hypothesis, with what its records tell of more of them."""
+    return _fitted(fit(of.balance, of.values, tuple(dict.fromkeys(names)), bounds, AS_IT_IS, of.weighing), effects)
 
 
 def _acting(values: Values, names: Sequence[str]) -> dict[str, float]:
@@ -130,57 +138,72 @@ def _likeliest(outlook: Outlook, away: Mapping[str, Mapping[int, float]], effect
 
 
 def _hidden(outlook: Outlook, effect: str) -> Trial:
-    """Of an effect's numbers and shapes those that could hide the largest size from the records."""
+    """Of an effect's numbers and shapes those with which it would show most, had nothing made up for it, as large as the
+    records allow.
+    """
 
-    def variance(trial: Trial) -> float:
-        return float(inverse(_precision(outlook.fitted, [outlook.columns[trial]]))[-1, -1])
+    def shows(trial: Trial) -> float:
+        columns = outlook.columns[trial]
+        size = _reaches(outlook.fitted, [columns])[len(outlook.fitted.unknowns) :]
+        return float(np.linalg.norm(columns.block @ np.clip(size, columns.low, columns.high)))
 
-    return max((offer.added[0] for offer in _offers(outlook, {}, effect)), key=variance)
-
-
-def _beside(
-    current: Fit, outlook: Outlook, chosen: Sequence[Trial], effects: tuple[str, ...], found: Values | None
-) -> Hypothesis:
-    """Effects beside those that are there, at values that were `found`, else as large as the records allow."""
-    columns = [outlook.columns[trial] for trial in chosen]
-    shapes = dict(shape for trial in chosen for shape in trial.shapes)
-    shaping = [unknown(name, {**current.values, **shapes}, {}, current.balance.scales) for name in shapes]
-    inner = _precision(current, columns)
-    count, both = len(current.unknowns), inner.shape[0]
-    precision = np.eye(both + len(shaping)) / VAGUE**2
-    precision[:both, :both] = inner
-    starts = np.concatenate([one.starts for one in columns])
-    unknowns = [*current.unknowns, *(u for one in columns for u in one.unknowns), *shaping]
-    new = unknowns[count:both]
-    neutral = {u.name: u.value(float(start)) for u, start in zip(new, starts, strict=True)}
-    values = {**_acting(current.values, current.names), **shapes, **neutral}
-    hypothesis = Hypothesis(effects, values, unknowns, precision)
-    if found is not None:
-        return replace(hypothesis, values={**values, **{u.name: found[u.name] for u in unknowns}})
-    return replace(hypothesis, values=_allowed(current, hypothesis, range(count, both)))
+    return max((offer.added[0] for offer in _offers(outlook, {}, effect)), key=shows)
 
 
-def _precision(current: Fit, columns: Sequence[Columns]) -> np.ndarray:
-    """Of the unknowns of a fit and of what sizes effects beside them."""
+def _reaches(current: Fit, columns: Sequence[Columns]) -> np.ndarray:
+    """How far the unknowns of a fit and of what sizes effects move, to first order, where these are as large as the
+    records allow.
+    """
     own, block = current.jacobian * current.free, np.column_stack([one.block for one in columns])
-    return np.block([[current.curvature, own.T @ block], [block.T @ own, block.T @ block]])
+    count, more = own.shape[1], block.shape[1]
+    covariance = inverse(np.block([[current.curvature, own.T @ block], [block.T @ own, block.T @ block]]))
+    room = np.concatenate([one.high for one in columns])
+    shift = np.zeros(count + more)
+    for k in range(count, count + more):
+        side = 1.0 if room[k - count] > 0.0 else -1.0
+        shift += side * SHOWN * covariance[:, k] / np.sqrt(max(covariance[k, k], 1e-300)) / np.sqrt(more)
+    return shift
 
 
-def _allowed(current: Fit, hypothesis: Hypothesis, sized: range) -> dict[str, float]:
-    """The values with an effect as large as the records allow, and the other parameters as they make up for it.
+def _allowed(current: Fit, columns: Sequence[Columns], effects: tuple[str, ...], bounds: Bounds) -> Hypothesis:
+    """Effects beside those that are there, as large as the records allow once the other parameters are fitted to them
+    anew: their profile likelihood falls by what `SHOWN` standard deviations make of it.
 
     Raises:
-        UserError: they speak against it at any size that the plant can have.
+        UserError: the records speak against them at any size that the plant can have.
     """
-    covariance = inverse(hypothesis.precision)
-    shift = np.zeros(len(hypothesis.unknowns))
-    for k in sized:
-        side = 1.0 if hypothesis.room[1][k] > 0.0 else -1.0
-        shift += side * SHOWN * covariance[:, k] / np.sqrt(max(covariance[k, k], 1e-300)) / np.sqrt(len(sized))
+    shift, count = _reaches(current, columns), len(current.unknowns)
+    most = current.squares + BEYOND * SHOWN**2
+    named = [*current.names, *(name for one in columns for name in one.values(one.starts))]
+    low, high = np.array([u.low for u in current.unknowns]), np.array([u.high for u in current.unknowns])
+
+    def sized(share: float, own: np.ndarray) -> dict[str, float]:
+        """The values with the effects at a share of that size, and the plant's own parameters moved."""
+        values, at = {**_acting(current.values, current.names), **current.at(np.clip(own, low, high))}, count
+        for one in columns:
+            values |= one.values(share * shift[at : at + one.starts.size])
+            at += one.starts.size
+        return values
+
+    def profiled(share: float) -> Fit:
+        ways = [sized(share, current.places + moved * shift[:count]) for moved in (share, 0.0)]
+        start = min(ways, key=current.seen_at)
+        return fit(current.balance, start, current.names, bounds, QUICK, current.weighing)
+
+    share, found, refused = 1.0, profiled(1.0), False
     for _ in range(TIMES):
-        values = hypothesis.moved(shift)
-        if current.seen_at(values) < current.squares + 2.0 * SHOWN**2:
-            return values
-        shift = SMALLER * shift
-    names = listed([plain_name(effect) for effect in hypothesis.effects])
-    raise UserError(f"{names}: the records speak against it at any size that the plant can have")
+        if found.squares < most:
+            break
+        share, refused = SMALLER * share, True
+        found = profiled(share)
+    else:
+        words = listed([plain_name(effect) for effect in effects])
+        raise UserError(f"{words}: the records speak against it at any size that the plant can have")
+    for _ in range(FURTHER):
+        larger = profiled(share * (SMALLER**-0.5 if refused else 1.0 / SMALLER))
+        if larger.squares >= most or larger.values == found.values:
+            break
+        share, found = share * (SMALLER**-0.5 if refused else 1.0 / SMALLER), larger
+        if refused:
+            break
+    return _known(found, named, effects, bounds)

@@ -2,7 +2,7 @@
 
     PYTHONPATH=tests/helpers python -m design_proof --out DIR [--cases 10]
 
-Takes the first cases of the generator of which a record leaves a pair open, designs a motion of the same length,
+Takes the first cases of the generator of which a record leaves a pair open, by the likelihood too, designs a motion of the same length,
 records it on the generator's machine, and chooses by the likelihood of both records; and the same with the first motion
 repeated. Then, of some designs, the share of repeated records that tell the pair is held against what the design
 predicts. What is done is kept in DIR and not done again.
@@ -95,7 +95,8 @@ def results_of(out: Path, count: int) -> Iterator[Result]:
         if not kept.exists():
             folder.mkdir(parents=True, exist_ok=True)
             pair = pair_of(case)
-            result = None if pair is None else run_case(case, pair, folder)
+            is_open = pair is not None and told(difference(pair, [pair.made.records[FIT]])) == "open"
+            result = run_case(case, pair, folder) if pair is not None and is_open else None
             kept.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
         result = json.loads(kept.read_text(encoding="utf-8"))
         if result is not None:
