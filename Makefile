@@ -13,7 +13,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test combinations export-proof fmu-proof fuzz kills lint docs docs-answers docs-test benchmark diagnosis design-proof clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test test-thorough combinations export-proof fmu-proof fuzz kills lint docs docs-answers docs-test benchmark diagnosis design-proof clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -58,6 +58,10 @@ study-decision: $(ENVIRONMENT)/ready
 
 test: lint
 	$(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
+
+# What takes minutes: whole diagnoses of measured records and of further machines, the closed loop from end to end.
+test-thorough: $(ENVIRONMENT)/ready-for-tests
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m thorough
 
 # Every plant with every friction law and every controller, checked, and simulated where that is admitted.
 combinations: $(ENVIRONMENT)/ready-for-tests

@@ -39,6 +39,7 @@ def test_a_plant_that_lacks_nothing_follows_and_its_friction_is_found(tmp_path: 
     assert abs(coulomb.value - TRUE["coulomb"]) < 3.0 * coulomb.std
 
 
+@pytest.mark.thorough
 def test_a_spring_that_nobody_declared_is_found(tmp_path: Path) -> None:
     diagnosis = diagnose(driven_experiment(tmp_path, STIFFNESS, NOISE, DURATION, SENSOR))
     (spring,) = diagnosis.effects

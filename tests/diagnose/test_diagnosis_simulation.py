@@ -25,6 +25,7 @@ def shortened(path: Path) -> Path:
     return path
 
 
+@pytest.mark.thorough
 def test_air_in_the_oil_is_found_by_simulation_alone(tmp_path: Path) -> None:
     diagnosis = diagnose(shortened(make_experiment(tmp_path, {"entrained_air": 0.5}, SEED)))
     truth = json.loads((tmp_path / "truth.json").read_text())["rig"]

@@ -25,7 +25,10 @@ SLOW = {"time": 3.0}
 SMALL = {"mass": 1e-3, "length": 0.05}
 
 
-@pytest.mark.parametrize("scale", [{**LARGE, **SLOW}, SMALL], ids=["large and slow", "small"])
+@pytest.mark.parametrize(
+    "scale",
+    [pytest.param({**LARGE, **SLOW}, id="large and slow", marks=pytest.mark.thorough), pytest.param(SMALL, id="small")],
+)
 def test_a_spring_is_found_on_a_machine_of_any_size(scale: dict[str, float], tmp_path: Path) -> None:
     diagnosis = diagnose(
         rescaled(driven_experiment(tmp_path, STIFFNESS, NOISE, DURATION), tmp_path / "rescaled", **scale)

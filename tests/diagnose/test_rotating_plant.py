@@ -64,6 +64,7 @@ def named(stage: ResidualStage) -> dict[str, dict[str, float]]:
     }
 
 
+@pytest.mark.thorough
 def test_a_valve_s_overlap_and_friction_along_the_stroke_are_named(tmp_path: Path) -> None:
     stage = stage_of(tmp_path, {"valve_overlap": 1e-5, "friction_curvature": 0.8}, 10.0)
     added = named(stage)

@@ -24,6 +24,8 @@ MEASURED = Path(__file__).parents[2] / "studies" / "measured"
 DATA = Path(__file__).parents[3] / "shared" / "data"
 RPM = 2.0 * np.pi / 60.0
 
+pytestmark = pytest.mark.thorough
+
 
 def experiment(name: str, folder: str) -> Path:
     """An experiment of `studies/measured`, whose records may be missing."""

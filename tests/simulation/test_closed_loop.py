@@ -36,6 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
     return path / "results"
 
 
+@pytest.mark.thorough
 def test_what_nobody_declared_is_found_with_its_size(folder: Path) -> None:
     report = json.loads((folder / "closed_loop_diagnosis" / "report.json").read_text())
     assert report["verdict"] == "effect_found"
@@ -48,6 +49,7 @@ def test_what_nobody_declared_is_found_with_its_size(folder: Path) -> None:
     assert after["position_rms_m"] < 0.01 * report["error"]["held_out"]["before"]["position_rms_m"]
 
 
+@pytest.mark.thorough
 def test_the_corrected_plant_ranks_controllers_as_the_rig_does(folder: Path) -> None:
     results = pd.read_csv(folder / "closed_loop" / "results.csv")
     slow = results[(results["case"] == "declared") & (results["reference"] == "slow_sine")]

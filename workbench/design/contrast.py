@@ -10,7 +10,6 @@ and slopes of pieces of a motion add up, so that those of a sum of pieces need n
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -20,7 +19,8 @@ from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Piece, sampled
 from workbench.design.rig import Rig
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.fitting.least_squares import THREADS, bounded_minimum
+from workbench.fitting.least_squares import bounded_minimum
+from workbench.fitting.threads import side_by_side
 from workbench.simulation.run import Run
 
 Pair = tuple[int, int]
@@ -72,8 +72,7 @@ def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: 
     """A piece under every hypothesis, and what every rival makes of it."""
     reference, condition = sampled(piece, rig.reach), piece.condition
     size = len(hypotheses[0].unknowns)
-    with ThreadPoolExecutor(THREADS) as pool:
-        runs = list(pool.map(lambda one: rig.driven(one.values, reference, condition), hypotheses))
+    runs = side_by_side(lambda one: rig.driven(one.values, reference, condition), hypotheses)
     steps = sum(run.steps for run in runs)
     nothing = np.zeros((size, size))
     if beyond := next((said for run in runs if (said := rig.beyond(run))), ""):
@@ -106,8 +105,7 @@ def replays(
         moves = rig.moves()
         asked += [(of.values, np.zeros_like(moves[0])), *((of.values, move) for move in moves)]
         sizes += [1.0] * len(moves)
-    with ThreadPoolExecutor(THREADS) as pool:
-        replayed = list(pool.map(lambda one: rig.replayed(one[0], command, condition, one[1]), asked))
+    replayed = side_by_side(lambda one: rig.replayed(one[0], command, condition, one[1]), asked)
     steps = sum(one.steps for one in replayed)
     base, *others = (rig.seen(one) for one in replayed)
     if base is None:

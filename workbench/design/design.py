@@ -1,7 +1,6 @@
 """The whole of a design: hypotheses, the rig, the search for a motion, and how surely that tells them apart."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,7 +24,7 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
 from workbench.errors import UserError
 from workbench.fitting.covariance import inverse
-from workbench.fitting.least_squares import THREADS
+from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress, part_of, silent
 from workbench.publish.words import listed
 from workbench.records.experiment import Experiment, read_experiment
@@ -247,11 +246,10 @@ def _confirmed(experiment: Experiment, source: str, rig: Rig, wanted: Wanted, ch
         _leg(rig, condition, [sampled(p, rig.reach) for p in pieces if p.condition == condition])
         for condition in conditions
     ]
-    with ThreadPoolExecutor(THREADS) as pool:
-        runs = [
-            list(pool.map(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs))
-            for one in wanted.hypotheses
-        ]
+    runs = [
+        side_by_side(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs)
+        for one in wanted.hypotheses
+    ]
     told = told_apart(rig, wanted.hypotheses, legs, runs) if len(wanted.hypotheses) > 1 else []
     return Design(experiment, source, rig, wanted.hypotheses, pieces, legs, runs, told, _known(wanted, chosen))
 

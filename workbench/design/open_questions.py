@@ -138,8 +138,8 @@ def _likeliest(outlook: Outlook, away: Mapping[str, Mapping[int, float]], effect
 
 
 def _hidden(outlook: Outlook, effect: str) -> Trial:
-    """Of an effect's numbers and shapes those with which it would show most, had nothing made up for it, as large as the
-    records allow.
+    """Of an effect's numbers and shapes those with which it would show most, had no parameter made up for it, at the
+    size that the records allow.
     """
 
     def shows(trial: Trial) -> float:

@@ -142,7 +142,7 @@ KINDS: Mapping[str, Callable[[float, float, float, Reach], tuple[ReferenceSignal
 
 
 def _whole(frequency: float, span: float) -> float:
-    """The fastest frequency, no faster than asked, with a whole number of periods in a span (s); one period at least."""
+    """The fastest frequency up to the one that is asked with whole periods in a span (s), of which there is one."""
     return max(int(frequency * span * (1.0 + ROUNDING)), 1) / span
 
 

@@ -9,7 +9,6 @@ order: it lies in the few directions in which a plant can move the record, and i
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from workbench.design.pieces import Condition
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
 from workbench.fitting.covariance import inverse
-from workbench.fitting.least_squares import THREADS
+from workbench.fitting.threads import side_by_side
 from workbench.simulation.run import Run
 
 MACHINES, SHARES, REPETITIONS = 4, 50, 50
@@ -125,8 +124,7 @@ def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg]) -> list[Machine | No
         values = true.moved(away)
         return _machine(rig, true, away, [rig.driven(values, leg.reference, leg.condition) for leg in legs])
 
-    with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(driven, places))
+    return side_by_side(driven, places)
 
 
 def _left_of(
@@ -139,8 +137,7 @@ def _left_of(
         _, moved, left = refitted(rig, of, machine.record, shown, legs, machine.runs, start)
         return moved, left + shown.columns @ moved
 
-    with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(left, machines))
+    return side_by_side(left, machines)
 
 
 def shown_along(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run]) -> Shown | None:

@@ -6,13 +6,11 @@ foresaw well is corrected by what it showed (Broyden 1965) before differences ar
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
-THREADS = 2
-"""Threads in which the columns of a Jacobian are found, beside one another: compiled code lets other threads run."""
+from workbench.fitting.threads import side_by_side
 
 EASIER, HARDER = 0.2, 4.0
 """Factors of the damping after a step that gained what was expected, and after one that did not."""
@@ -77,8 +75,7 @@ def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.n
 
     if not x.size:
         return np.zeros((base.size, 0))
-    with ThreadPoolExecutor(THREADS) as pool:
-        return np.column_stack(list(pool.map(column, range(x.size))))
+    return np.column_stack(side_by_side(column, range(x.size)))
 
 
 def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, search: Search) -> Solution:

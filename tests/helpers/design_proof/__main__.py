@@ -2,10 +2,10 @@
 
     PYTHONPATH=tests/helpers python -m design_proof --out DIR [--cases 10]
 
-Takes the first cases of the generator of which a record leaves a pair open, by the likelihood too, designs a motion of the same length,
-records it on the generator's machine, and chooses by the likelihood of both records; and the same with the first motion
-repeated. Then, of some designs, the share of repeated records that tell the pair is held against what the design
-predicts. What is done is kept in DIR and not done again.
+Takes the first cases of the generator of which a record leaves a pair open, by its likelihood too, designs a motion of
+the same length, records it on the generator's machine, and chooses by the likelihood of both records; and the same with
+the first motion repeated. Then, of some designs, the share of repeated records that tell the pair is held against what
+the design predicts. What is done is kept in DIR and not done again.
 """
 
 import argparse

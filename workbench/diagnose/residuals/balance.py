@@ -1,7 +1,6 @@
 """A physical balance of some records: what is left of it with values of the parameters, over its noise floor."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +10,7 @@ from plants.axis import LINEAR
 from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.fitting.least_squares import THREADS
+from workbench.fitting.threads import side_by_side
 
 BLOCKS = 10
 """Parts, each of one piece, into which the records are cut for cross-validation."""
@@ -90,8 +89,7 @@ class Balance:
             with np.errstate(over="ignore", invalid="ignore"):
                 return [np.where(where, scale * part, 0.0) for part in self.residuals(motion, values)]
 
-        with ThreadPoolExecutor(THREADS) as pool:
-            stack = np.concatenate([part for parts in pool.map(over_floor, self.motions, known) for part in parts])
+        stack = np.concatenate([part for parts in side_by_side(over_floor, self.motions, known) for part in parts])
         return np.where(np.abs(stack) < RUNS_AWAY, stack, np.nan)
 
     @cached_property

@@ -6,7 +6,6 @@ is taken, and the search goes on from there. So one effect that stood in for two
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -21,7 +20,8 @@ from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_o
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, columns_of, seen_of, together, trials_of
-from workbench.fitting.least_squares import THREADS, Search
+from workbench.fitting.least_squares import Search
+from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
 FIRST_STEPS = Search(flat=1e-3, most_steps=8, learns=True)
@@ -215,8 +215,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     dropped.
     """
     ordered = list(_best_alone(outlook, ask).values())
-    with ThreadPoolExecutor(THREADS) as pool:
-        alone = list(pool.map(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), ordered))
+    alone = side_by_side(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), ordered)
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):

@@ -1,7 +1,6 @@
 """What an effect would change of a residual, to first order: a column for each number that sizes it."""
 
 from collections.abc import Collection, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -16,7 +15,7 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, stacked
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
-from workbench.fitting.least_squares import THREADS
+from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
 FELT = 20.0
@@ -245,11 +244,10 @@ def seen_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds, before: Seen |
     def made(kind: Kind) -> Column:
         return _column(fitted, kind, bounds, steps.get(kind[0]))
 
-    with ThreadPoolExecutor(THREADS) as pool:
-        found |= zip(first.values(), pool.map(made, first.values()), strict=True)
-        steps |= {name: found[kind].step for name, kind in first.items()}
-        rest = [kind for kind in wanted if kind not in found]
-        found |= zip(rest, pool.map(made, rest), strict=True)
+    found |= zip(first.values(), side_by_side(made, first.values()), strict=True)
+    steps |= {name: found[kind].step for name, kind in first.items()}
+    rest = [kind for kind in wanted if kind not in found]
+    found |= zip(rest, side_by_side(made, rest), strict=True)
     return Seen(fitted, found)
 
 

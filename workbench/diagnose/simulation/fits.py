@@ -9,7 +9,6 @@ found with its parameters.
 """
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -34,7 +33,8 @@ from workbench.diagnose.simulation.beside import SLOWEST
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
-from workbench.fitting.least_squares import THREADS, Search
+from workbench.fitting.least_squares import Search
+from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import EITHER_SIGN
 
 NOISE = 1.5
@@ -344,8 +344,7 @@ def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
         for name in fitting.names:
             if name not in EITHER_SIGN and values[name] > 0.0:
                 tried = [{**values, name: factor * values[name]} for factor in FACTORS]
-                with ThreadPoolExecutor(THREADS) as pool:
-                    values = tried[int(np.argmin(list(pool.map(left, tried))))]
+                values = tried[int(np.argmin(side_by_side(left, tried)))]
         again = fitting.found(best.how, values)
         if again.fit.rms > BETTER * best.fit.rms:
             break

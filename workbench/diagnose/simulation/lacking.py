@@ -7,7 +7,6 @@ were found, and in their place more than all of them, they stand in for it.
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +16,7 @@ from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
 from workbench.diagnose.selection.likelihood import asked, gain_of
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.shooting import Push, Shooting
-from workbench.fitting.least_squares import THREADS
+from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 
 NODES, FINE = 8, 24
@@ -185,5 +184,4 @@ def _columns(
     size = FIRST * how.push_scale(balance == FLOW)
     felt = float(np.linalg.norm(fitted.weighing(moved(pushes[len(pushes) // 2], size))))
     size *= float(np.clip(FELT / max(felt, 1e-12), 1e-6, 1e6))
-    with ThreadPoolExecutor(THREADS) as pool:
-        return np.column_stack(list(pool.map(lambda push: moved(push, size), pushes)))
+    return np.column_stack(side_by_side(lambda push: moved(push, size), pushes))

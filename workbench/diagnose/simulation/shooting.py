@@ -6,7 +6,6 @@ seconds (multiple shooting).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -24,8 +23,8 @@ from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import Followed, held, led, quickest
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
-from workbench.fitting.least_squares import THREADS
 from workbench.fitting.replay import Sampled
+from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate
 
@@ -161,8 +160,7 @@ class Shooting:
         changed = list[np.ndarray]()
         for motion in motions:
             moves = [np.zeros(len(self.along.names)), *self.moves(motion, values)]
-            with ThreadPoolExecutor(THREADS) as pool:
-                base, *others = pool.map(lambda moved, of=motion: self._stacked(of, values, moved), moves)
+            base, *others = side_by_side(lambda moved, of=motion: self._stacked(of, values, moved), moves)
             changed.append(np.nan_to_num(np.column_stack(others) - base[:, None], posinf=0.0, neginf=0.0))
         return np.concatenate(changed), self.groups(motions)
 

@@ -6,14 +6,13 @@ the plant is simulated at places along each of its principal directions, as far 
 them; from the best of them it goes on in wide difference quotients, which hollows do not turn, and then in narrow ones.
 """
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 
 from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit, weighed_by, weighing_at
 from workbench.diagnose.residuals.weighing import by_scatter
 from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, Fitting, Simulated
-from workbench.fitting.least_squares import THREADS, Search
+from workbench.fitting.least_squares import Search
+from workbench.fitting.threads import side_by_side
 
 AWAY = tuple(side * away for away in (1.0, 3.0, 10.0, 30.0) for side in (1.0, -1.0))
 """Deviations of a fit along each of its principal directions, at which others begin."""
@@ -58,5 +57,4 @@ def _least_along(of: Fit) -> Fit:
     ways = (directions / np.sqrt(np.maximum(sizes, np.finfo(float).tiny))).T
     low, high = np.array([u.low for u in of.unknowns]), np.array([u.high for u in of.unknowns])
     places = [np.clip(of.places + away * way, low, high) for way in ways for away in AWAY]
-    with ThreadPoolExecutor(THREADS) as pool:
-        return min(pool.map(lambda place: fit(of.balance, of.at(place), ()), places), key=lambda one: one.rms)
+    return min(side_by_side(lambda place: fit(of.balance, of.at(place), ()), places), key=lambda one: one.rms)

@@ -1,0 +1,31 @@
+"""Simulations side by side, in threads that stay: compiled code lets other threads run."""
+
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from os import getpid
+from typing import Any, TypeVar
+
+THREADS = 2
+
+Result = TypeVar("Result")
+
+_here = threading.local()
+
+
+def side_by_side(function: Callable[..., Result], *items: Iterable[Any]) -> list[Result]:
+    """What a function makes of items, in their order; one after the other where a thread of these asks for it."""
+    if getattr(_here, "works", False):
+        return list(map(function, *items))
+    return list(_pool(getpid()).map(function, *items))
+
+
+@lru_cache(maxsize=1)
+def _pool(_process: int) -> ThreadPoolExecutor:
+    """The threads of a process: a process that is forked has none."""
+    return ThreadPoolExecutor(THREADS, "side by side", initializer=_begin)
+
+
+def _begin() -> None:
+    _here.works = True
