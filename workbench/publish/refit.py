@@ -8,15 +8,18 @@ figure is left out, since on a page of that kind it is the caption's.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis, Tick
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpec
 from matplotlib.legend import Legend
+from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
 from matplotlib.transforms import Bbox, ScaledTranslation
@@ -231,7 +234,14 @@ def _broken(said: str, font: FontProperties, room: float) -> list[str]:
 
 def _length(line: str, font: FontProperties) -> float:
     """How long a line of text is, in points."""
-    return float(TextPath((0.0, 0.0), line, prop=font).get_extents().width) if line.strip() else 0.0
+    return _ink(line, font.copy()) if line.strip() else 0.0
+
+
+@lru_cache(4096)
+def _ink(line: str, font: FontProperties) -> float:
+    """The width of what is drawn of a line; outlines of letters have a point wherever they are widest."""
+    path = TextPath((0.0, 0.0), line, prop=font)
+    return float(np.ptp(path.vertices[path.codes != Path.CLOSEPOLY, 0]))
 
 
 def _turn_labels(figure: Figure) -> None:

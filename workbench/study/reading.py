@@ -40,9 +40,9 @@ def study_of(data: Mapping[str, object], text: str, path: Path) -> Study:
                 if key not in allowed:
                     raise study.error((section, name, key), f"unknown key; {nearest(key, allowed)}")
     for layer in LAYERS.values():
-        beside, own = layer.files(path.parent), getattr(file, layer.section)
-        wanted = [name for name in _named_on(file, layer.axis) if name in beside and name not in own]
-        study = with_files(study, layer, {name: beside[name] for name in wanted})
+        wanted = [name for name in _named_on(file, layer.axis) if name not in getattr(file, layer.section)]
+        beside = layer.files(path.parent) if wanted else {}
+        study = with_files(study, layer, {name: beside[name] for name in wanted if name in beside})
     return study
 
 

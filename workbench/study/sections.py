@@ -148,7 +148,13 @@ def file_model(used: Collection[str]) -> type[StudyFile]:
 
     A section that is not `used` is known by its name alone, so that a slip of the pen finds it.
     """
-    tables: dict[str, Any] = {name: (_content(load(name)) if name in used else None, None) for name in places()}
+    return _with_tables(tuple((name, _content(load(name)) if name in used else None) for name in places()))
+
+
+@functools.lru_cache(64)
+def _with_tables(contents: Sequence[tuple[str, object]]) -> type[StudyFile]:
+    """A study file with these tables, made once: that takes longer than reading one."""
+    tables: dict[str, Any] = {name: (content, None) for name, content in contents}
     return create_model("StudyFile", __base__=StudyFile, **tables)
 
 

@@ -56,23 +56,16 @@ def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[
             raise study.error(key, "is empty: expected at least one value (or leave the axis out)")
         if len({_key(value) for value in values}) < len(values):
             raise study.error(key, "holds a value twice")
-        known = {
-            "controller": tables["controllers"],
-            "reference": tables["references"],
-            **{
-                layer.axis: {**getattr(study.file, layer.section), **layer.files(study.path.parent)}
-                for layer in LAYERS.values()
-            },
-        }
-        if axis in known:
+        known = _known(study, axis, tables)
+        if known is not None:
             for value in values:
-                if not isinstance(value, str) or value not in known[axis]:
+                if not isinstance(value, str) or value not in known:
                     where = ""
                     if axis in LAYERS:
                         folder = study.path.parent / LAYERS[axis].section
                         where = f" (looked in this file, {folder} and the program's own)"
                     raise study.error(
-                        key, f'unknown {axis} "{shortened(str(value))}"; {nearest(str(value), known[axis])}{where}'
+                        key, f'unknown {axis} "{shortened(str(value))}"; {nearest(str(value), known)}{where}'
                     )
         elif axis not in NAMED_AXES and axis.split(".")[0] not in OVERRIDES:
             roots = [*NAMED_AXES, *(f"{name}. ..." for name in OVERRIDES if name != "axes")]
@@ -82,3 +75,11 @@ def _checked_axes(study: Study, case: str | None, axes: object, tables: Mapping[
             if name not in tables[section]:
                 raise study.error(key, f'unknown {section[:-1]} "{name}"; {nearest(name, tables[section])}')
     return axes
+
+
+def _known(study: Study, axis: str, tables: Mapping[str, Any]) -> Mapping[str, object] | None:
+    """What an axis names by name; None where its values are no names."""
+    if axis in LAYERS:
+        layer = LAYERS[axis]
+        return {**getattr(study.file, layer.section), **layer.files(study.path.parent)}
+    return tables[f"{axis}s"] if axis in ("controller", "reference") else None
