@@ -14,6 +14,8 @@ from snippets.blocks import blocks
 
 from workbench import api
 
+pytestmark = pytest.mark.usefixtures("png_alone")
+
 EXAMPLES = examples()
 """Names with their documentation."""
 
@@ -22,8 +24,11 @@ EXAMPLES = examples()
 def test_examples_run(name: str, tmp_path: Path) -> None:
     test = doctest.DocTestParser().get_doctest(EXAMPLES[name], given(tmp_path), name, name, 0)
     failures: list[str] = []
-    doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE).run(test, out=failures.append)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    runner.run(test, out=failures.append, clear_globs=False)
     assert not failures, "".join(failures)
+    faces = [thing._repr_html_() for thing in test.globs.values() if hasattr(thing, "_repr_html_")]
+    assert all(face.lstrip().startswith("<") for face in faces)
 
 
 @pytest.mark.parametrize("name", api.__all__)

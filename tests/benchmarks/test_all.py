@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from command import ROOT
+from command import ROOT, workbench
 
 PRINTED = """\
 3 s of closed loop at 1 kHz                             ms  error, m  over ours
@@ -68,10 +68,10 @@ def test_cases_are_run_by_the_command_line(suite: Any, tmp_path: Path) -> None:
 
 
 def test_files_of_the_other_parts_are_in_order(suite: Any, tmp_path: Path) -> None:
-    studies, command = suite("suite.studies"), suite("suite.command")
     experiment = suite("suite.records").record(1.0, tmp_path)
-    for file in (studies.write_small(tmp_path / "small.toml"), experiment):
-        command.workbench("check", file, folder=tmp_path)
+    for file in (suite("suite.studies").write_small(tmp_path / "small.toml"), experiment):
+        answer = workbench("check", file)
+        assert (answer.code, answer.err) == (0, "")
 
 
 def test_the_peers_table_is_read_and_compared(suite: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

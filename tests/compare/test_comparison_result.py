@@ -16,20 +16,35 @@ from workbench.compare.report.panels import candidates_of
 from workbench.compare.report.power_figure import power_panel
 from workbench.compare.report.speed_figure import speed_panel
 from workbench.compare.report.tables import pivots
+from workbench.compare.result import Comparison
 from workbench.errors import UserError
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 
-def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path: Path) -> None:
-    frame = whole(draws=range(1, 4))
-    comparison = compare(made_up_study("A < B", "which?"), SPEC, frame)
+pytestmark = pytest.mark.usefixtures("png_alone")
+
+
+@pytest.fixture(scope="module")
+def whole_comparison() -> Comparison:
+    """Of two machines, two scenarios, a sine and steps."""
+    return compare(made_up_study("A < B", "which?"), SPEC, whole(draws=range(1, 4)))
+
+
+@pytest.fixture(scope="module")
+def page(whole_comparison: Comparison, tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> list[Path]:
+    """Its page, as Markdown and as HTML."""
+    return write_comparison(whole_comparison, tmp_path_factory.mktemp("one"))
+
+
+def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(
+    whole_comparison: Comparison, page: list[Path], tmp_path: Path
+) -> None:
     texts = []
-    for name in ("one", "two"):
-        markdown, html = write_comparison(comparison, tmp_path / name)
+    for markdown, html in (page, write_comparison(whole_comparison, tmp_path)):
         texts.append((markdown.read_bytes(), html.read_bytes()))
-        pictures = {picture.stem for picture in (tmp_path / name / "figures").glob("*.png")}
+        pictures = {picture.stem for picture in (html.parent / "figures").glob("*.png")}
         assert pictures == {
             "error_against_rpm_nominal",
             "error_against_rpm_soft",
@@ -44,12 +59,11 @@ def test_the_page_is_written_with_its_figures_and_the_same_bytes_twice(tmp_path:
     assert "360 cases: 2 machines, 5 controllers" in html
 
 
-def test_a_click_on_a_field_of_the_matrix_shows_its_cases(browser: "Browser", tmp_path: Path) -> None:
-    _, html = write_comparison(compare(made_up_study("one", "which?"), SPEC, whole(draws=range(1, 4))), tmp_path)
-    with from_disk(browser, html) as page:
-        rows = page.locator(".cases tbody tr:not([hidden])")
+def test_a_click_on_a_field_of_the_matrix_shows_its_cases(browser: "Browser", page: list[Path]) -> None:
+    with from_disk(browser, page[1]) as opened:
+        rows = opened.locator(".cases tbody tr:not([hidden])")
         assert rows.count() == 120  # three draws in a line
-        table = page.locator(".matrices table").nth(1)
+        table = opened.locator(".matrices table").nth(1)
         place = {"machine": table.locator("caption").inner_text(), "scenario": "soft", "reference": "steps"}
         heads = table.locator("tr").first.locator("th").all_inner_texts()
         row = next(row for row in table.locator("tr").all() if row.locator("th").first.inner_text() == "soft")
@@ -57,7 +71,7 @@ def test_a_click_on_a_field_of_the_matrix_shows_its_cases(browser: "Browser", tm
         shown = [text.split("\t") for text in rows.all_inner_texts()]
         assert 0 < len(shown) < 120
         for name, value in place.items():
-            column = page.locator(".cases thead th").all_inner_texts().index(name)
+            column = opened.locator(".cases thead th").all_inner_texts().index(name)
             assert {cells[column].strip() for cells in shown} == {value}
 
 

@@ -107,9 +107,9 @@ def test_friedland_parks_level_stays_in_its_range_and_is_held_at_rest(
 
 
 def steady_estimate(theta: float, velocity: float) -> float:
-    memory = at_rest(theta=theta)
+    memory, b = at_rest(theta=theta), belief()
     for _ in range(3000):
-        force, memory = lugre_observer(Seen(velocity, velocity, 0.0, 0.0), memory, belief(), H)
+        force, memory = lugre_observer(Seen(velocity, velocity, 0.0, 0.0), memory, b, H)
     return float(force)
 
 

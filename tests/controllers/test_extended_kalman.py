@@ -1,7 +1,10 @@
 """The extended Kalman filter against filterpy's with matrices of CasADi and SciPy, and on simulated rigs."""
 
+import ctypes
+import functools
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi
 import numpy as np
@@ -9,7 +12,6 @@ import pytest
 from filterpy.kalman import ExtendedKalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba_equations import njit
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from support import registered
@@ -30,9 +32,10 @@ from controllers.extended_kalman import (
 )
 from controllers.pid import PID
 from controllers.velocity import at_rest, estimate_velocity, filtered_differentiator
-from plants.equation import from_array, to_array
+from plants.equation import from_array, size_of, to_array
 from plants.interface import Measurement
 from plants.registry import THESIS
+from workbench.recording.machine_code import machine_code
 from workbench.simulation.references import Sine, Triangle
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.simulate import Loop, Run, simulate
@@ -59,30 +62,53 @@ def rig(motion: str, truth: Any = BELIEF) -> Run:
     return simulate(replace(setup, parameters=truth, sensors=RIG))
 
 
-@njit(error_model="numpy")
+class Core(NamedTuple):
+    """What of the estimates moves by the model's rates."""
+
+    velocity: float
+    load_pressure: float
+    bristle: float
+
+
+class Estimated(NamedTuple):
+    """What an update gives."""
+
+    velocity: float
+    load_pressure: float
+    friction: float
+    state: EkfState
+
+
+@functools.cache
+def compiled_update() -> Callable[..., None]:
+    """The update of a sample as the program compiles it."""
+
+    def update(measurement: Measurement, realised: Any, state: EkfState, gains: EkfGains) -> Estimated:
+        return Estimated(*ekf_update(measurement, realised, state, gains, H))
+
+    return machine_code(update, (Measurement, None, EkfState, EkfGains), into=4).ctypes
+
+
 def compiled_estimates(
     readings: np.ndarray, volts: np.ndarray, state: EkfState, gains: EkfGains
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocity, load pressure, friction, bristle; and the ten numbers of the covariance, at each sample."""
+    reading, now, given = np.zeros(size_of(Measurement)), to_array(state), to_array(gains)
+    then = np.empty(3 + now.size)
+    places = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (reading, now, given, then)]
     found, spread = np.empty((volts.size, 4)), np.empty((volts.size, 10))
     for k in range(volts.size):
-        reading = Measurement(readings[k, 0], readings[k, 1], readings[k, 2], readings[k, 3])
-        realised = volts[k - 1] if k > 0 else 0.0
-        velocity, pressure, friction, state = ekf_update(reading, realised, state, gains, H)
-        found[k] = (velocity, pressure, friction, state.bristle)
-        for i in range(10):
-            spread[k, i] = state.covariance[i]
+        reading[:4] = readings[k, :4]
+        compiled_update()(places[0], volts[k - 1] if k > 0 else 0.0, *places[1:])
+        now[:] = then[3:]
+        after = from_array(EkfState, now)
+        found[k], spread[k] = (*then[:3], after.bristle), after.covariance
     return found, spread
 
 
-def floats(value: Any) -> Any:
-    """A nested tuple with every number a Python float: one compiled signature for all."""
-    return type(value)(*(floats(item) if isinstance(item, tuple) else float(item) for item in value))
-
-
 def estimates(run: Run, choice: EkfSettings = EkfSettings()) -> np.ndarray:  # noqa: B008 (an immutable tuple)
-    gains = floats(design_ekf(BELIEF, choice, H))
-    start = floats(ekf_at_rest(Measurement(*run.measurements[0]), gains))
+    gains = design_ekf(BELIEF, choice, H)
+    start = ekf_at_rest(Measurement(*run.measurements[0]), gains)
     return compiled_estimates(run.measurements, run.command, start, gains)[0]
 
 
@@ -174,8 +200,14 @@ def test_step_is_of_second_order() -> None:
     """Steps of the local linearisation over 8 ms of braking from 50 mm/s, against an implicit solver."""
     gains, spool, start = design_ekf(BELIEF, EkfSettings(), H), 2e-5, np.array([0.05, 8e5, 7e-5])
 
+    compiled = machine_code(lambda core, gains: believed_rates(*core, spool, gains)[0], (Core, EkfGains), into=2).ctypes
+    place, given, rates = np.zeros(3), to_array(gains), np.zeros(3)
+    places = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (place, given, rates)]
+
     def slope(_: float, core: np.ndarray) -> np.ndarray:
-        return to_array(believed_rates(*core, spool, gains)[0])
+        place[:] = core
+        compiled(*places)
+        return rates.copy()
 
     exact = solve_ivp(slope, (0.0, 8e-3), start, "Radau", rtol=1e-12, atol=1e-16).y[:, -1]
 
@@ -221,9 +253,9 @@ class ByMatrices(ExtendedKalmanFilter):
 def test_estimates_are_those_of_filterpy(motion: str) -> None:
     run = rig(motion)
     samples = 600
-    gains = floats(design_ekf(BELIEF, EkfSettings(), H))
+    gains = design_ekf(BELIEF, EkfSettings(), H)
     start = ekf_at_rest(Measurement(*run.measurements[0]), gains)
-    found, spread = compiled_estimates(run.measurements[:samples], run.command[:samples], floats(start), gains)
+    found, spread = compiled_estimates(run.measurements[:samples], run.command[:samples], start, gains)
     reference, select = ByMatrices(gains, start), np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
     means, spreads = [], []
     for k, reading in enumerate(run.measurements[:samples]):
@@ -241,8 +273,8 @@ def test_estimates_are_those_of_filterpy(motion: str) -> None:
 
 def test_compiled_equals_plain_python() -> None:
     run = rig("sine")
-    gains = floats(design_ekf(BELIEF, EkfSettings(), H))
-    state = floats(ekf_at_rest(Measurement(*run.measurements[0]), gains))
+    gains = design_ekf(BELIEF, EkfSettings(), H)
+    state = ekf_at_rest(Measurement(*run.measurements[0]), gains)
     found, spread = compiled_estimates(run.measurements[:80], run.command[:80], state, gains)
     for k, reading in enumerate(run.measurements[:80]):
         realised = float(run.command[k - 1]) if k else 0.0
@@ -286,9 +318,9 @@ def test_nothing_moves_at_rest() -> None:
     belief = BELIEF._replace(body=BELIEF.body._replace(load_force=400.0))
     state, _ = THESIS.equilibrium(belief, 0.0)
     reading = THESIS.measure(state, belief)
-    gains = floats(design_ekf(belief, EkfSettings(), H))
+    gains = design_ekf(belief, EkfSettings(), H)
     readings = np.tile(np.array(reading), (300, 1))
-    found, _ = compiled_estimates(readings, np.zeros(300), floats(ekf_at_rest(reading, gains)), gains)
+    found, _ = compiled_estimates(readings, np.zeros(300), ekf_at_rest(reading, gains), gains)
     assert found[-1] == pytest.approx([0.0, 400.0 / 6.33e-4, 0.0, 0.0], abs=1e-6)
 
 
@@ -315,13 +347,13 @@ def test_covariance_stays_positive_definite(
     """
     draw = np.random.default_rng(seed)
     sides = (side._replace(coulomb=level * side.coulomb) for side in BELIEF.friction)
-    gains = floats(design_ekf(BELIEF._replace(friction=type(BELIEF.friction)(*sides)), kind, H))
+    gains = design_ekf(BELIEF._replace(friction=type(BELIEF.friction)(*sides)), kind, H)
     time, w = H * np.arange(400), 2.0 * np.pi * frequency
     load = 2.9e6 * np.sin(2.0 * np.pi * draw.uniform(0.0, 60.0) * time)
     readings = np.column_stack([speed / w * np.sin(w * time), 0.5 * load, -0.5 * load, 0.0 * time])
     readings[:, :3] += draw.standard_normal((400, 3)) * [1e-5, 2e3, 2e3]
     volts = 10.0 * np.sign(draw.standard_normal(400))
-    start = floats(ekf_at_rest(Measurement(*readings[0]), gains))
+    start = ekf_at_rest(Measurement(*readings[0]), gains)
     found, spread = compiled_estimates(readings, volts, start, gains)
     assert np.all(np.isfinite(found))
     assert np.max(np.abs(found[:, 0])) <= ESTIMATE_RANGE * 0.678 * 1.001

@@ -113,6 +113,7 @@ def test_the_words_hold_the_numbers_of_the_table(tmp_path: Path) -> None:
     assert workbench("table", out, "--column", "probability", "--where", "rpm=125").code == 0
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_the_same_bytes_whatever_the_number_of_jobs(tmp_path: Path) -> None:
     text = changed("draws = 3", 'draws = 3\nspeeds = ["10 mm/s"]\nspreads = [0]', STUDY)
     path = write(tmp_path, text)

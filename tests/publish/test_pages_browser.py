@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 from browsing import from_disk
-from command import STUDIES
+from command import DRIVE, changed
 
 import workbench as wb
 from workbench.publish.page.index import write_index
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
+
+pytestmark = pytest.mark.usefixtures("png_alone")
 
 STUDY = """
 title = "Two gains"
@@ -57,7 +59,7 @@ label = "soft"
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> wb.StudyResults:
+def results(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> wb.StudyResults:
     folder = tmp_path_factory.mktemp("pages")
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     return wb.Study(folder / "study.toml").run(folder / "gains")
@@ -207,18 +209,18 @@ def test_the_index_leads_to_the_page(browser: "Browser", results: wb.StudyResult
 
 
 def test_no_text_of_a_study_changes_its_page(browser: "Browser", tmp_path: Path) -> None:
-    text = STUDY.replace('y_label = "position"', "y_label = 'a <!-- <script b </script> {{ 7*7 }}'")
+    text = changed('y_label = "position"', "y_label = 'a <!-- <script b </script> {{ 7*7 }}'", STUDY)
+    text = changed("rpm = [0, 10, 20, 30, 40, 60, 80, 120]", "rpm = [0, 120]", text)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     folder = wb.Study(tmp_path / "study.toml").run(tmp_path / "out").folder
     with from_disk(browser, folder / "results.html") as page:
-        assert page.locator(".cases tbody tr").count() == 16
+        assert page.locator(".cases tbody tr").count() == 4
         page.locator("#figure-motion").scroll_into_view_if_needed()
         page.wait_for_selector("#figure-motion.live-shown canvas", state="attached")
 
 
 def test_a_force_is_no_voltage(browser: "Browser", tmp_path: Path) -> None:
-    study = (STUDIES / "lugre_reference.toml").read_text(encoding="utf-8")
-    (tmp_path / "study.toml").write_text(study, encoding="utf-8")
+    (tmp_path / "study.toml").write_text(changed('"drive"', '"drive"\ncommand = "force"', DRIVE), encoding="utf-8")
     folder = wb.Study(tmp_path / "study.toml").run(tmp_path / "out").folder
     with from_disk(browser, folder / "results.html") as page:
         page.locator(".cases tbody tr").first.click()

@@ -60,11 +60,17 @@ def cells_of(table: ComparisonTable, frame: pd.DataFrame) -> Cells:
 
 def hunting_counts(frame: pd.DataFrame) -> dict[Place, HuntingCount]:
     """On how many plant samples each controller hunts at each speed; none of what is judged nowhere."""
-    judged = frame.dropna(subset=["limit_cycle"])
+    judged = frame[frame["limit_cycle"].notna()]
+    if judged.empty:
+        return {}
     names = ["machine", "scenario", "controller", "rpm"]
     hunts = judged["limit_cycle"].isin(HUNTING).groupby([judged[name] for name in (*names, "draw")]).any()
-    counts = hunts.groupby(level=names).agg(["sum", "size"])
-    return {place: HuntingCount(int(count), int(of)) for place, count, of in counts.itertuples(name=None)}
+    by_place = hunts.groupby(level=names)
+    hunting, of = by_place.sum(), by_place.size().to_numpy()
+    return {
+        place: HuntingCount(int(count), int(of_all))
+        for place, count, of_all in zip(hunting.index, hunting.to_numpy(), of, strict=True)
+    }
 
 
 def _flaw(rows: pd.DataFrame, error: str, hunts: bool) -> str:

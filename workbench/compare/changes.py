@@ -12,9 +12,13 @@ from workbench.compare.schema import ComparisonTable
 from workbench.compare.verdicts import verdicts_of
 
 
-def changes(table: ComparisonTable, frame: pd.DataFrame, verdicts: Mapping[Cell, Verdict]) -> Iterator[Change]:
-    """Which verdicts would be others with the gains before, with one plant sample, or without fresh samples."""
-    searched = verdicts_of(table, frame)
+def changes(
+    table: ComparisonTable, frame: pd.DataFrame, searched: Mapping[Cell, Verdict], verdicts: Mapping[Cell, Verdict]
+) -> Iterator[Change]:
+    """Which verdicts would be others with the gains before, with one plant sample, or without fresh samples.
+
+    `searched` are those of the results `frame` alone.
+    """
     if table.before:
         names = {old: new for new, old in table.before.items()}
         before = frame[frame["controller"].isin(list(names))]

@@ -21,7 +21,15 @@ def compare(study: Study, table: ComparisonTable, frame: pd.DataFrame, fresh: pd
     searched = cells_of(table, of_tuned(table, results))
     measured = None if again is None else cells_of(table, of_tuned(table, again))
     verdicts = judged(table, searched, measured)
-    return Comparison(study, table, results, again, searched, verdicts, list(changes(table, results, verdicts)))
+    return Comparison(
+        study,
+        table,
+        results,
+        again,
+        searched,
+        verdicts,
+        list(changes(table, results, judged(table, searched, None), verdicts)),
+    )
 
 
 def fresh_results(folder: Path) -> pd.DataFrame | None:
