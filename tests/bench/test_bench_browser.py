@@ -40,6 +40,13 @@ def opened_bench(browser: "Browser", address: str, width: int = 1300) -> Iterato
         yield page
 
 
+@pytest.fixture(scope="module")
+def bench(browser: "Browser", address: str) -> Iterator["Page"]:
+    """The bench for tests that take it as they find it."""
+    with opened_bench(browser, address) as page:
+        yield page
+
+
 def handle(page: "Page", label: str) -> None:
     """Put the keyboard on the slider below the field of that label."""
     field = page.get_by_label(label, exact=True)
@@ -99,52 +106,50 @@ def test_a_slider_moves_numbers_and_curves(browser: "Browser", address: str) -> 
             assert again.get_by_label("kp", exact=True).input_value() == text
 
 
-def test_what_is_typed_wrongly_is_told(browser: "Browser", address: str) -> None:
-    with opened_bench(browser, address) as page:
-        field = page.get_by_label("kp", exact=True)
-        field.fill("3 apples")
-        field.press("Enter")
-        page.wait_for_selector("text=kp: got")
-        field.fill("-3 V/m")
-        field.press("Enter")
-        page.wait_for_selector("text=expected a value that is not negative")
-        assert page.get_by_label("kp", exact=True).input_value() == "500 V/m"  # what is refused does not stay
-        field.fill("0.7 V/mm")
-        field.press("Enter")
-        page.wait_for_selector("text=expected a value", state="hidden")
-        once(page, lambda: field.input_value() == "700 V/m")
+def test_what_is_typed_wrongly_is_told(bench: "Page") -> None:
+    field = bench.get_by_label("kp", exact=True)
+    before = field.input_value()
+    field.fill("3 apples")
+    field.press("Enter")
+    bench.wait_for_selector("text=kp: got")
+    field.fill("-3 V/m")
+    field.press("Enter")
+    bench.wait_for_selector("text=expected a value that is not negative")
+    assert field.input_value() == before  # what is refused does not stay
+    field.fill("0.7 V/mm")
+    field.press("Enter")
+    bench.wait_for_selector("text=expected a value", state="hidden")
+    once(bench, lambda: field.input_value() == "700 V/m")
 
 
-def test_a_saved_study_is_run_to_the_same_figures(browser: "Browser", address: str, folder: Path) -> None:
-    with opened_bench(browser, address) as page:
-        field = page.get_by_label("kp", exact=True)
-        field.fill("640")
-        field.press("Enter")
-        wanted = outcome_of(short(rpm=120).changed({"controllers.p.kp": 640.0})).figures["phase_lag_deg"]
-        once(page, lambda: lag(page) == pytest.approx(wanted, rel=1e-3))
-        page.get_by_placeholder("my_study.toml").fill("found.toml")
-        page.get_by_placeholder("my_study.toml").press("Enter")
-        page.get_by_role("button", name="Save as study").click()
-        page.wait_for_selector("text=workbench run found.toml")
-        row = wb.Study(folder / "found.toml").run(folder / "results").frame.iloc[0]
-        figures = outcome_of(opened(folder / "found.toml")).figures
-        assert row["phase_lag_deg"] == figures["phase_lag_deg"]
-        assert lag(page) == pytest.approx(row["phase_lag_deg"], rel=1e-3)
-        page.get_by_role("button", name="Save as study").click()
-        page.wait_for_selector("text=there is a file of this name")
+def test_a_saved_study_is_run_to_the_same_figures(bench: "Page", folder: Path) -> None:
+    field = bench.get_by_label("kp", exact=True)
+    field.fill("640")
+    field.press("Enter")
+    wanted = outcome_of(short(rpm=120).changed({"controllers.p.kp": 640.0})).figures["phase_lag_deg"]
+    once(bench, lambda: lag(bench) == pytest.approx(wanted, rel=1e-3))
+    bench.get_by_placeholder("my_study.toml").fill("found.toml")
+    bench.get_by_placeholder("my_study.toml").press("Enter")
+    bench.get_by_role("button", name="Save as study").click()
+    bench.wait_for_selector("text=workbench run found.toml")
+    row = wb.Study(folder / "found.toml").run(folder / "results").frame.iloc[0]
+    figures = outcome_of(opened(folder / "found.toml")).figures
+    assert row["phase_lag_deg"] == figures["phase_lag_deg"]
+    assert lag(bench) == pytest.approx(row["phase_lag_deg"], rel=1e-3)
+    bench.get_by_role("button", name="Save as study").click()
+    bench.wait_for_selector("text=there is a file of this name")
 
 
-def test_a_click_in_a_sweep_takes_the_bench_there(browser: "Browser", address: str) -> None:
-    with opened_bench(browser, address) as page:
-        page.get_by_label("points", exact=True).fill("12")
-        page.get_by_label("points", exact=True).press("Enter")
-        page.get_by_role("button", name="Sweep", exact=True).click()
-        page.wait_for_selector("text=/^1[0-9] points$/")
-        field = page.get_by_label("kp", exact=True)
-        before = field.input_value()
-        page.mouse.click(*at_rest(page))
-        page.wait_for_function("([field, before]) => field.value !== before", arg=[field.element_handle(), before])
-        assert float(field.input_value().removesuffix(" V/m")) == pytest.approx(page.evaluate(VALUE), rel=1e-5)
+def test_a_click_in_a_sweep_takes_the_bench_there(bench: "Page") -> None:
+    bench.get_by_label("points", exact=True).fill("12")
+    bench.get_by_label("points", exact=True).press("Enter")
+    bench.get_by_role("button", name="Sweep", exact=True).click()
+    bench.wait_for_selector("text=/^1[0-9] points$/")
+    field = bench.get_by_label("kp", exact=True)
+    before = field.input_value()
+    bench.mouse.click(*at_rest(bench))
+    bench.wait_for_function("([field, before]) => field.value !== before", arg=[field.element_handle(), before])
+    assert float(field.input_value().removesuffix(" V/m")) == pytest.approx(bench.evaluate(VALUE), rel=1e-5)
 
 
 def at_rest(page: "Page") -> tuple[float, float]:
@@ -179,23 +184,23 @@ def test_nothing_is_wider_than_the_screen(browser: "Browser", address: str, widt
         assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
-def test_curves_can_be_taken_along(browser: "Browser", address: str, tmp_path: Path) -> None:
-    with opened_bench(browser, address) as page:
-        page.locator(".bk-Figure").first.hover(force=True)
-        for title, ending in (("Save the curves as CSV", "csv"), ("Save as SVG", "svg")):
-            with page.expect_download() as download:
-                page.locator(f'[title="{title}"]').first.click()
-            path = tmp_path / download.value.suggested_filename
-            download.value.save_as(path)
-            assert path.name == f"position.{ending}"
-        lines = (tmp_path / "position.csv").read_text(encoding="utf-8").splitlines()
-        assert lines[0] == '"curve","time (s)","position (mm)"'
-        assert lines[1].startswith('"reference position",0,')
-        assert (tmp_path / "position.svg").read_text(encoding="utf-8").startswith("<svg")
+def test_curves_can_be_taken_along(bench: "Page", tmp_path: Path) -> None:
+    bench.locator(".bk-Figure").first.hover(force=True)
+    for title, ending in (("Save the curves as CSV", "csv"), ("Save as SVG", "svg")):
+        with bench.expect_download() as download:
+            bench.locator(f'[title="{title}"]').first.click()
+        path = tmp_path / download.value.suggested_filename
+        download.value.save_as(path)
+        assert path.name == f"position.{ending}"
+    lines = (tmp_path / "position.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == '"curve","time (s)","position (mm)"'
+    assert lines[1].startswith('"reference position",0,')
+    assert (tmp_path / "position.svg").read_text(encoding="utf-8").startswith("<svg")
 
 
 def test_the_page_says_how_soon_it_follows(browser: "Browser", address: str) -> None:
     with opened_bench(browser, address) as page:
+        assert page.locator("text=/drawn [0-9]+ ms after the hand moved/").count() == 0
         handle(page, "kp")
         page.keyboard.press("ArrowRight")
         page.wait_for_selector("text=/drawn [0-9]+ ms after the hand moved/")
