@@ -46,6 +46,7 @@ def test_every_public_name_is_documented_with_its_arguments_and_an_example(name:
             assert f"{parameter}:" in texts[name] or f"{parameter} " in texts[name], parameter
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("default")
 def test_a_notebook_of_the_examples_executes(tmp_path: Path) -> None:
     given(tmp_path)

@@ -18,7 +18,7 @@ from workbench.decide.plan import plan_decision
 from workbench.errors import UserError
 from workbench.study.reading import read_study
 
-SMALL = changed("rpm = [0, 125]", "rpm = [0]", DECIDE)
+SMALL = changed("fresh_draws = 60", "fresh_draws = 42", changed("rpm = [0, 125]", "rpm = [0]", DECIDE))
 
 
 def stored(folder: Path) -> int:

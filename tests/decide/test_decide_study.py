@@ -19,6 +19,9 @@ from workbench.decide.result import Decision
 from workbench.decide.run import decide
 from workbench.study.reading import read_study
 
+FEW = changed("fresh_draws = 60", "fresh_draws = 42", STUDY)
+"""With as few fresh draws as can show the probability that is asked for."""
+
 
 def planned(folder: Path, text: str = STUDY) -> Plan:
     return plan_decision(read_study(write(folder, text)))
@@ -115,7 +118,7 @@ def test_the_words_hold_the_numbers_of_the_table(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("png_alone")
 def test_the_same_bytes_whatever_the_number_of_jobs(tmp_path: Path) -> None:
-    text = changed("draws = 3", 'draws = 3\nspeeds = ["10 mm/s"]\nspreads = [0]', STUDY)
+    text = changed("\ndraws = 3", '\ndraws = 3\nspeeds = ["10 mm/s"]\nspreads = [0]', FEW)
     path = write(tmp_path, text)
     written = []
     for jobs in ("1", "2"):
@@ -178,7 +181,7 @@ def test_tuned_gains_are_taken_from_their_file(tmp_path: Path) -> None:
         'objective = {}\nmargins = { speed = "1 mm/s" }\nsearch = {}\n'
     )
     write(tmp_path, gains, "feed.toml")
-    text = changed('type = "pid"\nkp = "500 V/m"\nfeedforward = 1', 'gains = "feed.toml"', STUDY)
+    text = changed('type = "pid"\nkp = "500 V/m"\nfeedforward = 1', 'gains = "feed.toml"', FEW)
     decision = decided(tmp_path, text)
     assert [decision.plan.loops["feed", rpm].gains.proportional for rpm in (0.0, 125.0)] == [300.0, 200.0]
     assert "Tuned gains: feed; all others as the study gives them." in " ".join(assumptions(decision))
