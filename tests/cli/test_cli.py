@@ -1,8 +1,11 @@
 """The command line: help, list, check, table, and what it says when a command is wrong."""
 
+import contextlib
+import io
 import os
 import pty
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,7 @@ from command import PROCESS, STUDIES, STUDY, changed, ran, workbench, write
 
 from controllers.registry import controllers
 from plants.registry import plants
+from workbench.cli import main
 from workbench.metrics.registry import columns
 from workbench.parameters.sets import named_sets
 from workbench.study.reference_tables import REFERENCES
@@ -120,48 +124,59 @@ def test_a_wrong_command(arguments: tuple[str, ...]) -> None:
 
 def test_debug_shows_the_traceback(tmp_path: Path) -> None:
     path = write(tmp_path, changed("by_rpm", "by_rmp"))
-    plain, debug = (
-        subprocess.run([*PROCESS, *options, "check", str(path)], capture_output=True, text=True, check=False)
-        for options in ((), ("--debug",))
-    )
-    assert plain.returncode == 2
-    assert plain.stderr.count("\n") == 1
+    plain = workbench("check", path)
+    assert plain.code == 2
+    assert plain.err.count("\n") == 1
+    command = [*PROCESS, "--debug", "check", str(path)]
+    debug = subprocess.run(command, capture_output=True, text=True, check=False)
     assert "Traceback" in debug.stderr
     assert 'did you mean "by_rpm"?' in debug.stderr
 
 
-def test_a_progress_bar_on_a_terminal(tmp_path: Path) -> None:
+def test_a_progress_bar_on_a_terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The number of cases done, and the last one, are written to a terminal alone."""
     ours, theirs = pty.openpty()
-    command = [*PROCESS, "run", str(write(tmp_path, STUDY)), "--out", str(tmp_path / "out"), "--jobs", "1"]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=theirs, env={**os.environ, "TERM": "xterm"})
-    os.close(theirs)
+    monkeypatch.setenv("TERM", "xterm")
+    words = ["run", str(write(tmp_path, STUDY)), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    monkeypatch.setattr("sys.argv", ["workbench", *words])
+    with ThreadPoolExecutor(1) as reader:
+        shown = reader.submit(all_of, ours)
+        with open(theirs, "w", encoding="utf-8") as terminal, contextlib.redirect_stdout(io.StringIO()):
+            monkeypatch.setattr("sys.stderr", terminal)
+            with pytest.raises(SystemExit) as ended:
+                main()
+            monkeypatch.undo()
+    assert not ended.value.code
+    assert b"2/2" in shown.result()
+    assert b"rpm 460" in shown.result()
+
+
+def all_of(terminal: int) -> bytes:
+    """What is written at the other end of a terminal, until that is closed."""
     shown = b""
-    while True:
-        try:
-            part = os.read(ours, 65536)
-        except OSError:  # how Linux says that the other end is closed
-            break
-        if not part:
-            break
-        shown += part
-    os.close(ours)
-    assert process.wait(timeout=60.0) == 0
-    assert b"2/2" in shown
-    assert b"rpm 460" in shown
+    with contextlib.suppress(OSError):  # how Linux says that the other end is closed
+        while part := os.read(terminal, 65536):
+            shown += part
+    os.close(terminal)
+    return shown
 
 
 # --- table ---
 
 
-def test_columns_of_results(tmp_path: Path) -> None:
-    out = ran(tmp_path, STUDY)
-    answer = workbench("table", out, "--column", "outcome", "--column", "gain_ratio")
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of the study, which are looked at alone."""
+    return ran(tmp_path_factory.mktemp("results"), STUDY)
+
+
+def test_columns_of_results(results: Path) -> None:
+    answer = workbench("table", results, "--column", "outcome", "--column", "gain_ratio")
     assert answer.code == 0
     head, _, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in answer.out.splitlines()]
     assert head == ["rpm", "outcome", "gain_ratio"]
     assert [line[:2] for line in lines] == [["0", "completed"], ["460", "torque-limited"]]  # 47 N m for a motor of 23
-    one = workbench("table", out, "--column", "gain_ratio", "--where", "rpm=460").out.splitlines()
+    one = workbench("table", results, "--column", "gain_ratio", "--where", "rpm=460").out.splitlines()
     assert len(one) == 3
     assert one[-1].split("|")[1].strip() == "460"
 
@@ -176,11 +191,10 @@ def test_columns_of_results(tmp_path: Path) -> None:
         (("--where", "rpm"), '--where "rpm": expected AXIS=VALUE, such as rpm=460'),
     ],
 )
-def test_a_table_that_cannot_be(tmp_path: Path, options: tuple[str, ...], said: str) -> None:
-    out = ran(tmp_path, STUDY)
-    answer = workbench("table", out, *options)
+def test_a_table_that_cannot_be(results: Path, options: tuple[str, ...], said: str) -> None:
+    answer = workbench("table", results, *options)
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err.replace(str(out), "@") == f"error: {said}\n"
+    assert answer.err.replace(str(results), "@") == f"error: {said}\n"
 
 
 @pytest.mark.parametrize("command", ["table", "plot"])
@@ -199,10 +213,9 @@ def test_damaged_results(tmp_path: Path) -> None:
     assert workbench("table", out, "--column", "outcome").code == 0
 
 
-def test_a_place_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
-    out = ran(tmp_path, STUDY)
+def test_a_place_that_cannot_be_written_is_one_line(tmp_path: Path, results: Path) -> None:
     write(tmp_path, "mine", "file")
-    answer = workbench("plot", out, "--y", "gain_ratio", "--x", "rpm", "--out", tmp_path / "file" / "a.png")
+    answer = workbench("plot", results, "--y", "gain_ratio", "--x", "rpm", "--out", tmp_path / "file" / "a.png")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith(f"error: {tmp_path / 'file'}: ")
     assert answer.err.count("\n") == 1
@@ -217,7 +230,7 @@ RESUMED = "finished cases are kept in {out}: go on with --resume"
         ("diagnose", "closed_loop/experiment.toml", "diagnose.diagnose.diagnose", "nothing is written"),
         ("design", "closed_loop/experiment.toml", "design.design.design", "nothing is written"),
         ("identify", "closed_loop/experiment.toml", "identify.identification.identify", "nothing is written"),
-        ("run", "comparison.toml", "study.rounds.run_rounds", RESUMED),
+        ("run", "hunting.toml", "study.rounds.run_rounds", RESUMED),
     ],
 )
 def test_a_stop_is_told_in_one_line(

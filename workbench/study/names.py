@@ -119,7 +119,7 @@ def comparable(value: object) -> float | str:
     """A value such that equal ones compare equal: a number where it is one, however it is written."""
     if isinstance(value, list | dict):
         return json.dumps(value)
-    if isinstance(value, str | float | SupportsFloat):  # SupportsFloat alone would do, slower
+    if isinstance(value, str | float | int | SupportsFloat):  # SupportsFloat alone would do, slower
         with suppress(TypeError, ValueError):
             return float(value)
     return str(value)

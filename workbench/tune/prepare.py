@@ -72,7 +72,7 @@ def tasks_for(study: Study, names: Sequence[str]) -> list[Task]:
     Raises:
         UserError: as `task_for`.
     """
-    cases = unfold(study)
+    cases = [*unfold(study)]  # each is looked at for each task
     own = {name: [case for case in cases if named(case, "controller") == name] or cases for name in names}
     return [_task(study, cases, name, at) for name in names for at in combinations(study, own[name])]
 
@@ -134,6 +134,21 @@ def prepared(study: Study, wanted: Sequence[str], trials: int | None) -> tuple[S
     Raises:
         UserError: no [tune], no such controller, or a mistake in what is asked of one of them.
     """
+    study, names, _ = _prepared(study, wanted, trials)
+    return study, names
+
+
+def tasks_of(study: Study) -> list[Task]:
+    """What tuning all controllers of a study would tune.
+
+    Raises:
+        UserError: as `prepared`.
+    """
+    _, _, tasks = _prepared(study, ["all"], None)
+    return tasks
+
+
+def _prepared(study: Study, wanted: Sequence[str], trials: int | None) -> tuple[Study, list[str], list[Task]]:
     table = tune_table(study)
     refuse_fmu(study, "tune")
     if trials is not None and trials < 1:
@@ -149,17 +164,7 @@ def prepared(study: Study, wanted: Sequence[str], trials: int | None) -> tuple[S
     for name in table.gains:
         if name not in known:
             raise study.error(("tune", "gains", name), f'unknown controller "{name}"; {nearest(name, known)}')
-    tasks_for(study, names)
-    return study, names
-
-
-def tasks_of(study: Study) -> list[Task]:
-    """What tuning all controllers of a study would tune.
-
-    Raises:
-        UserError: as `prepared`.
-    """
-    return tasks_for(*prepared(study, ["all"], None))
+    return study, names, tasks_for(study, names)
 
 
 def _is_pd(table: Mapping[str, object]) -> bool:

@@ -4,14 +4,10 @@ import math
 from collections.abc import Sequence
 from importlib.metadata import version
 
-import control
-import numpy as np
-
-from workbench.linear.open_loop import open_loop
 from workbench.publish.along import SHOWN
 from workbench.toml.file_names import file_name
 from workbench.toml.gain_file import KEY, Entry, GainFile, MarginsTable
-from workbench.tune.objective import Score, margin_speed
+from workbench.tune.objective import Score, margins_of
 from workbench.tune.result import ControllerTuning
 from workbench.tune.schema import reference_controller, tune_table
 from workbench.tune.space import RPM, THRESHOLD, Point
@@ -19,9 +15,6 @@ from workbench.tune.task import Task, in_user_units
 
 PACKAGES = ("optuna", "cobyqa", "scipy", "numpy", "numba")
 """Whose versions a gain file keeps."""
-
-LOWEST, POINTS = 0.01, 6000
-"""rad/s, and number of frequencies up to Nyquist's, of the response whose margins a gain file carries."""
 
 DIGITS = 6
 """Significant digits of what a gain file says of the search; settings have all that were tried."""
@@ -93,22 +86,12 @@ def _short(value: float) -> float:
 
 
 def _margins(task: Task, best: Point) -> MarginsTable:
-    """The smallest margins over the cases by python-control, on a dense frequency response; those that are finite.
-
-    The search has its own crossings, which are a hundred times quicker and the same.
-    """
-    asked, limits = tune_table(task.study).constraints, []
-    for case in task.declared(best):
-        speed = margin_speed(case, asked)
-        frequencies = np.geomspace(LOWEST, np.pi / case.setup.sample_time, POINTS)
-        gain, phase, _, _ = control.margin(control.frd(open_loop(case.setup, speed), frequencies))
-        limits.append((20.0 * math.log10(gain), float(phase), speed))
-    gain, phase = (min(limit[i] for limit in limits) for i in range(2))
-    speed = min(limits, key=lambda limit: limit[1])[2]
+    """The smallest margins over the cases; those that are finite."""
+    smallest = margins_of(task.declared(best), tune_table(task.study).constraints)
     return MarginsTable(
-        gain_margin_dB=_short(gain) if math.isfinite(gain) else None,
-        phase_margin_deg=_short(phase) if math.isfinite(phase) else None,
-        speed=SHOWN[task.axis].speed(speed),
+        gain_margin_dB=_short(smallest.gain_dB) if math.isfinite(smallest.gain_dB) else None,
+        phase_margin_deg=_short(smallest.phase_deg) if math.isfinite(smallest.phase_deg) else None,
+        speed=SHOWN[task.axis].speed(smallest.speed),
     )
 
 
