@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from command import fails, workbench
 
-TIME = 0.01 * np.arange(3000)
+TIME = 0.01 * np.arange(1000)
 
 
 def log(folder: Path) -> Path:

@@ -221,6 +221,12 @@ HEAD = '[[figures]]\nname = "lag"\ntitle = "Lag"\n[[figures.panels]]\nx_label = 
 DRAWN = STUDY + HEAD + 'y_unit = "mm"\ncurves = [{ y = "position", where = { rpm = 460 } }]\n'
 
 
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of a study with a figure."""
+    return ran(tmp_path_factory.mktemp("drawn"), DRAWN)
+
+
 def test_the_figures_of_a_study_again(tmp_path: Path) -> None:
     out = ran(tmp_path, DRAWN)
     paths = [out / "figures" / f"lag.{ending}" for ending in ("pdf", "svg", "png")]
@@ -258,9 +264,8 @@ def test_a_stored_signal_or_a_column(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_plot_that_cannot_be(tmp_path: Path, options: tuple[str, ...], said: str) -> None:
-    out = ran(tmp_path, DRAWN)
-    assert workbench("plot", out, *options) == (2, "", f"error: {said}\n")
+def test_a_plot_that_cannot_be(drawn: Path, options: tuple[str, ...], said: str) -> None:
+    assert workbench("plot", drawn, *options) == (2, "", f"error: {said}\n")
 
 
 def test_a_signal_that_some_cases_lack_is_drawn_of_the_others(tmp_path: Path) -> None:

@@ -3,15 +3,17 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from importlib.util import find_spec
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from command import DRIVE, PROCESS, changed, fails, workbench, write
+from command import DRIVE, PROCESS, Answer, changed, fails, workbench, write
 from plugin_site import EXAMPLE, brings, site, visible
 
 from controllers.interface import Reference
@@ -29,6 +31,17 @@ def in_a_process(folder: Path, *arguments: str | Path) -> subprocess.CompletedPr
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, packages))}
     command = [*PROCESS, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+
+
+def in_a_fork(folder: Path, *arguments: str | Path) -> Answer:
+    """The command in a process that begins as this one, where nothing of the packages of `folder` is imported yet."""
+    with ProcessPoolExecutor(1, get_context("fork")) as executor:
+        return executor.submit(_with_packages, folder, arguments).result()
+
+
+def _with_packages(folder: Path, arguments: Sequence[str | Path]) -> Answer:
+    sys.path.insert(0, str(folder))
+    return workbench(*arguments)
 
 
 @pytest.fixture
@@ -93,13 +106,13 @@ def test_an_edited_plugin_cannot_be_resumed(tmp_path: Path) -> None:
     text = STUDY.read_text(encoding="utf-8")
     short = write(tmp_path, changed('duration = "2 s"', 'duration = "0.01 s"', text))
     ours = write(tmp_path, DRIVE, "drive.toml")
-    assert in_a_process(tmp_path, "run", short, "--out", out).returncode == 0
+    assert in_a_fork(tmp_path, "run", short, "--out", out).code == 0
     assert workbench("run", ours, "--out", plain).code == 0
-    assert in_a_process(tmp_path, "run", short, "--out", out, "--resume").returncode == 0
+    assert in_a_fork(tmp_path, "run", short, "--out", out, "--resume").code == 0
     law = module.read_text(encoding="utf-8")
     module.write_text(changed("np.abs(error) - gains.deadband", "np.abs(error) - 2 * gains.deadband", law))
-    refused = in_a_process(tmp_path, "run", short, "--out", out, "--resume")
-    assert (refused.returncode, refused.stderr) == (
+    refused = in_a_fork(tmp_path, "run", short, "--out", out, "--resume")
+    assert (refused.code, refused.err) == (
         2,
         f"error: {out}: its results are of another version of the plug-ins; start anew with --overwrite, or choose "
         "another --out\n",
@@ -137,7 +150,7 @@ def test_compiled_code_follows_every_file_of_a_plugin(tmp_path: Path) -> None:
     for number, code in enumerate((law, changed("1.0", "0.5", law))):
         write(package, code, "law.py")
         out = tmp_path / str(number)
-        assert in_a_process(tmp_path, "run", write(tmp_path, text), "--out", out).returncode == 0
+        assert in_a_fork(tmp_path, "run", write(tmp_path, text), "--out", out).code == 0
         errors.append(pd.read_parquet(out / "results.parquet")["rms_error_m"][0])
     assert errors[1] > errors[0]
 

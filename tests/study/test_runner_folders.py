@@ -24,7 +24,7 @@ MANY = (
     .replace(
         "[0, 460]", "[0, 460]\n" + '"controllers.p.kp" = [100, 200, 300, 400]\n"simulation.seed" = [1, 2, 3, 4, 5]'
     )
-    + 'method = "rk4"\nstep = "2.5 us"\n'
+    + 'method = "rk4"\nstep = "10 us"\n'
     + NOISE
 )
 """40 cases that take a little while each."""
@@ -236,25 +236,19 @@ def test_results_in_several_frames_are_those_of_one(tmp_path: Path) -> None:
     assert [str(kind) for kind in one.dtypes[1:3]] == ["int64", "float64"]
 
 
-def piped(folder: Path, interval: str) -> subprocess.CompletedProcess[str]:
-    """A run of six short cases, one at a time, with its output in pipes."""
-    study = write(folder, changed("rpm = [0, 460]", "rpm = [0, 50, 100, 150, 200, 250]"))
-    options = ["run", str(study), "--out", str(folder / "out"), "--jobs", "1"]
-    command = [sys.executable, "-c", PIPED.format(interval=interval), *options]
-    return subprocess.run(command, capture_output=True, text=True, check=True)
-
-
-def test_plain_lines_when_piped(tmp_path: Path) -> None:
+def test_plain_lines_when_piped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """How far it is, and how long it may take; no control codes, and nothing of a run that is short."""
-    told = piped(tmp_path, "0.0")
+    study = write(tmp_path, changed("rpm = [0, 460]", "rpm = [0, 50, 100, 150, 200, 250]"))
+    words = ["run", str(study), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    command = [sys.executable, "-c", PIPED.format(interval="0.0"), *words]
+    told = subprocess.run(command, capture_output=True, text=True, check=True)
     lines = told.stderr.splitlines()
     assert [line.partition(",")[0] for line in lines] == [f"{count} of 6 cases" for count in range(1, 6)]
     assert lines[0] == "1 of 6 cases"  # which had to be compiled, and tells nothing of the others
     assert all(re.fullmatch(r"\d of 6 cases, about \d+ (s|min) left", line) for line in lines[1:])
     assert "\x1b" not in told.stdout + told.stderr
-    again = tmp_path / "again"
-    again.mkdir()
-    assert piped(again, "1e9").stderr == ""
+    monkeypatch.setattr("workbench.cli.progress.INTERVAL", 1e9)
+    assert workbench(*words, "--overwrite").err == ""
 
 
 def test_a_line_is_seen_when_it_is_written(tmp_path: Path) -> None:

@@ -40,26 +40,26 @@ def outcome(tuning: Tuning) -> list[object]:
 @pytest.mark.parametrize("text", [STUDY, robust()], ids=["declared", "drawn"])
 def test_jobs_do_not_change_the_gains(tmp_path: Path, text: str) -> None:
     several = text.replace("seeds = 1", "seeds = 2")
-    serial = tuned(tmp_path / "one", several, ("p", "lugre"), trials=24, jobs=1)
-    parallel = tuned(tmp_path / "two", several, ("p", "lugre"), trials=24, jobs=2)
+    serial = tuned(tmp_path / "one", several, ("p", "lugre"), trials=12, jobs=1)
+    parallel = tuned(tmp_path / "two", several, ("p", "lugre"), trials=12, jobs=2)
     assert outcome(serial) == outcome(parallel)
     assert [each.task.name for each in serial.tuned] == ["p", "lugre"]
-    assert len(serial.tuned[1].trials) <= 2 * 24
+    assert len(serial.tuned[1].trials) <= 2 * 12
     assert list(serial.tuned[1].seeds) == [1, 2]
 
 
 def test_going_on_does_not_change_the_gains(tmp_path: Path) -> None:
-    whole = tuned(tmp_path / "whole", STUDY, "pd", trials=18)
-    tuned(tmp_path / "parts", STUDY, "pd", trials=5)
-    tuned(tmp_path / "parts", STUDY, "pd", trials=14)
-    assert outcome(tuned(tmp_path / "parts", STUDY, "pd", trials=18)) == outcome(whole)
+    whole = tuned(tmp_path / "whole", STUDY, "p", trials=14)
+    tuned(tmp_path / "parts", STUDY, "p", trials=5)
+    tuned(tmp_path / "parts", STUDY, "p", trials=10)
+    assert outcome(tuned(tmp_path / "parts", STUDY, "p", trials=14)) == outcome(whole)
 
 
 def test_a_killed_command_goes_on_to_the_same_gains(tmp_path: Path) -> None:
     study, part, whole = write(tmp_path, STUDY), tmp_path / "killed", tmp_path / "whole"
-    options = ("--controller", "lugre", "--trials", "24")
+    options = ("--controller", "lugre", "--trials", "16")
     killed(lambda: stored(part) >= 6, "tune", study, *options, "--out", part, "--jobs", "1")
-    assert 6 <= stored(part) < 24
+    assert 6 <= stored(part) < 16
     assert not (part / "tuned").exists()
     refused = workbench("tune", study, *options, "--out", part)
     assert "holds trials already; go on with --resume" in refused.err

@@ -23,7 +23,7 @@ def test_the_rotation_is_tuned_beside_the_gains(tmp_path: Path) -> None:
         .replace("[tune.objective]\n", turning)
     )
     dear, free = (
-        tuned(tmp_path / weight, text.replace("WEIGHT", weight), "p", trials=16).tuned[0] for weight in ("1", "0")
+        tuned(tmp_path / weight, text.replace("WEIGHT", weight), "p", trials=12).tuned[0] for weight in ("1", "0")
     )
     assert dear.best is not None
     assert free.best is not None

@@ -77,7 +77,7 @@ def test_tuned_gains_are_better_than_the_defaults_of_the_valve_table(
     tmp_path: Path, name: str, fast: float, slow: float
 ) -> None:
     """Reference errors of this project with default gains, computed apart from this program: rms, both sines."""
-    study, names = prepared(read_study(STUDIES / "tuning.toml"), [name], 24)
+    study, names = prepared(read_study(STUDIES / "tuning.toml"), [name], 14)
     result = tune_all(study, names, tmp_path / "results.sqlite", 2).tuned[0]
     assert result.score is not None
     errors = [run.metrics["rms_error_m"] for run in result.score.runs]

@@ -12,6 +12,7 @@ from workbench.progress import Progress, silent
 from workbench.study.resolve import parse_case
 from workbench.study.study import Study
 from workbench.study.unfold import unfold
+from workbench.tune.classic import StartingPoint
 from workbench.tune.evaluator import FRESH, SEARCHED, Evaluator, evaluators_of
 from workbench.tune.objective import Objective
 from workbench.tune.prepare import cases_for, task_for
@@ -82,7 +83,8 @@ def tune_all(
         except BaseException:
             work.stopped.set()
             raise
-    return Tuning(study, tuned, classic_tunings(study, here[0].objective))
+        known = classic.get(repr(tasks[0].at))
+    return Tuning(study, tuned, classic_tunings(study, here[0].objective, known))
 
 
 def _identities(study: Study, tasks: Sequence[Task]) -> list[Mapping[str, object]]:
@@ -124,14 +126,17 @@ def best_trial(trials: Sequence[Trial], draws: int) -> int | None:
     return min(numbers, key=lambda i: trials[i].value, default=None)
 
 
-def classic_tunings(study: Study, objective: Objective) -> list[ClassicTuning]:
+def classic_tunings(
+    study: Study, objective: Objective, known: Sequence[StartingPoint] | None = None
+) -> list[ClassicTuning]:
     """The classic tunings of a PID for a study's plant, scored as all others are on the declared machine; none of a
-    study that tunes for several machines or speeds.
+    study that tunes for several machines or speeds. `known` are those with which searches have begun.
     """
     if objective.table.per:
         return []
-    bare = task_for(study, next(iter(study.file.controllers)), tuned=False)
-    points = [point for point in classic_points(bare, {}) if point.settings]
+    if known is None:
+        known = classic_points(task_for(study, next(iter(study.file.controllers)), tuned=False), {})
+    points = [point for point in known if point.settings]
     tables = {point.name: {"type": point.controller, **point.settings} for point in points}
     file = study.file.model_copy(update={"controllers": {**study.file.controllers, **tables}})
     with_them = replace(study, file=file)

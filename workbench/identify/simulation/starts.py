@@ -22,7 +22,8 @@ def scanned(problem: Problem) -> np.ndarray:
     """
     theta = np.zeros(len(problem.free))
     low, high = (np.clip(ends, -FARTHEST, FARTHEST) for ends in problem.limits())
-    best = left(problem, theta)
+    q = problem.projector()
+    best = _left(problem, theta, q)
     for _ in range(MOST_SCANS):
         before = best
         for i, name in enumerate(problem.free):
@@ -30,7 +31,7 @@ def scanned(problem: Problem) -> np.ndarray:
             for value in {float(np.clip(theta[i] + step, low[i], high[i])) for step in steps} - {float(theta[i])}:
                 trial = theta.copy()
                 trial[i] = value
-                if (found := left(problem, trial)) < best:
+                if (found := _left(problem, trial, q)) < best:
                     theta, best = trial, found
         if best == before:
             break
@@ -45,9 +46,14 @@ def others(problem: Problem) -> list[np.ndarray]:
     points = qmc.Sobol(len(problem.free), seed=SEED).random(TRIED)
     trials = [low + (high - low) * point for point in points]
     problem.forget()
-    return sorted(trials, key=lambda trial: left(problem, trial))[:STARTED]
+    q = problem.projector()
+    return sorted(trials, key=lambda trial: _left(problem, trial, q))[:STARTED]
 
 
 def left(problem: Problem, theta: np.ndarray) -> float:
     """The sum of squares that is to be least."""
-    return float(np.sum(projected(problem.projector(), problem.errors(theta)) ** 2))
+    return _left(problem, theta, problem.projector())
+
+
+def _left(problem: Problem, theta: np.ndarray, q: np.ndarray) -> float:
+    return float(np.sum(projected(q, problem.errors(theta)) ** 2))
