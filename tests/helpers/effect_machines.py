@@ -1,5 +1,6 @@
 """Plants with effects, for tests: numbers of the thesis's rig, sizes that are felt, and what effects remember."""
 
+import ctypes
 import itertools
 from collections.abc import Callable
 from typing import Any
@@ -10,10 +11,13 @@ from thesis_actuator import OF_OTHERS, along
 from plants.effects.attach import meant
 from plants.effects.curves import CURVES
 from plants.effects.maps import FORCE_MAP
-from plants.equation import leaves, replaced
+from plants.equation import fields, replaced, to_array
 from plants.interface import Plant
 from plants.registry import plants
 from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.simulation.compilation import compile_derivatives
+
+POINTER = ctypes.POINTER(ctypes.c_double)
 
 TRUTH = {
     **read_parameters(named_sets()["owen2001_experiment"]),
@@ -131,18 +135,26 @@ def remembered(
     times: np.ndarray,
 ) -> np.ndarray:
     """What effects remember (times, numbers) along an imposed position and velocity, by the classical Runge-Kutta
-    method between these times.
+    method between these times, with the derivatives that the program compiles.
     """
     rest, inputs = plant.equilibrium(parameters, 0.0)
+    derivatives = compile_derivatives(plant).ctypes
+    state, driven, constant = to_array(rest), to_array(inputs), to_array(parameters)
+    rates = np.empty_like(state)
+    pointers = [numbers.ctypes.data_as(POINTER) for numbers in (state, driven, constant, rates)]
+    names = [item.name for item in fields(plant.State)]
+    place, speed, commanded = names.index("position"), names.index("velocity"), plant.input_index(plant.command)
+    first = np.flatnonzero(np.isnan(to_array(rest._replace(effects=_unknown(rest.effects)))))
+    memories = slice(first[0], first[-1] + 1)
 
     def rate(time: float, memory: np.ndarray) -> np.ndarray:
-        position, velocity = motion(time)
-        state = rest._replace(position=position, velocity=velocity)
-        state = state._replace(effects=type(rest.effects)._make(_nested(rest.effects, memory)))
-        driven = replaced(inputs, {plant.command: command(time)})
-        return np.array([*leaves(plant.derivatives(time, state, driven, parameters).effects)], dtype=float)
+        state[place], state[speed] = motion(time)
+        state[memories] = memory
+        driven[commanded] = command(time)
+        derivatives(time, *pointers)
+        return rates[memories].copy()
 
-    kept = [np.array([*leaves(rest.effects)], dtype=float)]
+    kept = [state[memories].copy()]
     for start, end in itertools.pairwise(times.tolist()):
         memory, step = kept[-1], end - start
         one = rate(start, memory)
@@ -153,11 +165,6 @@ def remembered(
     return np.array(kept)
 
 
-def _nested(memories: Any, numbers: np.ndarray) -> list[Any]:
-    """The numbers in the tuples of each effect."""
-    filled, begin = [], 0
-    for memory in memories:
-        end = begin + len(memory)
-        filled.append(type(memory)._make(numbers[begin:end].tolist()))
-        begin = end
-    return filled
+def _unknown(memories: Any) -> Any:
+    """NaN in the place of each number that effects remember."""
+    return type(memories)._make(type(memory)._make(np.nan for _ in memory) for memory in memories)
