@@ -1,4 +1,4 @@
-"""The limit cycle that a describing function predicts for friction under PID control, by python-control.
+"""The limit cycle that a describing function predicts for friction under PID control.
 
 The loop is split into a linear part, plant without friction levels and PID, and a static friction law of velocity:
 
@@ -34,10 +34,6 @@ AMPLITUDES = np.logspace(-9, 3, 61)
 
 FREQUENCIES, BEYOND = 600, 100.0
 """Number of frequencies, and by what factor they go beyond the slowest and the fastest pole."""
-
-SCALE = 1e6
-"""What the largest |H| is scaled to, N in proportion. python-control 0.10 passes over intersections of short segments
-(their cross product below 1e-8), and the velocity for one newton is of the order of 1e-5 m/s."""
 
 EXACT = 1e-9
 """|1 + H N| below which an intersection counts as found."""
@@ -108,37 +104,39 @@ class SteadyFriction(control.DescribingFunctionNonlinearity):
         return float(4.0 / (np.pi * amplitude) * (p.coulomb + p.stribeck * dawsn(ratio) / ratio))
 
 
-class _Scaled(control.DescribingFunctionNonlinearity):
-    """Another nonlinearity, divided by a constant."""
-
-    def __init__(self, nonlinearity: Nonlinearity, divisor: float) -> None:
-        super().__init__()
-        self._nonlinearity, self._divisor = nonlinearity, divisor
-
-    def describing_function(self, amplitude: float) -> complex:
-        """N(A) over the divisor."""
-        return _gain(self._nonlinearity, amplitude) / self._divisor
-
-
 def _gain(nonlinearity: Nonlinearity, amplitude: float) -> complex:
     return complex(control.describing_function(nonlinearity, [amplitude])[0])
 
 
 def intersections(linear: control.StateSpace, nonlinearity: Nonlinearity) -> list[Intersection]:
-    """All A and w with H(jw) N(A) = -1 for y = H u, u = -f(y): python-control's, each one refined.
+    """All A and w with H(jw) N(A) = -1 for y = H u, u = -f(y).
 
     Intersections outside `AMPLITUDES` are not found, nor those beyond `BEYOND` times the poles' frequencies.
     """
     poles = np.abs(control.poles(linear))
     poles = poles[poles > STILL]
     omega = np.geomspace(poles.min() / BEYOND, poles.max() * BEYOND, FREQUENCIES)
-    factor = SCALE / float(np.max(np.abs(linear(1j * omega))))
-    scaled = _Scaled(nonlinearity, factor)
-    coarse = control.describing_function_response(
-        factor * linear, scaled, AMPLITUDES, omega, refine=False, warn_nyquist=False
-    )
-    refined = [_refined(linear, nonlinearity, *guess) for guess in coarse.intersections]
+    gains = np.asarray(control.describing_function(nonlinearity, AMPLITUDES))
+    guesses = _crossings(np.asarray(linear(1j * omega)), gains, omega)
+    refined = [_refined(linear, nonlinearity, *guess) for guess in guesses]
     return [found for found in refined if found is not None]
+
+
+def _crossings(responses: np.ndarray, gains: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:
+    """A and w about where the Nyquist curve, H at these w, crosses that of -1/N: of straight lines between points."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        line, other = responses[:, None], -1.0 / gains[None, :]
+        along, across, gap = np.diff(line, axis=0), np.diff(other), other[:, :-1] - line[:-1]
+        area = (along.conj() * across).imag
+        first, second = (gap.conj() * across).imag / area, (gap.conj() * along).imag / area
+    places = np.argwhere((first >= 0.0) & (first <= 1.0) & (second >= 0.0) & (second <= 1.0))
+    return [
+        (
+            float(AMPLITUDES[k] + second[i, k] * (AMPLITUDES[k + 1] - AMPLITUDES[k])),
+            float(omega[i] + first[i, k] * (omega[i + 1] - omega[i])),
+        )
+        for i, k in places
+    ]
 
 
 def _refined(
