@@ -59,7 +59,8 @@ study-decision: $(ENVIRONMENT)/ready
 test: lint
 	$(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
 
-# What takes minutes: whole diagnoses of measured records and of further machines, the closed loop from end to end.
+# What takes minutes: whole diagnoses of measured records and of further machines, the closed loop from end to end, and
+# whether the generators of records are right by which diagnoses are proved.
 test-thorough: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m thorough
 

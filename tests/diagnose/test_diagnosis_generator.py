@@ -27,6 +27,8 @@ from workbench.simulation.references import Sine
 from workbench.simulation.simulate import Feed, Setup
 from workbench.simulation.simulate import simulate as simulate_plant
 
+pytestmark = pytest.mark.thorough
+
 MEASURED = [POSITION, PRESSURE_1, PRESSURE_2]
 ALL = [(name, True) for name in EFFECTS] + [(name, False) for name in UNLISTED]
 

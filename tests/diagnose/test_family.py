@@ -47,6 +47,8 @@ from workbench.records.experiment import read_experiment
 from workbench.simulation.setup import Feed, Integrator, Setup
 from workbench.simulation.simulate import simulate
 
+pytestmark = pytest.mark.thorough
+
 SHORT = (
     (EQUAL, OPEN, 36),
     (DIFFERENTIAL, INTEGRATING, 25),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 from declared_parameters import write_declared
 
 from plants.valve_axis import VALVE_AXIS
@@ -63,6 +64,7 @@ def axis_experiment(folder: Path, bent: float) -> Path:
     return folder / "experiment.toml"
 
 
+@pytest.mark.thorough
 def test_what_bends_its_command_is_told_on_its_own_balance(tmp_path: Path) -> None:
     diagnosis = diagnose(axis_experiment(tmp_path, 0.05))
     assert diagnosis.verdict == "unexplained"
