@@ -24,6 +24,7 @@ def check_experiment(file: Path) -> None:
     """
     content = read_experiment(file)
     identification.check_pattern(content)
+    designed = _design(content)
     records = [read_pieces(spec, content) if spec.is_there else [] for spec in content.records]
     there = [piece for pieces in records for piece in pieces]
     serves, lines = _commands(content, there)
@@ -35,7 +36,7 @@ def check_experiment(file: Path) -> None:
     names = [channel.called for channel in content.channels.values()]
     say(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
     say(f"  free: {content.freed}")
-    say("\n".join(f"  {line}" for line in lines))
+    say("\n".join(f"  {line}" for line in [*lines, *designed]))
     for spec, pieces in zip(content.records, records, strict=True):
         say(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")
 
@@ -57,6 +58,19 @@ def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], 
         raise UserError(f"{content.path}: {reasons['diagnose'] if alike else f'no command can use it: {said}'}")
     lines = [f"{name}: " + (f"not, since {why}" if why else "can use it") for name, why in reasons.items()]
     return list(dict.fromkeys(name.split()[0] for name, why in reasons.items() if not why)), lines
+
+
+def _design(content: Experiment) -> list[str]:
+    """What [design] asks for, if it is there.
+
+    Raises:
+        UserError: a mistake in it.
+    """
+    if not content.design:
+        return []
+    from workbench.design.readiness import check_design
+
+    return [f"design: {check_design(content)}"]
 
 
 def _why(content: Experiment, check: Callable[[], None]) -> str:

@@ -16,7 +16,7 @@ from workbench.design.power import Leg, told_apart
 from workbench.design.result import Design, Known
 from workbench.design.rig import Limits, Rig
 from workbench.design.search import Wanted, search
-from workbench.design.steering import described, plain
+from workbench.design.steering import plain, steering_of
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.balances import diagnosed_plant
 from workbench.diagnose.residuals.motion import THINNED, Motion
@@ -29,7 +29,6 @@ from workbench.progress import Progress, part_of, silent
 from workbench.publish.words import listed
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
-from workbench.toml import reading as files
 
 OF_STROKE = 0.9
 """Share of the stroke in which a motion stays."""
@@ -217,13 +216,7 @@ def _steered(experiment: Experiment, asked: Asked, rig: Rig, hypotheses: Sequenc
     """The rig with the controller that closes its loop."""
     if not asked.closed:
         return rig
-    if asked.controller is None:
-        return replace(rig, steering=plain(rig, hypotheses))
-    try:
-        return replace(rig, steering=described(asked.controller, rig.along.plant, experiment.path.parent))
-    except files.SchemaError as mistake:
-        text = files.read_text(experiment.path)
-        raise files.at(experiment.path, text, ("design", *mistake.key), mistake.message) from None
+    return replace(rig, steering=steering_of(experiment, asked) or plain(rig, hypotheses))
 
 
 def _place(hypothesis: Hypothesis, name: str) -> int:

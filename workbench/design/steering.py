@@ -10,10 +10,12 @@ import numpy as np
 from controllers import pid
 from controllers.pid import PID
 from plants.interface import Plant
+from workbench.design.asked import Asked
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.rig import Rig, Steering
 from workbench.diagnose.residuals.null import tracking
 from workbench.errors import UserError
+from workbench.records.experiment import Experiment
 from workbench.study.controller_tables import parse_controller
 from workbench.study.schema import CaseTables
 from workbench.toml import reading as files
@@ -55,6 +57,21 @@ def described(table: Mapping[str, Any], plant: Plant, folder: Path) -> Steering:
             [files.SchemaError(("controller", *each.key[2:]), str(each)) for each in (mistake, *mistake.others)]
         ) from None
     return Steering(found.controller, found.settings, dict(table))
+
+
+def steering_of(experiment: Experiment, asked: Asked) -> Steering | None:
+    """The controller that an experiment describes for its rig; None where it describes none.
+
+    Raises:
+        UserError: a mistake in [design.controller], with its place.
+    """
+    if asked.controller is None:
+        return None
+    try:
+        return described(asked.controller, experiment.plant, experiment.path.parent)
+    except files.SchemaError as mistake:
+        text = files.read_text(experiment.path)
+        raise files.at(experiment.path, text, ("design", *mistake.key), mistake.message) from None
 
 
 def plain(rig: Rig, hypotheses: Sequence[Hypothesis]) -> Steering:
