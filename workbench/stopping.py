@@ -40,6 +40,11 @@ def clear() -> None:
     _FLAG[0] = 0
 
 
+def is_requested() -> bool:
+    """Whether something has asked to stop: an error then is most likely how a library passes on KeyboardInterrupt."""
+    return bool(_FLAG[0])
+
+
 def exit_code() -> int:
     """What a stopped process exits with, as shells expect: 130 after Ctrl-C, 143 after SIGTERM."""
     return 128 + (_FLAG[0] or signal.SIGINT)
@@ -65,10 +70,12 @@ def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
     watcher.start()
     waking = signal.set_wakeup_fd(outside.fileno(), warn_on_full_buffer=False)
     handlers = {number: signal.signal(number, _interrupt) for number in heard}
+    said, sys.unraisablehook = sys.unraisablehook, _without_stops(sys.unraisablehook)
     try:
         yield
     finally:
         ignore()
+        sys.unraisablehook = said
         signal.set_wakeup_fd(waking)
         ended.set()
         outside.close()
@@ -98,6 +105,16 @@ def _interrupt(number: int, _: object) -> None:
     ignore()
     request(number)
     raise KeyboardInterrupt
+
+
+def _without_stops(hook: Callable[["sys.UnraisableHookArgs"], object]) -> Callable[["sys.UnraisableHookArgs"], object]:
+    """What says nothing of a KeyboardInterrupt that Python drops, in a finaliser or while it forks: the flag stays."""
+
+    def say(dropped: "sys.UnraisableHookArgs") -> None:
+        if dropped.exc_type is not KeyboardInterrupt or not is_requested():
+            hook(dropped)
+
+    return say
 
 
 def _watch(inside: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:

@@ -15,6 +15,8 @@ from command import PROCESS, changed, write
 from support import OSCILLATOR, start
 
 import workbench.stopping as stopping
+from workbench.cli.app import mistakes_told
+from workbench.cli.progress import stoppable
 from workbench.simulation.setup import Integrator
 from workbench.simulation.simulate import simulate
 
@@ -43,6 +45,8 @@ with stopping_on_signals(say_stopped), stoppable():
 HOLDS_ON = """\
 import os, signal, sys, time
 import workbench.stopping as stopping
+from workbench.cli.app import mistakes_told
+from workbench.cli.progress import stoppable
 stopping.GRACE = 0.1
 with stopping.stopping_on_signals(lambda: print("said", file=sys.stderr, flush=True)):
     try:
@@ -164,3 +168,52 @@ def test_a_signal_that_comes_while_python_ends_changes_nothing(argument: str, co
     assert done.returncode == code
     assert "ending" in done.stdout
     assert "KeyboardInterrupt" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("error", "asked", "ends"),
+    [
+        (ImportError("initialization failed"), signal.SIGTERM, 143),
+        (OSError("interrupted"), signal.SIGINT, 130),
+        (ImportError("no such module"), None, None),
+    ],
+)
+def test_what_a_library_makes_of_an_interrupt_is_told_as_a_stop(
+    error: Exception, asked: int | None, ends: int | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A compiled module that is interrupted while it is imported says ImportError."""
+
+    def work() -> None:
+        with stoppable("all is kept"), mistakes_told():
+            if asked is not None:
+                stopping.request(asked)
+            raise error
+
+    if ends is None:
+        with pytest.raises(ImportError):
+            work()
+        return
+    with pytest.raises(SystemExit) as ended:
+        work()
+    assert (ended.value.code, capsys.readouterr().err) == (ends, "stopped; all is kept\n")
+
+
+DROPPED = """
+import gc, os, signal, sys
+from workbench.stopping import is_requested, stopping_on_signals
+
+class Held:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        print("not reached")
+
+with stopping_on_signals(lambda: None):
+    Held()
+    print(is_requested())
+"""
+"""A signal that comes in a finaliser, from which Python lets no exception out."""
+
+
+def test_an_interrupt_that_python_drops_is_no_noise_and_stops_nevertheless() -> None:
+    done = subprocess.run([sys.executable, "-c", DROPPED], capture_output=True, text=True, timeout=60.0)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")

@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 
 from workbench.cli.progress import AGAIN, stoppable
 from workbench.errors import UserError, in_few_lines
+from workbench.stopping import is_requested
 
 COMMANDS = (
     "run",
@@ -83,7 +84,7 @@ def mistakes_told() -> Iterator[None]:
     try:
         yield
     except (UserError, OSError) as error:
-        if "--debug" in sys.argv:
+        if "--debug" in sys.argv or is_requested():
             raise
         place = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
         print(f"error: {in_few_lines(place)}", file=sys.stderr)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from workbench.progress import Progress
-from workbench.stopping import exit_code
+from workbench.stopping import exit_code, is_requested
 
 INTERVAL = 15.0
 """Seconds between two plain lines, and before the first: what is over sooner says nothing."""
@@ -31,7 +31,9 @@ def stoppable(kept: str = "nothing is written") -> Iterator[None]:
     _kept.append(kept)
     try:
         yield
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Exception) as error:
+        if not isinstance(error, KeyboardInterrupt) and not is_requested():
+            raise
         say_stopped()
         sys.exit(exit_code())
     finally:
