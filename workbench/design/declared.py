@@ -1,10 +1,11 @@
 """Hypotheses of an experiment without a diagnosis: the declared plant, and what it may lack at a size that is felt."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from plants.effects.registry import effects as registered
+from plants.equation import NEGATIVE
 from workbench.design.asked import Asked
 from workbench.design.hypotheses import Hypothesis
 from workbench.diagnose.readiness import declared_values
@@ -57,12 +58,18 @@ def hypotheses_of(
             unit = number.scale(scales)
             size = number.size or (number.grid[len(number.grid) // 2] if number.grid else 0.0)
             sized[key] = NEUTRAL.get(key, 0.0) + size * unit if size else _other_direction(key, values)
-        sized |= {key: value for key, value in asked.sizes.items() if key in effect.numbers}
+        sized |= _asked_sizes(asked.sizes, effect.numbers)
         there = {**values, **sized}
         free = [unknown(key, there, experiment.bounds, scales) for key in sized if not effect.numbers[key].shapes]
         precision = np.diag([*known, *([1.0 / SIZES**2] * len(free))])
         found.append(Hypothesis((name,), there, [*base, *free], precision))
     return found
+
+
+def _asked_sizes(sizes: Mapping[str, float], known: Collection[str]) -> dict[str, float]:
+    """Of an effect's numbers those that are asked for: a plain name sets both directions."""
+    other = {f"{name}_{NEGATIVE}": value for name, value in sizes.items()}
+    return {name: value for name, value in {**other, **sizes}.items() if name in known}
 
 
 def _other_direction(name: str, values: Mapping[str, float]) -> float:

@@ -47,22 +47,30 @@ def hypotheses_of(
     Raises:
         UserError: an effect that these records' plant cannot have, or that no channel shows.
     """
-    sets = _sets(reported, evidence, between)
+    sets, is_asked = _sets(reported, evidence, between)
     ask = Asked(declared_values(reported.experiment), reported.experiment.bounds, len(evidence.how.effects), {})
     taken: Effects = {
         effect: names
         for effect, own in reported.effects.items()
         if (names := tuple(name for name in own if name in evidence.fit.names))
     }
-    found = []
-    for number, effects in enumerate(sets):
-        progress("hypotheses along the records", 0.05 + 0.1 * number / len(sets))
-        found.append(_hypothesis(evidence.fit, taken, effects, ask))
+    found = list[Hypothesis]()
+    for effects in sets:
+        progress("hypotheses along the records", 0.05 + 0.1 * len(found) / MOST)
+        try:
+            found.append(_hypothesis(evidence.fit, taken, effects, ask))
+        except UserError:
+            if is_asked or not found:
+                raise  # else it was only tried: the next one may be
+        if len(found) == MOST and not is_asked:
+            break
     return found
 
 
-def _sets(reported: Reported, evidence: Evidence, between: Sequence[str]) -> list[tuple[str, ...]]:
-    """The sets of effects that are held against each other."""
+def _sets(reported: Reported, evidence: Evidence, between: Sequence[str]) -> tuple[list[tuple[str, ...]], bool]:
+    """The sets of effects that are held against each other, and whether all of them are asked for: else they are those
+    that may be, the best first.
+    """
     found, instead = list(reported.effects), reported.alternatives
     if between:
         for name in between:
@@ -72,13 +80,12 @@ def _sets(reported: Reported, evidence: Evidence, between: Sequence[str]) -> lis
                     f"{nearest(name, ['none', *evidence.how.effects])}"
                 )
         rest = [one for one in found if one not in between and not {*instead[one]} & {*between}]
-        return [tuple(rest) if name == "none" else (*rest, name) for name in between]
+        return [tuple(rest) if name == "none" else (*rest, name) for name in between], True
     doubted = next((effect for effect in found if instead[effect]), None)
     if doubted is not None:
         rest = [one for one in found if one != doubted]
-        return [(*rest, name) for name in (doubted, *instead[doubted])][:MOST]
-    unseen = _unseen(evidence, found)
-    return [tuple(found), *((*found, name) for name in unseen)][:MOST]
+        return [(*rest, name) for name in (doubted, *instead[doubted])][:MOST], True
+    return [tuple(found), *((*found, name) for name in _unseen(evidence, found))], False
 
 
 def _unseen(evidence: Evidence, found: Sequence[str]) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from controllers import pid
 from controllers.pid import PID
+from plants.equation import fields
 from plants.interface import Plant
 from workbench.design.asked import Asked
 from workbench.design.hypotheses import Hypothesis
@@ -81,7 +82,7 @@ def plain(rig: Rig, hypotheses: Sequence[Hypothesis]) -> Steering:
         UserError: every one does; or the plant's command sets neither a speed nor a force.
     """
     condition, values = rig.conditions[0], hypotheses[0].values
-    start = rig.setup(values, condition, 2)
+    start = rig.setup(values, condition, 2, np.zeros(len(fields(rig.along.plant.State))))
     for crossover in CROSSOVERS:
         if crossover > QUICKEST / rig.sample_time:
             continue

@@ -110,7 +110,12 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
             **({"start_position": f"{rig.reach.middle:.9g} {rig.axis}"} if closed and rig.reach.middle else {}),
         },
         "belief": {"parameters": plants[0]},
-        "simulation": {"duration": "1 s", "sample_time": f"{rig.sample_time:.9g} s", "seed": 1, "tolerance": 1e-10},
+        "simulation": {
+            "duration": "1 s",
+            "sample_time": f"{rig.sample_time:.9g} s",
+            "seed": 1,
+            "tolerance": rig.tolerance,
+        },
         "sensors": {name: {"noise": f"{std:.6g} {_unit(rig.axis, name)}"} for name, std in rig.noise.items()},
         "controllers": {NAME: controller},
         "references": {

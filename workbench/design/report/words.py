@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from itertools import groupby
 
+import numpy as np
+
 from workbench.design.pieces import Piece, shaped
 from workbench.design.power import Told
 from workbench.design.result import HARDLY, SURE, Design
@@ -82,6 +84,9 @@ def verdicts(design: Design) -> list[str]:
     for one in design.told:
         true, rival = (design.hypotheses[k].name for k in (one.true, one.rival))
         share = f"in {_percent(one.power)} of records ({_percent(one.low)} to {_percent(one.high)})"
+        if design.hypotheses[one.true].is_part_of(design.hypotheses[one.rival]):
+            said.append(f"If it is {true}, {rival} is not claimed {share}.")
+            continue
         sure = "surely" if one.power >= SURE else "hardly" if one.power < HARDLY else "not surely"
         said.append(f"If it is {true}, this tells it from {rival} {sure}: {share}.")
     for known in design.known:
@@ -116,6 +121,29 @@ def _why(design: Design, one: Told) -> str:
     )
 
 
+def _reach(design: Design) -> str:
+    """Between which ends the whole reference is, and how fast."""
+    legs, rig = [leg.reference for leg in design.legs], design.rig
+    low, high = min(float(leg.min()) for leg in legs), max(float(leg.max()) for leg in legs)
+    speed = max(float(np.max(np.abs(np.diff(leg)))) for leg in legs) / rig.sample_time
+    unit = SHOWN[rig.axis].unit if rig.steering is not None else rig.along.plant.command_unit
+    factor = SHOWN[rig.axis].factor if rig.steering is not None else 1.0
+    ends = f"{shown_number(factor * low, 3)} and {shown_number(factor * high, 3)} {unit}"
+    steps = any(piece.kind == "steps" for piece in design.pieces)
+    fast = "" if steps else f", at up to {shown_number(factor * speed, 3)} {unit}/s"
+    return f"Over all pieces, and on the way from one to the next, it is between {ends}{fast}."
+
+
+def _loop(design: Design) -> list[str]:
+    """The controller by which the rig follows."""
+    if design.rig.steering is None:
+        return []
+    table = ", ".join(f"{name} = {value}" for name, value in design.rig.steering.table.items())
+    is_asked = "controller" in design.experiment.design
+    whose = "that of [design.controller]" if is_asked else "a plain one that swings under no hypothesis"
+    return [f"The loop is {whose}: {table}."]
+
+
 def how_run(design: Design) -> list[str]:
     """How the rig is to be driven."""
     rig = design.rig
@@ -123,7 +151,7 @@ def how_run(design: Design) -> list[str]:
     said = [f"reference.csv is {kind}, a sample every {1e3 * rig.sample_time:g} ms."]
     if len(design.legs) > 1:
         said = [f"reference_1.csv to reference_{len(design.legs)}.csv are {kind}, one for each speed or load."]
-    said.append("workbench run study.toml simulates it under every hypothesis.")
+    said += [_reach(design), *_loop(design), "workbench run study.toml simulates it under every hypothesis."]
     if any(piece.condition.load for piece in design.pieces):
         said.append(
             "Records under a further load are records of another plant: declare its load_force in an experiment of "

@@ -34,7 +34,7 @@ void {{ name }}_init({{ name }}_state *state, const {{ name }}_settings *setting
     const {{ name }}_measurement *measurement);
 
 /* Once every sample time: the command ({{ e.command_unit }}) to give now, within the limit. 0 where the readings
-   make it no number. */
+   make it no number: the state then is none either, and stays so until init is called again. */
 {{ real }} {{ name }}_step({{ name }}_state *state, const {{ name }}_settings *settings,
     const {{ name }}_reference *reference, const {{ name }}_measurement *measurement);
 
