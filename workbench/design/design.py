@@ -12,7 +12,8 @@ from workbench.design.asked import Asked, asked_of, limits_of
 from workbench.design.contrast import Tried
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Reach, sampled
-from workbench.design.power import Leg, told_apart
+from workbench.design.power import told_apart
+from workbench.design.refit import Leg
 from workbench.design.result import Design, Known
 from workbench.design.rig import Limits, Rig
 from workbench.design.search import Wanted, search

@@ -9,13 +9,12 @@ order: it lies in the few directions in which a plant can move the record, and i
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.design.contrast import replays
 from workbench.design.hypotheses import Hypothesis
-from workbench.design.pieces import Condition
+from workbench.design.refit import Leg, Shown, can_search, refitted, shown_along, started, with_starts
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
 from workbench.fitting.covariance import inverse
@@ -28,17 +27,8 @@ MACHINES, SHARES, REPETITIONS = 4, 50, 50
 INTERVAL = (5.0, 95.0)
 """Percentiles of the share told apart in the repetitions of one machine."""
 
-STEPS = (1.0, 1.0, 0.3, 1.0, 1.0, 0.3, 1.0, 0.1)
-"""Shares of Gauss and Newton's steps, which a refit tries one after the other."""
-
-SETTLED = 0.1
-"""By which a step has to lower the squares for another."""
-
 NEAR = 0.2
 """Of an unknown as a search sees it, to which first order reaches: no machine is drawn farther away."""
-
-KNOWN_START = 1e-8
-"""Precision of the states at a start, in units of a little change of each: next to nothing."""
 
 SEED = 11
 
@@ -61,23 +51,6 @@ class Told:
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
-    """A part of a motion that is run in one go: its reference (samples,), under which condition."""
-
-    reference: np.ndarray
-    condition: Condition
-
-
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """A hypothesis under the commands of another one: what it shows (rows,), its own columns, those of its starts."""
-
-    seen: np.ndarray
-    columns: np.ndarray
-    starts: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Machine:
     """A machine as its record would be without noise, the runs that made it, leg by leg, and how far it is from the
     hypothesis that it is drawn of, by name of the unknown, as a search sees them.
@@ -96,16 +69,55 @@ def told_apart(
     for i, true in enumerate(hypotheses):
         nowhere = np.zeros(len(true.unknowns))
         machines = [one for one in (_machine(rig, true, nowhere, runs[i]), *_drawn(rig, true, legs)) if one is not None]
-        own = shown_along(rig, true, legs, runs[i])
-        if own is None or not machines:
+        if not machines or (shown := shown_along(rig, true, legs, runs[i])) is None:
             continue
-        mine = [own.columns @ np.array(list(machine.away.values())) for machine in machines]
+        own = side_by_side(lambda machine, of=true, near=shown: _itself(rig, of, near, legs, machine), machines)
         for j, rival in enumerate(hypotheses):
             if j != i:
                 other = shown_along(rig, rival, legs, runs[i])
-                theirs = None if other is None else _left_of(rig, rival, other, legs, machines)
-                found.append(_told((i, j), (true, rival), (own, other), (mine, theirs)))
+                theirs = None if other is None else _refits(rig, (true, rival), other, legs, machines)
+                found.append(_told((i, j), (true, rival), own, theirs))
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A hypothesis at its best on a record without noise: how far its unknowns have `moved`, what is `left` (rows,),
+    and the columns of its unknowns and its starts there.
+    """
+
+    moved: np.ndarray
+    left: np.ndarray
+    shown: Shown
+
+
+def _itself(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Fitted:
+    """The true hypothesis on its own machine; `shown` are its columns on the nominal one."""
+    away = np.array(list(machine.away.values()))
+    return Fitted(away, np.zeros(machine.record.size), _columns_at(rig, true, away, shown, legs, machine.runs))
+
+
+def _columns_at(
+    rig: Rig, of: Hypothesis, moved: np.ndarray, near: Shown, legs: Sequence[Leg], runs: Sequence[Run]
+) -> Shown:
+    """A hypothesis's columns where it has `moved`, of a motion that is simulated soon enough; else those near it."""
+    if not can_search(runs):
+        return near
+    return shown_along(rig, replace(of, values=of.moved(moved)), legs, runs) or near
+
+
+def _refits(
+    rig: Rig, pair: tuple[Hypothesis, Hypothesis], shown: Shown, legs: Sequence[Leg], machines: Sequence[Machine]
+) -> list[Fitted]:
+    """A rival on each machine of the true hypothesis."""
+    true, rival = pair
+
+    def fitted(machine: Machine) -> Fitted:
+        start = started(rival, true, machine.away)
+        _, moved, left = refitted(rig, rival, machine.record, shown, legs, machine.runs, start)
+        return Fitted(moved, left, _columns_at(rig, rival, moved, shown, legs, machine.runs))
+
+    return side_by_side(fitted, machines)
 
 
 def _machine(rig: Rig, of: Hypothesis, away: np.ndarray, runs: Sequence[Run]) -> Machine | None:
@@ -127,143 +139,54 @@ def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg]) -> list[Machine | No
     return side_by_side(driven, places)
 
 
-def _left_of(
-    rig: Rig, of: Hypothesis, shown: Shown, legs: Sequence[Leg], machines: Sequence[Machine]
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """For each machine how far a rival moves in its refit, and what it leaves without what that took away."""
-
-    def left(machine: Machine) -> tuple[np.ndarray, np.ndarray]:
-        start = np.array([machine.away.get(unknown.name, 0.0) for unknown in of.unknowns])
-        _, moved, left = refitted(rig, of, machine.record, shown, legs, machine.runs, start)
-        return moved, left + shown.columns @ moved
-
-    return side_by_side(left, machines)
-
-
-def shown_along(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run]) -> Shown | None:
-    """A hypothesis along the commands of some runs; None where it diverges."""
-    seen, columns, starts = list[np.ndarray](), list[np.ndarray](), list[np.ndarray]()
-    count = len(of.unknowns)
-    for leg, run in zip(legs, runs, strict=True):
-        base, changes, _ = replays(rig, of, run, leg.condition, starts=True)
-        if base is None:
-            return None
-        seen.append(base)
-        columns.append(changes[:, :count])
-        starts.append(changes[:, count:])
-    rows = np.cumsum([0, *(part.shape[0] for part in starts)])
-    apart = np.zeros((rows[-1], sum(part.shape[1] for part in starts)))
-    at = 0
-    for first, part in zip(rows[:-1].tolist(), starts, strict=True):
-        apart[first : first + part.shape[0], at : at + part.shape[1]] = part
-        at += part.shape[1]
-    return Shown(np.concatenate(seen), np.concatenate(columns), apart)
-
-
 def _told(
     pair: tuple[int, int],
     of: tuple[Hypothesis, Hypothesis],
-    shown: tuple[Shown, Shown | None],
-    off: tuple[list[np.ndarray], list[tuple[np.ndarray, np.ndarray]] | None],
+    own: Sequence[Fitted],
+    theirs: Sequence[Fitted] | None,
 ) -> Told:
-    (true, rival), (own, other) = of, shown
-    if other is None or off[1] is None:  # its plant runs away where the true one does not
-        return Told(*pair, np.inf, np.zeros(len(rival.unknowns)), 1.0, 1.0, 1.0, np.zeros(own.seen.size))
-    mine, theirs = (np.column_stack([one.columns, one.starts]) for one in (own, other))
-    whole = [np.column_stack(off[0]), np.column_stack([each for _, each in off[1]]), mine, theirs]
-    basis = np.linalg.qr(np.column_stack(whole))[0]
-    within = [basis.T @ each for each in whole]
-    known = _with_starts(true, own), _with_starts(rival, other)
+    true, rival = of
+    if theirs is None:  # its plant runs away where the true one does not
+        return Told(*pair, np.inf, np.zeros(len(rival.unknowns)), 1.0, 1.0, 1.0, np.zeros(own[0].left.size))
     asked = -ODDS if true.is_part_of(rival) else ODDS
-    shares, distance = _repeated((within[0], within[1]), (within[2], within[3]), known, asked)
+    draw = np.random.default_rng(SEED)
+    repeated = [_repeated(of, both, asked, draw) for both in zip(own, theirs, strict=True)]
+    shares = np.concatenate([each for each, _ in repeated])
     low, high = np.percentile(shares, INTERVAL)
+    first = theirs[0]
     deviations = np.sqrt(np.maximum(np.diag(rival.covariance), 1e-300))
-    moved, first = off[1][0]
-    left = first - other.columns @ moved
-    return Told(*pair, distance, moved / deviations, float(np.mean(shares)), float(low), float(high), left)
-
-
-def _with_starts(of: Hypothesis, shown: Shown) -> np.ndarray:
-    """The precision of its unknowns and of where it starts."""
-    count, more = len(of.unknowns), shown.starts.shape[1]
-    whole = np.diag(np.full(count + more, KNOWN_START))
-    whole[:count, :count] = of.precision
-    return whole
-
-
-def refitted(
-    rig: Rig,
-    of: Hypothesis,
-    record: np.ndarray,
-    shown: Shown,
-    legs: Sequence[Leg],
-    runs: Sequence[Run],
-    start: np.ndarray,
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """What a hypothesis's refit leaves of a record, squared with what is known of its unknowns; how far these move, and
-    what is left (rows,): Gauss and Newton's steps from a `start` with the columns of the hypothesis, as long as they
-    lower the squares.
-    """
-    columns = np.column_stack([shown.columns, shown.starts])
-    precision = _with_starts(of, shown)
-    whole, count = inverse(columns.T @ columns + precision), len(of.unknowns)
-    begins = np.linalg.qr(shown.starts)[0]
-
-    def worth(moved: np.ndarray, left: np.ndarray) -> tuple[float, np.ndarray]:
-        slope = columns.T @ left - precision[:, :count] @ moved
-        freed = left - begins @ (begins.T @ left)
-        return float(freed @ freed + moved @ of.precision @ moved), whole @ slope
-
-    def left_at(moved: np.ndarray) -> np.ndarray | None:
-        seen = [
-            rig.seen(rig.replayed(of.moved(moved), run.command, leg.condition))
-            for leg, run in zip(legs, runs, strict=True)
-        ]
-        whole = [each for each in seen if each is not None]
-        return record - np.concatenate(whole) if len(whole) == len(seen) else None
-
-    moved = np.clip(start, *of.room)
-    begun = left_at(moved)
-    left = record - shown.seen if begun is None else begun
-    least, step = worth(moved, left)
-    for share in STEPS:
-        reached = np.clip(moved + share * step[:count], *of.room)
-        other = left_at(reached)
-        if other is None:
-            continue
-        found, further = worth(reached, other)
-        if found < least:
-            flat = found > least - SETTLED
-            moved, left, least, step = reached, other, found, further
-            if flat:
-                break
-    return least, moved, left
+    power, distance = float(np.mean(shares)), repeated[0][1]
+    return Told(*pair, distance, first.moved / deviations, power, float(low), float(high), first.left)
 
 
 def _repeated(
-    off: tuple[np.ndarray, np.ndarray],
-    columns: tuple[np.ndarray, np.ndarray],
-    known: tuple[np.ndarray, np.ndarray],
-    asked: float,
+    of: tuple[Hypothesis, Hypothesis], fitted: tuple[Fitted, Fitted], asked: float, draw: np.random.Generator
 ) -> tuple[np.ndarray, float]:
-    """Shares of repetitions that tell the true hypothesis, shape (machines, shares), and T of the first machine. By
-    what the true one and its rival are `off` (directions, machines), with their columns and what is known of these.
+    """Shares of repetitions on a machine that tell the true hypothesis, shape (shares,), and T without noise.
+
+    Noise lies in the few directions in which either moves the record, and in what is left of it.
     """
-    count = off[0].shape[1]
-    noise = np.random.default_rng(SEED).standard_normal((count, SHARES, REPETITIONS, off[0].shape[0]))
-    left = [
-        _least(one.T[:, None, None, :] + noise, own, precision)
-        for one, own, precision in zip(off, columns, known, strict=True)
-    ]
-    clean = [_least(one[:, 0], own, precision) for one, own, precision in zip(off, columns, known, strict=True)]
-    return np.mean(left[1] - left[0] > asked, axis=-1), max(float(clean[1] - clean[0]), 0.0)
+    columns = [np.column_stack([one.shown.columns, one.shown.starts]) for one in fitted]
+    basis = np.linalg.qr(np.column_stack([*columns, *(one.left for one in fitted)]))[0]
+    noise = draw.standard_normal((SHARES, REPETITIONS, basis.shape[1]))
+    left, clean = list[np.ndarray](), list[float]()
+    for hypothesis, one, own in zip(of, fitted, columns, strict=True):
+        within, known = basis.T @ own, with_starts(hypothesis, one.shown)
+        moved = np.concatenate([one.moved, np.zeros(one.shown.starts.shape[1])])
+        off = basis.T @ one.left
+        left.append(_least(off + noise, within, known, moved))
+        clean.append(float(_least(off, within, known, moved)))
+    return np.mean(left[1] - left[0] > asked, axis=-1), max(clean[1] - clean[0], 0.0)
 
 
-def _least(of: np.ndarray, columns: np.ndarray, precision: np.ndarray) -> np.ndarray:
-    """What is left at least of squares (..., directions) by columns whose numbers are known with a precision."""
-    slope = of @ columns
+def _least(of: np.ndarray, columns: np.ndarray, precision: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """What is left at least of squares (..., directions) by columns whose numbers have `moved` already, and are known
+    with a precision: min over d of |of - C d|^2 + (m + d)' P (m + d).
+    """
+    held = precision @ moved
+    slope = of @ columns - held
     taken = np.sum((slope @ inverse(columns.T @ columns + precision)) * slope, axis=-1)
-    return np.asarray(np.sum(of**2, axis=-1) - taken)
+    return np.asarray(np.sum(of**2, axis=-1) + moved @ held - taken)
 
 
 def drawn_from(hypothesis: Hypothesis) -> np.ndarray:

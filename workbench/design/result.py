@@ -8,7 +8,8 @@ import numpy as np
 
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Piece, shaped
-from workbench.design.power import Leg, Told
+from workbench.design.power import Told
+from workbench.design.refit import Leg
 from workbench.design.rig import Rig
 from workbench.records.experiment import Experiment
 from workbench.simulation.run import Run

@@ -4,7 +4,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from workbench.design.power import drawn_from, refitted, shown_along
+from workbench.design.power import drawn_from
+from workbench.design.refit import refitted, shown_along, started
 from workbench.design.result import Design
 from workbench.design.search import ODDS
 
@@ -19,10 +20,9 @@ def share_found(design: Design) -> float:
     """Of records of one machine that is drawn, each with noise of its own, to which both plants are fitted anew."""
     rig, (true, rival), draw = design.rig, design.hypotheses, np.random.default_rng(SEED)
     away = drawn_from(true) @ draw.standard_normal(len(true.unknowns))
-    machine, names = true.moved(away), [u.name for u in true.unknowns]
-    starts = [
-        np.array([away[names.index(u.name)] if u.name in names else 0.0 for u in one.unknowns]) for one in (true, rival)
-    ]
+    machine = true.moved(away)
+    by_name = {unknown.name: float(x) for unknown, x in zip(true.unknowns, away, strict=True)}
+    starts = [started(one, true, by_name) for one in (true, rival)]
     runs = [rig.driven(machine, leg.reference, leg.condition) for leg in design.legs]
     clean = np.concatenate([rig.seen(run) for run in runs])
     own, other = (shown_along(rig, one, design.legs, runs) for one in (true, rival))
