@@ -1,0 +1,66 @@
+"""A design for a drive, which no fluid moves: its plain loop, and a share that rivals' refits do not flatter."""
+
+import json
+from pathlib import Path
+from unittest import mock
+
+from command import workbench, write
+
+from workbench.design import search
+from workbench.design.declared import _asked_sizes
+
+EXPERIMENT = """\
+title = "A drive, before its first record"
+[plant]
+model = "drive_force"
+parameters = "drive.toml"
+[channels]
+time = { column = "t", unit = "s" }
+force = { column = "u", unit = "N" }
+position = { column = "x", unit = "mm" }
+[[records]]
+file = "not_there_yet.csv"
+[design]
+between = ["none", "quadratic_drag"]
+sizes = { drag_coefficient = "0.05 N s^2/m^2" }
+duration = "4 s"
+sample_time = "4 ms"
+noise = { position = "20 um" }
+limits = { low = "-30 mm", high = "30 mm", speed = "120 mm/s" }
+"""
+
+VALUES = {
+    "mass": "0.83 kg",
+    "load_force": "0 N",
+    "coulomb": "2.1 N",
+    "stribeck": "0.9 N",
+    "stribeck_velocity": "8 mm/s",
+    "viscous": "11 N s/m",
+    "bristle_stiffness": "4e4 N/m",
+    "bristle_damping": "60 N s/m",
+    "end_stop_stiffness": "0 N/m",
+    "end_stop_damping": "0 s/m",
+}
+
+
+def test_what_viscous_friction_makes_up_for_is_not_told(tmp_path: Path) -> None:
+    """0.05 N s^2/m^2 at 0.1 m/s are 0.5 mN, beside 1.1 N of viscous friction that is not known; none comes first."""
+    lines = [f'[parameters.{name}]\nvalue = "{value}"\nsource = "a test"\n' for name, value in VALUES.items()]
+    write(tmp_path, 'title = "t"\nsource = "a test"\n' + "".join(lines), "drive.toml")
+    path = write(tmp_path, EXPERIMENT, "experiment.toml")
+    with mock.patch.object(search, "TRIALS", (8, 8)):
+        answer = workbench("design", path, "--out", tmp_path / "out")
+    assert answer.code == 0, answer.err
+    (none, drag) = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))["told_apart"]
+    assert none["distance"] < 1.0, "drag can be none: nothing but what is known of it is in the way"
+    assert none["power"] > 0.9
+    assert drag["low"] <= drag["power"] <= drag["high"]
+    assert drag["distance"] < 3.0
+
+
+def test_a_size_by_a_plain_name_is_that_of_both_directions() -> None:
+    known = ("valve_overlap", "valve_overlap_negative")
+    assert _asked_sizes({"valve_overlap": 1e-6}, known) == dict.fromkeys(known, 1e-6)
+    assert (
+        _asked_sizes({"valve_overlap": 1e-6, "valve_overlap_negative": 2e-6}, known)["valve_overlap_negative"] == 2e-6
+    )
