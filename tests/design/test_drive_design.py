@@ -4,7 +4,9 @@ from pathlib import Path
 from unittest import mock
 
 from command import workbench, write
+from declared_parameters import write_declared
 
+from plants.registry import plants
 from workbench.design import search
 from workbench.design.declared import _asked_sizes
 
@@ -29,23 +31,22 @@ limits = { low = "-30 mm", high = "30 mm", speed = "120 mm/s" }
 """
 
 VALUES = {
-    "mass": "0.83 kg",
-    "load_force": "0 N",
-    "coulomb": "2.1 N",
-    "stribeck": "0.9 N",
-    "stribeck_velocity": "8 mm/s",
-    "viscous": "11 N s/m",
-    "bristle_stiffness": "4e4 N/m",
-    "bristle_damping": "60 N s/m",
-    "end_stop_stiffness": "0 N/m",
-    "end_stop_damping": "0 s/m",
+    "mass": 0.83,
+    "load_force": 0.0,
+    "coulomb": 2.1,
+    "stribeck": 0.9,
+    "stribeck_velocity": 8e-3,
+    "viscous": 11.0,
+    "bristle_stiffness": 4e4,
+    "bristle_damping": 60.0,
+    "end_stop_stiffness": 0.0,
+    "end_stop_damping": 0.0,
 }
 
 
 def test_what_viscous_friction_makes_up_for_is_not_told(tmp_path: Path) -> None:
     """0.05 N s^2/m^2 at 0.1 m/s are 0.5 mN, beside 1.1 N of viscous friction that is not known; none comes first."""
-    lines = [f'[parameters.{name}]\nvalue = "{value}"\nsource = "a test"\n' for name, value in VALUES.items()]
-    write(tmp_path, 'title = "t"\nsource = "a test"\n' + "".join(lines), "drive.toml")
+    write_declared(tmp_path / "drive.toml", plants()["drive_force"], VALUES)
     path = write(tmp_path, EXPERIMENT, "experiment.toml")
     with mock.patch.object(search, "TRIALS", (8, 8)):
         answer = workbench("design", path, "--out", tmp_path / "out")

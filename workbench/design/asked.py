@@ -73,7 +73,10 @@ def asked_of(
             raise UserError(f"{experiment.path}: {count} {what} are held against each other, expected {most} at most")
     for name in found.identify:
         if name not in (known := parameter_names(experiment.plant)):
-            raise UserError(f'--identify "{name}": unknown parameter; {nearest(name, known)}')
+            said = f'"{name}": unknown parameter; {nearest(name, known)}'
+            if identify:
+                raise UserError(f"--identify {said}")
+            raise files.at(experiment.path, text, ("design", "identify"), said)
     if not SHORTEST <= found.duration <= LONGEST:
         raise UserError(f"duration: got {found.duration:g} s, expected {SHORTEST:g} s to {LONGEST:g} s")
     return found

@@ -74,7 +74,7 @@ def _asked_sizes(sizes: Mapping[str, float], known: Collection[str]) -> dict[str
 
 def _other_direction(name: str, values: Mapping[str, float]) -> float:
     """A parameter of the other direction that is felt: half more than that of the first."""
-    return 1.5 * values.get(name.removesuffix("_negative"), 0.0)
+    return 1.5 * values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)
 
 
 def _precision(of: Unknown, deviations: Mapping[str, float]) -> float:
