@@ -6,11 +6,8 @@
 
 #include "machine.h"
 
-typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED } Phase;
-
 typedef struct {
     Machine machine;
-    Phase phase;
     const fmi2CallbackFunctions *callbacks;
     char name[NAME_LENGTH];
 } Instance;
@@ -77,28 +74,25 @@ EXPORTED fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tol
 
 EXPORTED fmi2Status fmi2EnterInitializationMode(fmi2Component component)
 {
-    ((Instance *)component)->phase = INITIALIZING;
+    ((Instance *)component)->machine.phase = INITIALIZING;
     return fmi2OK;
 }
 
 EXPORTED fmi2Status fmi2ExitInitializationMode(fmi2Component component)
 {
-    ((Instance *)component)->phase = RUNNING;
+    ((Instance *)component)->machine.phase = RUNNING;
     return fmi2OK;
 }
 
 EXPORTED fmi2Status fmi2Terminate(fmi2Component component)
 {
-    ((Instance *)component)->phase = TERMINATED;
+    ((Instance *)component)->machine.phase = TERMINATED;
     return fmi2OK;
 }
 
 EXPORTED fmi2Status fmi2Reset(fmi2Component component)
 {
-    Instance *instance = (Instance *)component;
-
-    machine_start(&instance->machine);
-    instance->phase = INSTANTIATED;
+    machine_start(&((Instance *)component)->machine);
     return fmi2OK;
 }
 
@@ -312,7 +306,7 @@ EXPORTED fmi2Status fmi2DoStep(fmi2Component component, fmi2Real from, fmi2Real 
     Instance *instance = (Instance *)component;
 
     (void)no_state_before;
-    if (instance->phase != RUNNING)
+    if (instance->machine.phase != RUNNING)
         return failed(instance, "fmi2DoStep: the machine has not been initialized, or is terminated");
     switch (machine_advance(&instance->machine, from + step)) {
     case ADVANCED:

@@ -6,11 +6,8 @@
 
 #include "machine.h"
 
-typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED } Phase;
-
 typedef struct {
     Machine machine;
-    Phase phase;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
 } Instance;
@@ -93,28 +90,25 @@ EXPORTED fmi3Status fmi3EnterInitializationMode(fmi3Instance any, fmi3Boolean to
         instance->machine.tolerance = tolerance;
     instance->machine.time = start;
     instance->machine.known = 0;
-    instance->phase = INITIALIZING;
+    instance->machine.phase = INITIALIZING;
     return fmi3OK;
 }
 
 EXPORTED fmi3Status fmi3ExitInitializationMode(fmi3Instance any)
 {
-    ((Instance *)any)->phase = RUNNING;
+    ((Instance *)any)->machine.phase = RUNNING;
     return fmi3OK;
 }
 
 EXPORTED fmi3Status fmi3Terminate(fmi3Instance any)
 {
-    ((Instance *)any)->phase = TERMINATED;
+    ((Instance *)any)->machine.phase = TERMINATED;
     return fmi3OK;
 }
 
 EXPORTED fmi3Status fmi3Reset(fmi3Instance any)
 {
-    Instance *instance = (Instance *)any;
-
-    machine_start(&instance->machine);
-    instance->phase = INSTANTIATED;
+    machine_start(&((Instance *)any)->machine);
     return fmi3OK;
 }
 
@@ -363,7 +357,7 @@ EXPORTED fmi3Status fmi3DoStep(fmi3Instance any, fmi3Float64 from, fmi3Float64 s
 
     (void)no_state_before;
     *event_needed = *terminate = *early_return = false;
-    if (instance->phase != RUNNING)
+    if (instance->machine.phase != RUNNING)
         return failed(any, "fmi3DoStep: the machine has not been initialized, or is terminated");
     ended = machine_advance(&instance->machine, from + step);
     *reached = instance->machine.time;

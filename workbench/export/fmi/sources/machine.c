@@ -43,6 +43,7 @@ void machine_start(Machine *machine)
     for (i = 0; i < VALUES; i++)
         machine->values[i] = start_values[i];
     machine->known = 0;
+    machine->phase = INSTANTIATED;
 }
 
 /* Whether there is such a number; it goes into `value`. */

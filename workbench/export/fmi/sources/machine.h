@@ -4,6 +4,9 @@
 
 #include "model.h"
 
+/* How far a simulation has come. */
+typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED } Phase;
+
 /* Everything that a machine is at an instant; without pointers, so that a copy of it is a saved state. */
 typedef struct {
     double time;
@@ -13,6 +16,7 @@ typedef struct {
     double rates[STATES];
     double outputs[OUTPUTS];
     int known; /* whether rates and outputs belong to the values */
+    Phase phase;
 } Machine;
 
 /* Numbers have references: 0 is time, then come states, inputs, parameters (what can be set), rates and outputs. */
