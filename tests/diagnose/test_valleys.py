@@ -14,10 +14,12 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.fits import Fitting, Simulated
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.valleys import NARROW, along_valley
+from workbench.diagnose.simulation.valleys import along_valley
+from workbench.fitting.least_squares import Search
 
 NAMES = ("spring_stiffness", "viscous")
 TRUTH = {"spring_stiffness": 2000.0, "viscous": 300.0}
+NARROW = Search(flat=1e-3, most_steps=15)
 STARTS = ({"spring_stiffness": 1600.0, "viscous": 340.0}, {"spring_stiffness": 2600.0, "viscous": 340.0})
 
 
@@ -43,6 +45,9 @@ class Beginning(Fitting):
 
     def begun(self, how: Shooting, values: Values) -> Simulated:
         return Simulated(how, fit(how.balance(self.motions, ()), values, ()))
+
+    def bettered(self, best: Simulated) -> Simulated:
+        return Simulated(best.how, fit(best.how.balance(self.motions, NAMES), best.fit.values, NAMES, {}, NARROW))
 
 
 @pytest.mark.parametrize("start", STARTS)

@@ -47,7 +47,7 @@ TRUSTED = 3.0
 """Standard deviations of noise up to which the parameters of a simulated plant are believed before those that the
 balances give: beyond it what the model lacks decides them, and what adds up over time most of all."""
 
-PIECES = (20, 80, 320)
+PIECES = (20, 80, 320, 1280)
 """Grains of a record in a piece, from the shortest."""
 
 ROUNDS = 20

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.diagnose.residuals.along import ARRIVES
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -20,6 +21,7 @@ from workbench.diagnose.selection.sets import Asked, without_effects
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
+    AT_NOISE,
     NOISE,
     TRUSTED,
     Fitting,
@@ -150,24 +152,38 @@ def _simulated(
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
     best = along_valley(fitting, best if best.is_near else fit_led(best, fitting, starts[0]))
-    if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit):
+    if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
-        best = min(best, straight, key=lambda one: one.fit.rms)
+        if straight.fit.rms < best.fit.rms:
+            best = straight
+            if best.fit.excess > AT_NOISE:  # or it was, and this has led out of a hollow
+                again = fitting.final(fitting.found(held, best.fit.values))
+                best = min(best, again, key=lambda one: one.fit.rms)
     return exactly(best, fitting) if best.is_near else best
 
 
-def _may_leave_less(how: Shooting, fitted: Fit) -> bool:
-    """Whether another way to simulate may leave less, by what it leaves to first order in the parameters of a fit."""
-    left, own = fitted.weighing(how.balance(fitted.balance.motions, ()).stacked(fitted.values)), fitted.jacobian
+def _may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:
+    """Whether another way to simulate may leave less, by what it leaves beside `values` to first order in the
+    parameters of a fit.
+    """
+    left, own = fitted.weighing(how.balance(fitted.balance.motions, ()).stacked(values)), fitted.jacobian
     own = own * fitted.free
     left = left - own @ (inverse(fitted.curvature) @ (own.T @ left))
     return bool(left @ left < STRAIGHTENED * (fitted.weighed @ fitted.weighed))
 
 
+def _as_late(values: Values, sample_time: float, held: bool) -> dict[str, float]:
+    """Values with which a voltage arrives as late, now that it is `held`, which makes it half a sample later than a
+    straight line between samples, or is no longer.
+    """
+    late = values.get(ARRIVES, 0.0)
+    return {**values, ARRIVES: max(late - 0.5 * sample_time, 0.0)} if late > 0.0 and held else dict(values)
+
+
 def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
     """The same by way of pieces of the records."""
     fitting = Fitting(motions, first.fit.names, experiment.bounds)
-    best = fit_farther(first, fitting, start)
+    best = along_valley(fitting, fit_farther(first, fitting, start))
     return exactly(best, fitting) if best.is_near and best is not first else best
 
 
@@ -194,10 +210,10 @@ def simulation_stage(
             with_them = _farther(experiment, motions, with_them, start.corrected)
         if base is not before[0] or with_them is not before[1]:
             found = _stage(experiment, motions, start, base, with_them, given, progress)
-    return _straightened(experiment, motions, start, base, found, given, progress)
+    return _held_otherwise(experiment, motions, start, base, found, given, progress)
 
 
-def _straightened(
+def _held_otherwise(
     experiment: Experiment,
     motions: Sequence[Motion],
     start: SimulationStart,
@@ -206,24 +222,27 @@ def _straightened(
     given: Effects,
     progress: Progress,
 ) -> SimulationStage:
-    """The search once more with a voltage that is a straight line between samples, where that leaves less with what was
-    found: effects stand in for a voltage that holds where it does not.
+    """The search once more with the voltage between samples as it was not taken to be, where that leaves less with what
+    was found: effects stand in for a voltage that holds where it does not, and a delay of half a sample for one that
+    does.
     """
-    ramps = shooting_of(experiment, motions, held=False)
-    if ramps is None or not (found.how.held and found.effects and found.is_near):
+    other = shooting_of(experiment, motions, held=not found.how.held)
+    if other is None or not (found.effects and found.is_near):
         return found
-    if not _may_leave_less(replace(found.how, setups=ramps.setups, held=False), found.after):
+    values = _as_late(found.after.values, motions[0].record.sample_time, other.held)
+    if not _may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found
     fitting = Fitting(motions, found.after.names, experiment.bounds)
-    straight = fitting.final(fitting.found(ramps, found.after.values))
-    if straight.fit.rms >= found.after.rms:
+    otherwise = fitting.final(fitting.found(other, values))
+    if otherwise.fit.rms >= found.after.rms:
         return found
     own = Fitting(motions, base.fit.names, experiment.bounds)
     effective = {name for numbers in found.effects.values() for name in numbers}
-    values = {name: value for name, value in straight.fit.values.items() if name not in effective}
-    values |= {name: start.declared[name] for name in effective if name in start.declared}
-    plain = own.final(own.found(ramps, values))
-    again = _stage(experiment, motions, start, plain, exactly(straight, fitting), found.effects, progress)
+    without = {name: value for name, value in otherwise.fit.values.items() if name not in effective}
+    without |= {name: start.declared[name] for name in effective if name in start.declared}
+    plain = own.final(own.found(other, without))
+    with_them = exactly(otherwise, fitting) if plain.fit.excess > NEAR_NOISE else None
+    again = _stage(experiment, motions, start, plain, with_them, found.effects if with_them else {}, progress)
     return replace(again, dropped=[effect for effect in given if effect not in again.effects])
 
 

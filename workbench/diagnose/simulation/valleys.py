@@ -1,60 +1,80 @@
 """A fit of a simulated plant that ended in a hollow, taken further down its valley.
 
 A contact that sticks breaks away at another time with every parameter, and what a long run is off by jumps: its squares
-have hollows along a narrow valley, since few directions of the parameters change them little. From where a fit ended
-the plant is simulated at places along each of its principal directions, as far away as its deviations, and many of
-them; from the best of them it goes on in wide difference quotients, which hollows do not turn, and then in narrow ones.
+have hollows along a narrow valley, since few directions of the parameters change them little. A fit is in one where a
+place is likelier than where it ended, along any of its principal directions. From there an evolution strategy searches
+that adapts its covariance (CMA-ES, Hansen and Ostermeier 2001): it asks only which of some places leave less, so that
+hollows do not stop it. Its steps begin as multiples of the fit's deviations, by which a valley is a round basin.
 """
 
 import numpy as np
+from cmaes import CMA
 
-from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit, weighed_by, weighing_at
-from workbench.diagnose.residuals.weighing import by_scatter
-from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, Fitting, Simulated
-from workbench.fitting.least_squares import Search
+from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, SETTLES, Fitting, Simulated
 from workbench.fitting.threads import side_by_side
 
 AWAY = tuple(side * away for away in (1.0, 3.0, 10.0, 30.0) for side in (1.0, -1.0))
-"""Deviations of a fit along each of its principal directions, at which others begin."""
+"""Deviations of a fit along each of its principal directions, at which another place may be likelier."""
 
-WIDE, NARROW = Search(flat=1e-3, most_steps=15, step=1e-2), Search(flat=1e-3, most_steps=15)
-"""Searches over hollows, and to the end of one."""
+FIRST = 30.0
+"""Deviations by which the strategy's first places lie away from the fit."""
 
-ROUNDS = 8
-"""At most; each goes on from the best of the one before."""
+GENERATIONS = 60
+"""Of the strategy: a fit in difference quotients goes on from the best place."""
+
+ROUNDS = 3
+"""At most; each goes on from where the one before ended."""
+
+SEED = 0
+"""Of the strategy's places: the same records give the same fit."""
 
 
 def along_valley(fitting: Fitting, first: Simulated) -> Simulated:
-    """A fit from end to end that is as near to noise as it gets from `first` on: itself, where it is at noise."""
+    """A fit from end to end that is as near to noise as it gets from `first` on: itself, where it is at noise, or in no
+    hollow.
+    """
     best = first
     for _ in range(ROUNDS):
-        if not best.is_near or best.fit.excess < AT_NOISE:
+        if not best.is_near or best.fit.excess < AT_NOISE or not _is_in_hollow(best.fit):
             break
-        further = _further(fitting, best)
+        further = fitting.final(fitting.bettered(fitting.begun(best.how, _evolved(best.fit))))
         if further.fit.rms > BETTER * best.fit.rms:
             break
         best = further
-    return first if best is first else min(first, fitting.final(best), key=lambda one: one.fit.rms)
+    return best
 
 
-def _further(fitting: Fitting, best: Simulated) -> Simulated:
-    """The best of what a round finds, from the starts that suit it."""
-    start = _least_along(best.fit)
-    fits = [start]
-    for weighing in (weighed_by(by_scatter, best.fit), weighing_at(best.fit)):  # nobody knows yet what is noise
-        wide = fit(best.fit.balance, start.values, fitting.names, fitting.bounds, WIDE, weighing)
-        fits += [wide, fit(wide.balance, wide.values, fitting.names, fitting.bounds, NARROW, weighing)]
-    nearest = min(fits, key=lambda one: one.rms)
-    begun = fitting.begun(best.how, nearest.values)
-    how = begun.how if begun.fit.rms < nearest.rms else best.how
-    balance = how.balance(fitting.motions, fitting.names)
-    return Simulated(how, fit(balance, nearest.values, fitting.names, fitting.bounds, AS_IT_IS, weighing_at(begun.fit)))
+def _is_in_hollow(of: Fit) -> bool:
+    """Whether a place along a principal direction is likelier than where a fit ended, by the noise that it leaves."""
+    ways = _ways(of).T
+    squares = side_by_side(lambda away: of.seen_at(_at(of, away)), [away * way for way in ways for away in AWAY])
+    return bool(min(squares) < of.squares - SETTLES)
 
 
-def _least_along(of: Fit) -> Fit:
-    """Of places along the principal directions of a fit, within bounds, that which leaves least."""
+def _evolved(of: Fit) -> dict[str, float]:
+    """The values that leave least of those that the strategy tries."""
+    ways, strategy = _ways(of), CMA(mean=np.zeros(len(of.unknowns)), sigma=FIRST, seed=SEED)
+    least, best = of.rms, of.values
+    for _ in range(GENERATIONS):
+        asked = [strategy.ask() for _ in range(strategy.population_size)]
+        places = [_at(of, ways @ away) for away in asked]
+        left = side_by_side(lambda values: fit(of.balance, values, ()).rms, places)
+        if min(left) < least:
+            least, best = min(left), places[int(np.argmin(left))]
+        strategy.tell(list(zip(asked, left, strict=True)))
+        if strategy.should_stop():
+            break
+    return best
+
+
+def _ways(of: Fit) -> np.ndarray:
+    """The principal directions of a fit, as columns of a deviation's length."""
     sizes, directions = np.linalg.eigh(of.curvature)
-    ways = (directions / np.sqrt(np.maximum(sizes, np.finfo(float).tiny))).T
+    return np.asarray(directions / np.sqrt(np.maximum(sizes, np.finfo(float).tiny)))
+
+
+def _at(of: Fit, away: np.ndarray) -> dict[str, float]:
+    """The values so far away from those of a fit, within bounds."""
     low, high = np.array([u.low for u in of.unknowns]), np.array([u.high for u in of.unknowns])
-    places = [np.clip(of.places + away * way, low, high) for way in ways for away in AWAY]
-    return min(side_by_side(lambda place: fit(of.balance, of.at(place), ()), places), key=lambda one: one.rms)
+    return of.at(np.clip(of.places + away, low, high))
