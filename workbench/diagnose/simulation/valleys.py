@@ -4,24 +4,29 @@ A contact that sticks breaks away at another time with every parameter, and what
 have hollows along a narrow valley, since few directions of the parameters change them little. A fit is in one where a
 place is likelier than where it ended, along any of its principal directions. From there an evolution strategy searches
 that adapts its covariance (CMA-ES, Hansen and Ostermeier 2001): it asks only which of some places leave less, so that
-hollows do not stop it. Its steps begin as multiples of the fit's deviations, by which a valley is a round basin.
+hollows do not stop it. Its steps begin as multiples of the deviations that difference quotients over hollows give, by
+which a valley is a round basin.
 """
 
 import numpy as np
 from cmaes import CMA
 
 from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.unknowns import Bounds
 from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, SETTLES, Fitting, Simulated
+from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
 
 AWAY = tuple(side * away for away in (1.0, 3.0, 10.0, 30.0) for side in (1.0, -1.0))
 """Deviations of a fit along each of its principal directions, at which another place may be likelier."""
 
-FIRST = 30.0
-"""Deviations by which the strategy's first places lie away from the fit."""
+WIDE = Search(most_steps=1, step=1e-2)
+"""No search, but what parameters change over hollows."""
 
-GENERATIONS = 60
-"""Of the strategy: a fit in difference quotients goes on from the best place."""
+FIRST, PLACES, GENERATIONS = 20.0, 16, 40
+"""Deviations by which the strategy's first places lie away from the fit, places of a generation, and generations: a fit
+in difference quotients goes on from the best place.
+"""
 
 ROUNDS = 3
 """At most; each goes on from where the one before ended."""
@@ -38,7 +43,7 @@ def along_valley(fitting: Fitting, first: Simulated) -> Simulated:
     for _ in range(ROUNDS):
         if not best.is_near or best.fit.excess < AT_NOISE or not _is_in_hollow(best.fit):
             break
-        further = fitting.final(fitting.bettered(fitting.begun(best.how, _evolved(best.fit))))
+        further = fitting.final(fitting.bettered(fitting.begun(best.how, _evolved(best.fit, fitting.bounds))))
         if further.fit.rms > BETTER * best.fit.rms:
             break
         best = further
@@ -52,13 +57,15 @@ def _is_in_hollow(of: Fit) -> bool:
     return bool(min(squares) < of.squares - SETTLES)
 
 
-def _evolved(of: Fit) -> dict[str, float]:
+def _evolved(of: Fit, bounds: Bounds) -> dict[str, float]:
     """The values that leave least of those that the strategy tries."""
-    ways, strategy = _ways(of), CMA(mean=np.zeros(len(of.unknowns)), sigma=FIRST, seed=SEED)
+    wide = fit(of.balance, of.values, of.names, bounds, WIDE, of.weighing)
+    ways = _ways(wide)
+    strategy = CMA(mean=np.zeros(len(of.names)), sigma=FIRST, population_size=PLACES, seed=SEED)
     least, best = of.rms, of.values
     for _ in range(GENERATIONS):
-        asked = [strategy.ask() for _ in range(strategy.population_size)]
-        places = [_at(of, ways @ away) for away in asked]
+        asked = [strategy.ask() for _ in range(PLACES)]
+        places = [_at(wide, ways @ away) for away in asked]
         left = side_by_side(lambda values: fit(of.balance, values, ()).rms, places)
         if min(left) < least:
             least, best = min(left), places[int(np.argmin(left))]
