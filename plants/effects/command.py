@@ -2,13 +2,9 @@
 
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-
 from plants.effects.interface import COMMAND, Effect, Moment, Number
+from plants.effects.lags import followed_rate, lagged
 from plants.equation import Scalar, equation, select
-
-SHORTEST_DELAY = 1e-6
-"""s. Keeps 0/0 out of a command that does not come late."""
 
 
 class Delay(NamedTuple):
@@ -26,13 +22,13 @@ class Delayed(NamedTuple):
 @equation
 def late(command: Scalar, moment: Moment, memory: Delayed, p: Any, own: Delay) -> Scalar:
     """The command as it arrives."""
-    return select(own.command_delay > 0.0, memory.delayed_command, command)
+    return lagged(command, memory.delayed_command, own.command_delay)
 
 
 @equation
 def arriving(slip: Scalar, command: Scalar, moment: Moment, memory: Delayed, p: Any, own: Delay) -> Delayed:
     """d u_d/dt = (u - u_d)/T: a lag of first order in the place of the delay T."""
-    rate = (command - memory.delayed_command) / np.maximum(own.command_delay, SHORTEST_DELAY)
+    rate = followed_rate(command, memory.delayed_command, own.command_delay)
     return Delayed(select(own.command_delay > 0.0, rate, 0.0))
 
 

@@ -6,15 +6,13 @@ import numpy as np
 
 from plants.effects.friction_levels import with_levels
 from plants.effects.interface import Effect, Moment, Number
+from plants.effects.lags import followed_rate, lagged
 from plants.effects.scales import duration, per_duration, travel
 from plants.equation import Scalar, changed, equation, select, when
 from plants.friction import Friction, LuGre, length, stribeck_level
 from plants.laws.interface import Nothing
 
 VISCOUS = LuGre._fields.index("viscous")
-
-SHORTEST_MEMORY = 1e-4
-"""s. A memory that is shorter is simulated with this one: the bristle itself is no faster."""
 
 
 # --- with time at rest ----------------------------------------------------------------------------------------
@@ -183,8 +181,14 @@ def late(friction: Friction, moment: Moment, memory: LaggedVelocity, p: Any, own
     Friction follows velocity late (Hess and Soom 1990), here by a lag of first order. Looks like loops of friction over
     velocity while sliding; a command's delay or a velocity that is filtered more than the pressures looks alike.
     """
-    speed = when(own.memory_time > 0.0, length, 0.0, memory.lagged_velocity, memory.lagged_surface_speed)
+    speed = when(own.memory_time > 0.0, _lagged_speed, 0.0, moment, memory, own)
     return Friction(_at(speed, friction.positive, own), _at(speed, friction.negative, own))
+
+
+@equation
+def _lagged_speed(moment: Moment, memory: LaggedVelocity, own: Lag) -> Scalar:
+    along = lagged(moment.velocity, memory.lagged_velocity, own.memory_time)
+    return length(along, lagged(moment.surface_speed, memory.lagged_surface_speed, own.memory_time))
 
 
 @equation
@@ -200,11 +204,10 @@ def following(
     slip: Scalar, command: Scalar, moment: Moment, memory: LaggedVelocity, p: Any, own: Lag
 ) -> LaggedVelocity:
     """dv_m/dt = (v - v_m)/tau_m (m/s^2), 0 without memory."""
-    rate = select(own.memory_time > 0.0, 1.0 / np.maximum(own.memory_time, SHORTEST_MEMORY), 0.0)
-    return LaggedVelocity(
-        (moment.velocity - memory.lagged_velocity) * rate,
-        (moment.surface_speed - memory.lagged_surface_speed) * rate,
-    )
+    remembers = own.memory_time > 0.0
+    along = followed_rate(moment.velocity, memory.lagged_velocity, own.memory_time)
+    around = followed_rate(moment.surface_speed, memory.lagged_surface_speed, own.memory_time)
+    return LaggedVelocity(select(remembers, along, 0.0), select(remembers, around, 0.0))
 
 
 FRICTIONAL_MEMORY = Effect(

@@ -5,6 +5,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants.effects.interface import Effect, Moment, Number
+from plants.effects.lags import followed_rate, lagged
 from plants.effects.scales import PITCHES, pitch, pressure, travel
 from plants.effects.waves import wave
 from plants.equation import Scalar, equation, select
@@ -96,9 +97,6 @@ SENSOR_NONLINEARITY = Effect(
 
 # --- behind a filter ------------------------------------------------------------------------------------------
 
-SHORTEST_LAG = 1e-5
-"""s. Keeps 0/0 out of a sensor that does not lag."""
-
 
 class Lag(NamedTuple):
     """The time constant of the position sensor."""
@@ -115,7 +113,7 @@ class Behind(NamedTuple):
 @equation
 def shown_late(position: Scalar, moment: Moment, memory: Behind, p: Any, own: Lag) -> Scalar:
     """The position (m) that a sensor with a lag shows: x - d."""
-    return position - select(own.position_sensor_lag > 0.0, memory.sensor_lead, 0.0)
+    return lagged(position, position - memory.sensor_lead, own.position_sensor_lag)
 
 
 @equation
@@ -125,7 +123,7 @@ def lagging(slip: Scalar, command: Scalar, moment: Moment, memory: Behind, p: An
     A filter in the sensor or before its converter. Looks like pressures that come before the motion which they drive;
     a command that comes late leaves pressures and motion together, friction that follows late is no constant time.
     """
-    rate = moment.velocity - memory.sensor_lead / np.maximum(own.position_sensor_lag, SHORTEST_LAG)
+    rate = moment.velocity + followed_rate(0.0, memory.sensor_lead, own.position_sensor_lag)
     return Behind(select(own.position_sensor_lag > 0.0, rate, 0.0))
 
 

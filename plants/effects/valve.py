@@ -12,7 +12,7 @@ from plants.effects.scales import voltage
 from plants.equation import Scalar, equation, select
 
 FOLLOWED = 1e-4
-"""s. Time constant with which a command beyond the hysteresis is followed: play has no rate of its own."""
+"""s. Time constant with which the memory follows what the hysteresis carries: play has no rate of its own."""
 
 FADING = 0.05
 """Share of the slew below it over which what accelerates the spool fades: a sudden end would be a jump [assumed]."""
@@ -95,8 +95,14 @@ class Carried(NamedTuple):
 
 @equation
 def carried(command: Scalar, moment: Moment, memory: Carried, p: Any, own: Play) -> Scalar:
-    """The command (V) behind the hysteresis."""
-    return select(own.valve_hysteresis > 0.0, memory.carried_command, command)
+    """The command (V) behind the hysteresis: the value within half of it that is nearest to the one before."""
+    return _nearest(command, memory, own)
+
+
+@equation
+def _nearest(command: Scalar, memory: Carried, own: Play) -> Scalar:
+    half = 0.5 * own.valve_hysteresis
+    return np.minimum(np.maximum(memory.carried_command, command - half), command + half)
 
 
 @equation
@@ -107,9 +113,8 @@ def carrying(slip: Scalar, command: Scalar, moment: Moment, memory: Carried, p: 
     goes on, or does not begin, while the command turns back; a dead band is about the middle alone, a delay goes with
     the command's rate.
     """
-    half = 0.5 * own.valve_hysteresis
-    near = np.minimum(np.maximum(memory.carried_command, command - half), command + half)
-    return Carried(select(own.valve_hysteresis > 0.0, (near - memory.carried_command) / FOLLOWED, 0.0))
+    rate = (_nearest(command, memory, own) - memory.carried_command) / FOLLOWED
+    return Carried(select(own.valve_hysteresis > 0.0, rate, 0.0))
 
 
 VALVE_HYSTERESIS = Effect(
