@@ -19,8 +19,10 @@ from workbench.simulation.integrators.interface import IntegrationMethod
 OK, STEP_LIMIT, NOT_FINITE, INTERRUPTED, FAILED = 0, 1, 2, 3, 4
 """What an interval ended with."""
 
-SMALLEST_STEP = 1e-9
-"""s. An error control that asks for less has met an infinite slope."""
+SMALLEST_STEP, MOST_JUMPS = 1e-9, 100
+"""s. An error control that asks for less has met a rate that jumps, which such a step crosses with next to no error, or
+a slope without end: in an interval it takes so many of them, and gives up.
+"""
 
 LONGEST, SHORTEST = 5.0, 0.1
 """By what a step is at most and at least longer than the one before."""
@@ -160,7 +162,7 @@ def controlled(
     n = system[5][0]
     errors = shift(numbers, (count + 2) * count)
     last_slope, trial = shift(work, (count - 1) * n), shift(work, count * n)
-    step, tried = guess, 0
+    step, tried, jumps = guess, 0, 0
     rates(system, time, y, inputs, work)
     while time < end:
         left = end - time
@@ -175,16 +177,18 @@ def controlled(
             error = h * _combined(errors, count, work, n, j)
             ratio = abs(error) / (tolerance * (scales[j] + max(abs(y[j]), abs(trial[j]))))
             worst = max(worst, ratio) if np.isfinite(ratio) else np.inf
-        if worst <= 1.0:
-            step = _next_step(step, h, last, worst, order)
+        crosses = worst > 1.0 and h <= SMALLEST_STEP
+        jumps += crosses
+        if crosses and (jumps > MOST_JUMPS or not np.isfinite(worst)):
+            return (STEP_LIMIT if np.isfinite(worst) else NOT_FINITE), guess, tried
+        if worst <= 1.0 or crosses:
+            step = h if crosses else _next_step(step, h, last, worst, order)
             time = end if last else time + h
             for j in range(n):
                 y[j] = trial[j]
                 work[j] = last_slope[j]
         else:
-            step = h * _step_factor(worst, order)
-            if step < SMALLEST_STEP:
-                return (STEP_LIMIT if np.isfinite(worst) else NOT_FINITE), guess, tried
+            step = max(h * _step_factor(worst, order), SMALLEST_STEP)
     return OK, step, tried
 
 
@@ -205,7 +209,7 @@ def dormand_prince(
     k1, k2, k3, k4 = work, shift(work, n), shift(work, 2 * n), shift(work, 3 * n)
     k5, k6, k7, trial = shift(work, 4 * n), shift(work, 5 * n), shift(work, 6 * n), shift(work, 7 * n)
     step = guess
-    tried = 0
+    tried = jumps = 0
     rates(system, time, y, inputs, k1)
     while time < end:
         left = end - time
@@ -241,16 +245,18 @@ def dormand_prince(
             finite = finite and np.isfinite(ratio)
         if not finite:
             worst = 1e10
-        if worst <= 1.0:
-            step = _next_step(step, h, last, worst, 5.0)
+        crosses = worst > 1.0 and h <= SMALLEST_STEP
+        jumps += crosses
+        if crosses and (jumps > MOST_JUMPS or not finite):
+            return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
+        if worst <= 1.0 or crosses:
+            step = h if crosses else _next_step(step, h, last, worst, 5.0)
             time = end if last else time + h
             for j in range(n):
                 y[j] = trial[j]
                 k1[j] = k7[j]
         else:
-            step = h * _step_factor(worst, 5.0)
-            if step < SMALLEST_STEP:
-                return (STEP_LIMIT if finite else NOT_FINITE), guess, tried
+            step = max(h * _step_factor(worst, 5.0), SMALLEST_STEP)
     return OK, step, tried
 
 

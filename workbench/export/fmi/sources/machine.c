@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-#define SMALLEST_STEP 1e-9 /* s: an error control that asks for less has met an infinite slope */
+#define SMALLEST_STEP 1e-9 /* s: an error control that asks for less has met a rate that jumps, or an infinite slope */
+#define MOST_JUMPS 100     /* such steps of an interval, after which it is the latter */
 #define LONGEST 5.0        /* by what a step is at most and at least longer than the one before */
 #define SHORTEST 0.1
 
@@ -124,7 +125,7 @@ static double factor_of(double worst)
 int machine_advance(Machine *machine, double end)
 {
     double slopes[STAGES][STATES], trial[STATES], time = machine->time, step = machine->step;
-    int k;
+    int k, jumps = 0;
 
     machine->known = 0;
     rates_at(machine, time, machine->values, slopes[0]);
@@ -137,12 +138,14 @@ int machine_advance(Machine *machine, double end)
         worst = error_of(machine, h, slopes, trial);
         next = h * factor_of(worst);
         if (worst < 0.0 || worst > 1.0) {
-            if (next < SMALLEST_STEP)
+            if (h > SMALLEST_STEP) {
+                step = fmax(next, SMALLEST_STEP);
+                continue;
+            }
+            if (worst < 0.0 || ++jumps > MOST_JUMPS)
                 return worst < 0.0 ? NOT_FINITE : STEP_TOO_SMALL;
-            step = next;
-            continue;
-        }
-        if (!last)
+            step = h;
+        } else if (!last)
             step = next;
         else if (step < LONGEST * h) /* the last step of an interval shortens none */
             step = fmax(step, next);
