@@ -148,7 +148,8 @@ def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) ->
         shown = values + np.sqrt(random) * noise
         counted = step * np.rint(shown / step) if step > 0.0 else shown
         channels[name] = np.where(np.isfinite(record.channels[name]), counted, np.nan)
-    return motion_of(replace(record, channels=channels))
+    # it is judged where the record is: what is blurred hangs on a threshold, and either side leaves another rms
+    return replace(motion_of(replace(record, channels=channels)), valid=motion.valid, blurred=motion.blurred)
 
 
 def _turned(left: np.ndarray, draw: np.random.Generator) -> np.ndarray:
