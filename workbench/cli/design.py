@@ -21,7 +21,9 @@ def command(
     identify: Annotated[
         str | None, typer.Option(help="Parameters to show: coulomb,viscous.", metavar="NAME,...")
     ] = None,
-    duration: Annotated[str | None, typer.Option(help='How long the motion may last: "60 s".', metavar="TIME")] = None,
+    duration: Annotated[
+        str | None, typer.Option(help='How long the motion may last, 4 s to 600 s: "60 s".', metavar="TIME")
+    ] = None,
     overwrite: Overwrite = False,
     page: PageFormat = None,
 ) -> None:

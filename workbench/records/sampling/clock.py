@@ -80,7 +80,8 @@ def stamps_of(path: Path, time: np.ndarray) -> Stamps:
     found = np.concatenate([*kept, np.empty(0, dtype=int)]).astype(int)
     if found.size < FEWEST:
         left = f" with a time that goes on ({time.size} rows)" if found.size < time.size else ""
-        raise UserError(f"{path}: holds {found.size} samples{left}, expected at least {FEWEST}")
+        held = "1 sample" if found.size == 1 else f"{found.size} samples"
+        raise UserError(f"{path}: holds {held}{left}, expected at least {FEWEST}")
     steps = np.diff(time[found])
     if wrong := sample_time_mistake(float(np.median(steps[steps > 0.0]))):
         raise UserError(f"{path}: {wrong}")
