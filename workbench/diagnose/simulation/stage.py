@@ -172,12 +172,13 @@ def _may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:
     return bool(left @ left < STRAIGHTENED * (fitted.weighed @ fitted.weighed))
 
 
-def _as_late(values: Values, sample_time: float, held: bool) -> dict[str, float]:
-    """Values with which a voltage arrives as late, now that it is `held`, which makes it half a sample later than a
-    straight line between samples, or is no longer.
+def _as_late(fitted: Fit, sample_time: float, held: bool) -> Values:
+    """The values of a fit; of a delay that it found half a sample less where a voltage is now `held`, which makes it so
+    much later than a straight line between samples.
     """
-    late = values.get(ARRIVES, 0.0)
-    return {**values, ARRIVES: max(late - 0.5 * sample_time, 0.0)} if late > 0.0 and held else dict(values)
+    if not held or ARRIVES not in fitted.names:
+        return fitted.values
+    return {**fitted.values, ARRIVES: max(fitted.values[ARRIVES] - 0.5 * sample_time, 0.0)}
 
 
 def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
@@ -229,7 +230,7 @@ def _held_otherwise(
     other = shooting_of(experiment, motions, held=not found.how.held)
     if other is None or not (found.effects and found.is_near):
         return found
-    values = _as_late(found.after.values, motions[0].record.sample_time, other.held)
+    values = _as_late(found.after, motions[0].record.sample_time, other.held)
     if not _may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found
     fitting = Fitting(motions, found.after.names, experiment.bounds)
