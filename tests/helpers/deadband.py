@@ -28,11 +28,11 @@ use = "held_out"
 
 
 def make_record(folder: Path, name: str, effect: Mapping[str, float], amplitude: float, seed: int) -> None:
-    """15 s in both directions, with white noise."""
+    """10 s in both directions, with white noise."""
     parameters = build(CHAMBERS.Parameters, {**TRUTH, **effect})
     state, _ = CHAMBERS.equilibrium(parameters, 0.0)
     feed = Feed("valve_voltage", Multisine(amplitude, 0.2, (1, 2, 3, 5)))
-    run = simulate(Setup(CHAMBERS, parameters, state, CHAMBERS.Inputs(0.0, 0.0), 15.0, feeds=(feed,)))
+    run = simulate(Setup(CHAMBERS, parameters, state, CHAMBERS.Inputs(0.0, 0.0), 10.0, feeds=(feed,)))
     save_record(folder / f"{name}.parquet", run, seed)
 
 
