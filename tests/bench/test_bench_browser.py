@@ -47,6 +47,10 @@ def bench(browser: "Browser", address: str) -> Iterator["Page"]:
         yield page
 
 
+WIDTH = "document.documentElement.scrollWidth"
+"""Of all that is on a page."""
+
+
 def handle(page: "Page", label: str) -> None:
     """Put the keyboard on the slider below the field of that label."""
     field = page.get_by_label(label, exact=True)
@@ -81,29 +85,28 @@ def once(page: "Page", holds: Callable[[], bool], seconds: float = 30.0) -> None
     raise AssertionError("it does not hold")
 
 
-def test_a_slider_moves_numbers_and_curves(browser: "Browser", address: str) -> None:
-    with opened_bench(browser, address) as page:
-        before = shown(page, "here", "rms error")
-        page.get_by_role("button", name="Pin", exact=True).click()
-        page.wait_for_selector("th:text-is('pinned')")
-        handle(page, "kp")
-        field, text = page.get_by_label("kp", exact=True), ""
-        for _ in range(5):
-            text = field.input_value()
-            page.keyboard.press("ArrowRight")
-            once(page, lambda text=text: field.input_value() != text)
+def test_a_slider_moves_numbers_and_curves(browser: "Browser", bench: "Page") -> None:
+    before = shown(bench, "here", "rms error")
+    bench.get_by_role("button", name="Pin", exact=True).click()
+    bench.wait_for_selector("th:text-is('pinned')")
+    handle(bench, "kp")
+    field, text = bench.get_by_label("kp", exact=True), ""
+    for _ in range(5):
         text = field.input_value()
-        gain = float(text.removesuffix(" V/m"))
-        assert gain > 500.0
-        loop = short(rpm=120).changed({"controllers.p.kp": gain})
-        expected = outcome_of(loop).figures["rms_error_m"]
-        assert isinstance(expected, float)
-        wanted = pytest.approx(1e3 * expected, rel=1e-3)
-        once(page, lambda: float(shown(page, "here", "rms error").removesuffix(" mm")) == wanted)
-        assert shown(page, "pinned", "rms error") == before
-        once(page, lambda: page.url.endswith(f"?state={encoded(loop, short(rpm=120))}"))
-        with opened_bench(browser, page.url) as again:
-            assert again.get_by_label("kp", exact=True).input_value() == text
+        bench.keyboard.press("ArrowRight")
+        once(bench, lambda text=text: field.input_value() != text)
+    text = field.input_value()
+    gain = float(text.removesuffix(" V/m"))
+    assert gain > 500.0
+    loop = short(rpm=120).changed({"controllers.p.kp": gain})
+    expected = outcome_of(loop).figures["rms_error_m"]
+    assert isinstance(expected, float)
+    wanted = pytest.approx(1e3 * expected, rel=1e-3)
+    once(bench, lambda: float(shown(bench, "here", "rms error").removesuffix(" mm")) == wanted)
+    assert shown(bench, "pinned", "rms error") == before
+    once(bench, lambda: bench.url.endswith(f"?state={encoded(loop, short(rpm=120))}"))
+    with opened_bench(browser, bench.url) as again:
+        assert again.get_by_label("kp", exact=True).input_value() == text
 
 
 def test_what_is_typed_wrongly_is_told(bench: "Page") -> None:
@@ -178,10 +181,8 @@ return [corner.left + view.frame.x_scale.compute(x[8]), corner.top + view.frame.
 VALUE = f"() => {{ {_SWEEP} return x[8] }}"
 
 
-@pytest.mark.parametrize("width", [1300, 390])
-def test_nothing_is_wider_than_the_screen(browser: "Browser", address: str, width: int) -> None:
-    with opened_bench(browser, address, width) as page:
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+def test_nothing_is_wider_than_the_screen(bench: "Page") -> None:
+    assert bench.evaluate(WIDTH) <= 1300
 
 
 def test_curves_can_be_taken_along(bench: "Page", tmp_path: Path) -> None:
@@ -198,8 +199,11 @@ def test_curves_can_be_taken_along(bench: "Page", tmp_path: Path) -> None:
     assert (tmp_path / "position.svg").read_text(encoding="utf-8").startswith("<svg")
 
 
-def test_the_page_says_how_soon_it_follows(browser: "Browser", address: str) -> None:
-    with opened_bench(browser, address) as page:
+def test_on_a_narrow_screen_nothing_is_wider_and_the_page_says_how_soon_it_follows(
+    browser: "Browser", address: str
+) -> None:
+    with opened_bench(browser, address, 390) as page:
+        assert page.evaluate(WIDTH) <= 390
         assert page.locator("text=/drawn [0-9]+ ms after the hand moved/").count() == 0
         handle(page, "kp")
         page.keyboard.press("ArrowRight")

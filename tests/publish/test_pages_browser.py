@@ -65,8 +65,9 @@ def results(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> wb.Stu
     return wb.Study(folder / "study.toml").run(folder / "gains")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(browser: "Browser", results: wb.StudyResults) -> Iterator["Page"]:
+    """The page for tests that leave what they look at as they found it, but for the order of its rows."""
     with from_disk(browser, results.folder / "results.html") as opened:
         opened.wait_for_selector(".cases canvas", state="attached")
         yield opened
