@@ -1,5 +1,6 @@
 """Pages of results in a real browser, from disk and without a network."""
 
+import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -65,12 +66,19 @@ def results(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> wb.Stu
     return wb.Study(folder / "study.toml").run(folder / "gains")
 
 
+@contextlib.contextmanager
+def opened(browser: "Browser", results: wb.StudyResults) -> Iterator["Page"]:
+    """The page of results, once it shows its trajectories."""
+    with from_disk(browser, results.folder / "results.html") as page:
+        page.wait_for_selector(".cases canvas", state="attached")
+        yield page
+
+
 @pytest.fixture(scope="module")
 def page(browser: "Browser", results: wb.StudyResults) -> Iterator["Page"]:
-    """The page for tests that leave what they look at as they found it, but for the order of its rows."""
-    with from_disk(browser, results.folder / "results.html") as opened:
-        opened.wait_for_selector(".cases canvas", state="attached")
-        yield opened
+    """The page for tests that leave it as they find it."""
+    with opened(browser, results) as page:
+        yield page
 
 
 def column(page: "Page", heading: str) -> list[str]:
@@ -89,15 +97,16 @@ def test_the_answer_comes_first(page: "Page") -> None:
     assert "Rms error from" in answer
 
 
-def test_a_heading_sorts_up_and_down(page: "Page") -> None:
-    head = page.get_by_role("button", name="rms error (mm)")
-    head.click()
-    up = [float(text) for text in column(page, "rms error (mm)")]
-    assert up == sorted(up)
-    assert len(set(up)) > 8
-    head.press("Enter")
-    assert [float(text) for text in column(page, "rms error (mm)")] == sorted(up, reverse=True)
-    assert page.locator("th[aria-sort=descending]").count() == 1
+def test_a_heading_sorts_up_and_down(browser: "Browser", results: wb.StudyResults) -> None:
+    with opened(browser, results) as page:
+        head = page.get_by_role("button", name="rms error (mm)")
+        head.click()
+        up = [float(text) for text in column(page, "rms error (mm)")]
+        assert up == sorted(up)
+        assert len(set(up)) > 8
+        head.press("Enter")
+        assert [float(text) for text in column(page, "rms error (mm)")] == sorted(up, reverse=True)
+        assert page.locator("th[aria-sort=descending]").count() == 1
 
 
 def test_words_bounds_and_choices_filter(page: "Page") -> None:
@@ -119,6 +128,8 @@ def test_words_bounds_and_choices_filter(page: "Page") -> None:
     assert len(column(page, "rpm")) == 16
     page.get_by_label("controller", exact=True).select_option("soft")
     assert column(page, "controller") == ["soft"] * 8
+    page.get_by_role("button", name="all", exact=True).click()
+    assert len(column(page, "rpm")) == 16
 
 
 _CURVE = """name => {
@@ -161,6 +172,8 @@ def test_a_picture_comes_alive_and_its_keys_hide_curves(page: "Page") -> None:
     assert key.get_attribute("aria-pressed") == "false"
     models = "Bokeh.documents.flatMap(document => [...document._all_models.values()])"
     assert page.evaluate(f"{models}.some(model => model.name === 'soft' && model.visible === false)")
+    key.click()
+    assert key.get_attribute("aria-pressed") == "true"
 
 
 def test_dark_and_light(page: "Page") -> None:
@@ -181,6 +194,7 @@ def test_on_paper_stand_the_pictures_themselves(page: "Page") -> None:
     assert page.locator("#figure-motion > img").is_visible()
     assert not page.locator(".trajectory").is_visible()
     assert not page.locator(".filter").first.is_visible()
+    page.emulate_media(media="screen")
 
 
 def test_without_a_script_all_is_there(browser: "Browser", results: wb.StudyResults) -> None:
