@@ -21,7 +21,7 @@ STUDY = """
 title = "Two gains"
 question = "Which gain tracks better?"
 [plant]
-model = "rotating"
+model = "rotating_isotropic"
 parameters = "owen2001_simulation"
 [controllers.soft]
 type = "pid"
