@@ -45,6 +45,21 @@ def png_alone() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module")
+def dots_alone(png_alone: None) -> Iterator[None]:
+    """Figures as PNG of one dot, for tests that look at none and whose figures other tests draw."""
+    from matplotlib.figure import Figure
+    from matplotlib.image import imsave
+
+    from workbench.publish import pictures
+
+    def dot(_figure: Figure, path: Path, metadata: dict[str, Any]) -> None:
+        imsave(path, [[0.0]], metadata=metadata)
+
+    with mock.patch.object(pictures, "_lay_out", lambda _: None), mock.patch.object(Figure, "savefig", dot):
+        yield
+
+
 @contextmanager
 def pictures_as_png() -> Iterator[None]:
     """PDF and SVG take long."""

@@ -24,7 +24,7 @@ from workbench.decide.report.folder import RUNS as DECIDE_FOLDER
 from workbench.study.store import DATABASE
 from workbench.tune.report.folder import FOLDER as TUNE_FOLDER
 
-pytestmark = pytest.mark.usefixtures("png_alone")
+pytestmark = pytest.mark.usefixtures("dots_alone")
 
 SHORT = DECIDE.replace("[0, 125]", "[0]").replace("fresh_draws = 60", "fresh_draws = 2").replace('"1 s"', '"0.1 s"')
 

@@ -82,7 +82,7 @@ def test_a_draw_that_takes_its_process_down_is_named(tmp_path: Path, monkeypatch
     assert {run.number for run in made} == {0}, "what the others have brought back is kept"
 
 
-@pytest.mark.usefixtures("png_alone")
+@pytest.mark.usefixtures("dots_alone")
 def test_a_killed_decision_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
     study, part, whole = write(tmp_path, SMALL), tmp_path / "killed", tmp_path / "whole"
     killed(lambda: stored(part) >= 3, "decide", study, "--out", part, "--jobs", "1")

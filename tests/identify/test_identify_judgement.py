@@ -15,6 +15,8 @@ from workbench.identify.thesis.method import Estimate
 from workbench.parameters.sets import read_parameters
 from workbench.records.experiment import read_experiment
 
+pytestmark = pytest.mark.usefixtures("dots_alone")
+
 
 def test_a_single_parameter_without_effect(tmp_path: Path) -> None:
     """A table that says so, without a warning and without a plant.toml."""

@@ -50,7 +50,7 @@ def problem_of(folder: Path, scale: dict[str, float], free: list[str]) -> Proble
 
 
 @pytest.fixture(scope="module")
-def leaking(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
+def leaking(tmp_path_factory: pytest.TempPathFactory, dots_alone: None) -> Path:
     """A machine that leaks, which is not declared: its identification."""
     folder = tmp_path_factory.mktemp("leaking")
     save_record(folder / "record.parquet", moved(leakage_coefficient=2e-12), seed=3)
@@ -81,7 +81,7 @@ def test_no_number_that_is_refuted_has_a_deviation(leaking: Path) -> None:
     assert 'source = "not identified: the fit leaves residuals far above the noise, of position' in entry
 
 
-def test_an_integrator_at_the_edge_of_its_stability_is_no_information(tmp_path: Path, png_alone: None) -> None:
+def test_an_integrator_at_the_edge_of_its_stability_is_no_information(tmp_path: Path, dots_alone: None) -> None:
     """A mass that a slow record does not show: 0.3 times the truth, steps of 0.1 ms are long for its contact."""
     save_record(tmp_path / "record.parquet", moved(amplitude=0.6), seed=7)
     _, data = answered(tmp_path, {"coulomb": 1.5, "mass": 0.3, "viscous": 0.5}, ["mass", "coulomb", "viscous"])
@@ -89,7 +89,7 @@ def test_an_integrator_at_the_edge_of_its_stability_is_no_information(tmp_path: 
     assert found is None or abs(found["value"] - TRUTH["mass"]) < 4.0 * found["std"]
 
 
-def test_rounded_voltages_are_expected(tmp_path: Path, png_alone: None) -> None:
+def test_rounded_voltages_are_expected(tmp_path: Path, dots_alone: None) -> None:
     """A log of 50 mV steps and good sensors: several times their noise is left, and nothing is missing."""
     run = moved()
     frame = {"time": run.time, "valve_voltage": 0.05 * np.round(run.command / 0.05)}
@@ -113,7 +113,7 @@ def test_rounded_voltages_are_expected(tmp_path: Path, png_alone: None) -> None:
     "figure", ["", '[[figures]]\nname = "friction"\ntitle = "Friction"\n'], ids=["default", "asked"]
 )
 def test_a_fit_without_pressures_is_written_without_a_figure_of_friction(
-    tmp_path: Path, png_alone: None, figure: str
+    tmp_path: Path, dots_alone: None, figure: str
 ) -> None:
     save_record(tmp_path / "record.parquet", moved(), seed=3)
     text = experiment_text({"coulomb": 1.3}, ["coulomb", "viscous"])
@@ -133,7 +133,7 @@ def test_a_fit_without_pressures_is_written_without_a_figure_of_friction(
     ids=["default", "asked"],
 )
 def test_a_figure_of_friction_that_a_record_is_too_short_for_is_left_out_with_that_reason(
-    tmp_path: Path, png_alone: None, figure: str, name: str
+    tmp_path: Path, dots_alone: None, figure: str, name: str
 ) -> None:
     """18 samples at 10 Hz are 1.8 s; the record, with both pressures, has 1.5 s."""
     save_record(tmp_path / "record.parquet", moved(duration=1.5), seed=3)

@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.usefixtures("png_alone")
+@pytest.mark.usefixtures("dots_alone")
 def test_a_joint_is_identified_in_its_own_units(folder: Path) -> None:
     out = folder / "out"
     answer = workbench("identify", folder / "experiment.toml", "--out", out)

@@ -60,7 +60,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def identified(folder: Path, png_alone: None) -> dict[str, dict[str, float]]:
+def identified(folder: Path, dots_alone: None) -> dict[str, dict[str, float]]:
     """What it finds in that log."""
     return found(folder)
 
@@ -87,7 +87,7 @@ def test_deviations_know_that_samples_are_old_and_the_way_between_them_is_not(
         assert found["std"] == pytest.approx(STEP / np.sqrt(6.0), rel=0.05)
 
 
-def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_path: Path, png_alone: None) -> None:
+def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_path: Path, dots_alone: None) -> None:
     """They end at 0 or next to it, whatever was guessed, and what is fitted beside them comes out right."""
     absent = {f"{name}{suffix}": 0.0 for name in ("dead_band", "command_delay") for suffix in ("", "_negative")}
     fitted = found(logged(tmp_path, 45.0, **absent, axis_time_constant=0.033))
@@ -100,7 +100,7 @@ def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_pat
     assert values["axis_time_constant"] == pytest.approx(0.033, rel=0.05)
 
 
-def test_a_drift_is_found_and_biases_nothing(tmp_path: Path, png_alone: None) -> None:
+def test_a_drift_is_found_and_biases_nothing(tmp_path: Path, dots_alone: None) -> None:
     """A load that pulls at the axis while the valve is closed; nobody declared it."""
     fitted = found(logged(tmp_path, 45.0, drift_velocity=4e-3))
     truth = {**read_parameters(AXIS / "machine.toml"), "drift_velocity": 4e-3}
@@ -108,7 +108,7 @@ def test_a_drift_is_found_and_biases_nothing(tmp_path: Path, png_alone: None) ->
         assert fitted[name]["value"] == pytest.approx(truth[name], rel=0.05)
 
 
-def test_a_dead_band_beyond_the_largest_command_is_told(tmp_path: Path, png_alone: None) -> None:
+def test_a_dead_band_beyond_the_largest_command_is_told(tmp_path: Path, dots_alone: None) -> None:
     folder = logged(tmp_path, 40.0)
     believed = (folder / "believed.toml").read_text().replace('value = "2.2 V"', 'value = "20 V"')
     believed = believed.replace('value = "25 mm/(s V)"', 'value = "1000 mm/(s V)"')  # without the band far too fast

@@ -155,7 +155,7 @@ def test_a_clock_that_goes_back_all_the_time_is_none(tmp_path: Path) -> None:
         records(tmp_path, log(212.0, gaps=False).assign(t=saw))
 
 
-@pytest.mark.usefixtures("png_alone")
+@pytest.mark.usefixtures("dots_alone")
 def test_check_identify_and_diagnose_take_the_pieces_and_tell_of_them(tmp_path: Path) -> None:
     """A free run over 40 s finds the true 60 N and 800 N s/m from 40 N and 500 N s/m."""
     path = experiment(tmp_path, log(105.0, every=40.0))

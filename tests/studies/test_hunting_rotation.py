@@ -10,7 +10,7 @@ LOOPS = ("pi_50_300", "pi_100_1000", "pi_300_6000")
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> pd.DataFrame:
+def rows(tmp_path_factory: pytest.TempPathFactory, dots_alone: None) -> pd.DataFrame:
     """Results of studies/hunting_rotation.toml."""
     out: Path = tmp_path_factory.mktemp("hunting_rotation") / "out"
     answer = workbench("run", STUDIES / "hunting_rotation.toml", "--out", out)

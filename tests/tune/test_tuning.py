@@ -26,7 +26,7 @@ from workbench.tune.report.gain_files import gain_file
 from workbench.tune.result import Tuning, infeasible, interval
 from workbench.tune.starts import classic_points
 
-pytestmark = pytest.mark.usefixtures("png_alone")
+pytestmark = pytest.mark.usefixtures("dots_alone")
 
 
 def outcome(tuning: Tuning) -> list[object]:

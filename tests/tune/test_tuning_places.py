@@ -24,7 +24,7 @@ from workbench.tune.report.tables import number
 from workbench.tune.schema import tune_table
 from workbench.tune.trials import key_of
 
-pytestmark = pytest.mark.usefixtures("png_alone")
+pytestmark = pytest.mark.usefixtures("dots_alone")
 
 PLACES = (
     STUDY.replace('model = "non_rotating"', 'model = "by_rpm"\nbristle = "isotropic"')
