@@ -218,7 +218,7 @@ def test_check_says_which_records_are_not_there_yet(tmp_path: Path) -> None:
     ("column", "ratio", "duration", "said"),
     [
         ("position", 1e-3, 30.0, "expected more than 0.6 mm/s; it travels 0.114 mm of a stroke of 172 mm: is the unit"),
-        ("time", 1e3, 30.0, "; samples are 1 s apart: is the unit of channel time right (ms)?"),
+        ("time", 1e3, 3.0, "; samples are 1 s apart: is the unit of channel time right (ms)?"),
         ("position", 1.0, 0.1, "0.1 s are too short to see a velocity; take a longer record"),
     ],
 )
