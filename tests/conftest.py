@@ -56,7 +56,7 @@ def dots_alone(png_alone: None) -> Iterator[None]:
     def dot(_figure: Figure, path: Path, metadata: dict[str, Any]) -> None:
         imsave(path, [[0.0]], metadata=metadata)
 
-    with mock.patch.object(pictures, "_lay_out", lambda _: None), mock.patch.object(Figure, "savefig", dot):
+    with mock.patch.object(pictures, "_lay_out"), mock.patch.object(Figure, "savefig", dot):
         yield
 
 

@@ -16,7 +16,7 @@ from workbench.compare.section import COMPARISON
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> tuple[list[str], Rows]:
+def page(tmp_path_factory: pytest.TempPathFactory, dots_alone: None) -> tuple[list[str], Rows]:
     """The lines of a page of made-up results, and their rows."""
     folder = tmp_path_factory.mktemp("page")
     search, fresh = whole(noise=0.2), whole(2, range(11, 27), noise=0.2)  # so that some verdicts are unsure

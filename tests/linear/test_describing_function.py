@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pandas as pd
 import pytest
-from command import STUDIES, workbench
+from published import outcome, said, shared_folder
 from scipy.optimize import brentq
 from support import registered
 
@@ -99,11 +99,9 @@ def test_predicted_exactly_where_the_loop_of_a_mass_is_unstable() -> None:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> Path:
     """Results of studies/hunting.toml, run by the command."""
-    out = tmp_path_factory.mktemp("hunting") / "out"
-    answer = workbench("run", STUDIES / "hunting.toml", "--out", out)
-    assert (answer.code, answer.err) == (0, "")
-    assert "simulated against describing function" in answer.out
-    return out
+    folder = outcome(shared_folder(tmp_path_factory), "hunting")
+    assert "simulated against describing function" in said(folder)
+    return folder
 
 
 def test_hose_fed(folder: Path) -> None:

@@ -1,15 +1,14 @@
 """The repository's own studies, run by the command, against the thesis, the law's paper and another solver."""
 
-import fcntl
-import os
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from command import STUDIES, workbench
+from command import STUDIES
 from latex_reader import mistakes, whole
+from published import outcome, shared_folder
 from scipy.integrate import solve_ivp
 
 from workbench.report.folder import write_report
@@ -19,24 +18,8 @@ NAMES = ("lugre_reference", "observers", "thesis_chapter3", "thesis_chapter3_ste
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder for the results of all studies, shared by parallel test processes."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "published"
-    folder.mkdir(exist_ok=True)
-    return folder
-
-
-def outcome(results: Path, name: str) -> Path:
-    """The results of a study, which the first that asks for them runs."""
-    folder = results / name
-    with (results / f"{name}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        done = results / f"{name}.done"
-        if not done.exists():
-            answer = workbench("run", STUDIES / f"{name}.toml", "--out", folder)
-            assert (answer.code, answer.err) == (0, "")
-            done.touch()
-    return folder
+    """A folder for the results of all studies."""
+    return shared_folder(tmp_path_factory)
 
 
 def figures(results: Path, name: str, index: list[str]) -> pd.DataFrame:
