@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -12,7 +13,7 @@ import pandas as pd
 import pytest
 from command import workbench, write
 
-from workbench.design import search
+from workbench.design import power, search
 from workbench.design.search import ODDS
 from workbench.publish.contents import read_contents
 from workbench.toml.reading import read_toml
@@ -48,12 +49,19 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("design"), EXPERIMENT, "experiment.toml")
 
 
+@contextmanager
+def quick() -> Iterator[None]:
+    """A design with few pieces tried, and one machine drawn beside the declared one."""
+    with mock.patch.object(search, "TRIALS", (10, 10)), mock.patch.object(power, "MACHINES", 1):
+        yield
+
+
 @pytest.fixture(scope="module")
-def designed(experiment: Path) -> Iterator[tuple[Any, Path]]:
-    """What the command answers, with few pieces tried, and its folder."""
+def designed(experiment: Path, png_alone: None) -> tuple[Any, Path]:
+    """What the command answers to a quick design, and its folder."""
     out = experiment.parent / "out"
-    with mock.patch.object(search, "TRIALS", (10, 10)):
-        yield workbench("design", experiment, "--out", out), out
+    with quick():
+        return workbench("design", experiment, "--out", out), out
 
 
 def said(designed: tuple[Any, Path]) -> dict[str, Any]:
@@ -111,7 +119,7 @@ def test_the_study_runs_every_hypothesis(designed: tuple[Any, Path]) -> None:
 
 def test_the_same_experiment_gives_the_same_motion(designed: tuple[Any, Path], experiment: Path) -> None:
     again = experiment.parent / "again"
-    with mock.patch.object(search, "TRIALS", (10, 10)):
+    with quick():
         assert workbench("design", experiment, "--out", again).code == 0
     for name in ("design.json", "reference.csv", "study.toml"):
         assert (again / name).read_bytes() == (designed[1] / name).read_bytes(), name
