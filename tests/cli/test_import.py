@@ -27,6 +27,7 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.mark.usefixtures("dots_alone")
 def test_without_a_terminal_questions_stand_in_the_file_and_the_rest_is_checked(tmp_path: Path) -> None:
     out = tmp_path / "experiment.toml"
     answer = workbench("import", log(tmp_path), "--out", out)
