@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.fit import QUICK, Fit, fit, weighing_at
+from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
-from workbench.diagnose.simulation.fits import begun
+from workbench.diagnose.simulation.fits import Fitting, begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -45,7 +45,9 @@ def errors_of(
     fitted, tested = on(results[0].balance.motions), on(held_out)
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
-        own = _own_fit(experiment, simulation, held_out)
+        own = BeforeAfter(
+            *(_own_fit(experiment, simulation, one, held_out) for one in (simulation.before, simulation.after))
+        )
     found = ErrorsByUse(fitted, tested, own)
     if simulation is not None and simulation.effects and found.runs_worse:
         return replace(found, gained=_gained(experiment, simulation, held_out))
@@ -91,14 +93,14 @@ def _drifts(fitted: Errors, tested: Errors) -> bool:
     return tested.position > DRIFTS * fitted.position
 
 
-def _own_fit(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> Errors:
-    """Free-run errors of held-out records with the plant's parameters fitted to them: the least that it can leave."""
+def _own_fit(experiment: Experiment, simulation: SimulationStage, fitted: Fit, held_out: Sequence[Motion]) -> Errors:
+    """Free-run errors of held-out records with a fit's parameters fitted to them: the least that it can leave."""
     held_out = as_simulated(experiment, held_out)
     whole = shooting_of(experiment, held_out, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
-    after = simulation.after
-    fitted = fit(whole.balance(held_out, after.names), after.values, after.names, experiment.bounds, QUICK)
-    run = free_run(whole, held_out, fitted.values)
+    fitting = Fitting(held_out, fitted.names, experiment.bounds)
+    own = fitting.final(fitting.begun(whole, fitted.values))
+    run = free_run(whole, held_out, own.fit.values)
     return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
 
 

@@ -177,13 +177,14 @@ class BeforeAfter:
 class ErrorsByUse:
     """Errors on the records that were fitted and on those that were held out.
 
-    `own_parameters` are those on held-out records with the same parameters fitted to these, `gained` is by how much the
-    logarithm of these records' likelihood rises with what was found; None where that was not asked.
+    `own_parameters` are those on held-out records with the same parameters fitted to these, which nothing that differs
+    between records is in, `gained` is by how much the logarithm of these records' likelihood rises with what was found;
+    None where that was not asked.
     """
 
     fit: BeforeAfter
     held_out: BeforeAfter
-    own_parameters: Errors | None = None
+    own_parameters: BeforeAfter | None = None
     gained: float | None = None
 
     def is_worse(self, balances: Sequence[str]) -> bool:
@@ -203,7 +204,7 @@ class ErrorsByUse:
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
-        own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.by_key}
+        own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.to_json()}
         gained = {} if self.gained is None else {"gained_log_likelihood": self.gained}
         return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own, **gained}}
 

@@ -139,13 +139,16 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     if simulation.dropped:
         lines.append(f"The simulated plant does without {listed_names(simulation.dropped)}: dropped.")
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
-    if own is not None and own.position is not None and after.position is not None:
-        off, left = (SHOWN[diagnosis.axis].length(errors.position or 0.0, 2) for errors in (after, own))
+    if own is not None and own.after.position is not None and after.position is not None:
+        off, left, plain = (
+            SHOWN[diagnosis.axis].length(errors.position or 0.0, 2) for errors in (after, own.after, own.before)
+        )
+        without = f", {plain} without what was found" if diagnosis.effects and own.before.position is not None else ""
         lines.append(
             f"A free run of the held-out records is off by {off} in position. "
             f"With the same parameters fitted to these records themselves {left} "
-            "would be left: so much of it is the model's, and the rest is drift, as small forces that differ between "
-            "records add up."
+            f"would be left{without}: so much of it is the model's, and the rest is drift, as small forces that differ "
+            "between records add up."
         )
     return lines
 

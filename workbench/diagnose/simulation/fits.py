@@ -20,6 +20,7 @@ from workbench.diagnose.residuals.fit import (
     FINAL,
     NEAR_NOISE,
     QUICK,
+    THOROUGH,
     Fit,
     fit,
     stacked,
@@ -113,6 +114,11 @@ class Simulated:
         return self.how.groups(self.fit.balance.motions) if self.starting is None else self.starting[1]
 
     @property
+    def is_astray(self) -> bool:
+        """Whether it goes from end to end of its records and is off by far more than noise."""
+        return bool(np.isinf(self.how.length)) and self.fit.excess >= ASTRAY
+
+    @property
     def is_near(self) -> bool:
         """Whether it follows its records from end to end, and so near to noise, which may be slow, that what it leaves
         tells what it lacks.
@@ -146,8 +152,7 @@ class Fitting:
         was measured, since a long run may not find back from the one to the other; or from rest, where that alone
         follows within noise.
 
-        Far from noise a long run is begun by what comes soon after: else its start makes up for what its parameters
-        are off by, and does not find back.
+        Far from noise a long run begins as its sensors show: else its start makes up for what parameters are off by.
         """
         if not np.isinf(how.length):
             return self.stepped(how, values)
@@ -159,7 +164,8 @@ class Fitting:
         if fresh.excess < ASTRAY:
             measured = self.stepped(soon, values)
         else:
-            measured = Simulated(soon, fresh, soon.starting(self.motions, values))
+            sensed = how.as_sensed(self.motions)
+            measured = Simulated(sensed, fit(sensed.balance(self.motions, ()), values, ()))
         others = [near] if near is not None and near.fit.excess < ASTRAY else []
         if not how.begins and measured.fit.excess > NEAR_NOISE:
             rested = self.stepped(how.rested(self.motions, values), values)
@@ -190,7 +196,8 @@ class Fitting:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
         weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
-        weighing = _without_astray(weighed_by(weigh, of.fit, of.starting), of)
+        free = _no_starts(of) if of.is_astray else of.starting
+        weighing = _without_astray(weighed_by(weigh, of.fit, free), of)
         fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
         return self.begun(of.how, fitted.values)
 
@@ -198,9 +205,16 @@ class Fitting:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         balance = of.how.balance(self.motions, self.names)
         weighing, search = weighing_at(of.fit), FINAL
-        if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
+        if of.is_astray:  # nobody's noise: the values are those that leave least, and as uncertain as it is
+            weighing, search = weighed_by(by_scatter, of.fit, _no_starts(of)), THOROUGH
+        elif of.fit.excess > ASTRAY:
             weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
+
+
+def _no_starts(of: Simulated) -> tuple[np.ndarray, Sequence[np.ndarray]]:
+    """What starts would change of a fit whose starts are held."""
+    return np.zeros((of.fit.residual.size, 0)), []
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
@@ -282,7 +296,7 @@ def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     """A plant with these values from the starts that suit them best, from end to end."""
     fitting = Fitting(motions, (), {})
     first = fitting.begun(how, values)
-    if first.fit.excess < AT_NOISE:
+    if first.fit.excess < AT_NOISE or first.is_astray:
         return first.how
     starts = first.how, replace(how, begins={})
     return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how

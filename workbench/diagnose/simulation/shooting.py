@@ -23,6 +23,7 @@ from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import Followed, held, led, quickest
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
+from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.fitting.replay import Sampled
 from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
@@ -211,6 +212,15 @@ class Shooting:
             return np.inf
 
         return np.array([farthest(name) for name in self.along.names])
+
+    def as_sensed(self, motions: Sequence[Motion]) -> "Shooting":
+        """The same from end to end of each record from its first samples, which no smoothing has bent."""
+        begins, places = dict[Record, np.ndarray](), [self.along.names.index(name) for name in ("position", "velocity")]
+        for motion in motions:
+            smooth = motion.position[0], motion.velocity[0]
+            begins[motion.record] = np.zeros((1, len(self.along.names)))
+            begins[motion.record][0, places] = np.subtract(sensed_at_first(motion), smooth)
+        return replace(self, begins=begins)
 
     def rested(self, motions: Sequence[Motion], values: Values) -> "Shooting":
         """The same from end to end of each record from rest, where the rod was measured to be."""

@@ -1,0 +1,81 @@
+"""Where a record begins: a start that goes farther than its sensors allow makes up for what the plant lacks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driven import driven_experiment
+
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.simulation.first_samples import sensed_at_first
+from workbench.diagnose.simulation.fits import Fitting, begun
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+
+FINE = 1e-8
+"""m. Noise of a position sensor beside which no plant is right."""
+
+
+@pytest.fixture(scope="module")
+def fine(tmp_path_factory: pytest.TempPathFactory) -> tuple[Shooting, list[Motion], dict[str, float]]:
+    """6 s of a mass whose position a fine sensor shows."""
+    path = driven_experiment(tmp_path_factory.mktemp("fine"), 0.0, FINE, 6.0, stroke=1.0)
+    experiment = read_experiment(path)
+    motions = motions_of(experiment, read_records(experiment))
+    how = shooting_of(experiment, motions, held=False)
+    assert how is not None
+    return how, motions, declared_values(experiment)
+
+
+@pytest.mark.parametrize(
+    ("noise", "within"),
+    [(0.0, 1e-4), (1e-8, 1e-3), (1e-5, 0.05)],
+)
+def test_the_velocity_at_the_first_sample_is_that_of_its_neighbours(
+    fine: tuple[Shooting, list[Motion], dict[str, float]], noise: float, within: float
+) -> None:
+    """x = 0.02 t + 1.4 t^2 - 3 t^3: within 50 ms the velocity becomes eight times as much."""
+    (motion,) = fine[1]
+    time = motion.record.time
+    position = 0.02 * time + 1.4 * time**2 - 3.0 * time**3
+    position = position + noise * np.random.default_rng(2).standard_normal(time.size)
+    made = replace(motion, measured={**motion.measured, "position": position}, sensed={"position": noise})
+    first, velocity = sensed_at_first(made)
+    assert first == position[0]
+    assert velocity == pytest.approx(0.02, abs=within)
+
+
+def test_a_plant_far_from_noise_begins_as_its_sensors_show(
+    fine: tuple[Shooting, list[Motion], dict[str, float]],
+) -> None:
+    how, motions, declared = fine
+    (motion,) = motions
+    wrong = {**declared, "viscous": 1.5 * declared["viscous"], "coulomb": 0.8 * declared["coulomb"]}
+    found = Fitting(motions, (), {}).begun(how, wrong)
+    assert found.is_astray
+    (begins,) = found.how.begins.values()
+    places = [how.along.names.index(name) for name in ("position", "velocity")]
+    position, velocity = sensed_at_first(motion)
+    assert begins[0, places] == pytest.approx([position - motion.position[0], velocity - motion.velocity[0]], abs=1e-15)
+    assert np.count_nonzero(begins) <= 2, "no other state is moved"
+    free = begun(how, motions, wrong)
+    assert all(
+        np.array_equal(one, other) for one, other in zip(free.begins.values(), found.how.begins.values(), strict=True)
+    )
+
+
+def test_the_parameters_of_a_plant_far_from_noise_are_those_that_leave_least(
+    fine: tuple[Shooting, list[Motion], dict[str, float]],
+) -> None:
+    """With half of its viscous friction unknown to the fit, no other coulomb friction leaves less."""
+    how, motions, declared = fine
+    wrong = {**declared, "viscous": 0.5 * declared["viscous"]}
+    fitting = Fitting(motions, ("coulomb",), {})
+    found = fitting.final(fitting.begun(how, wrong))
+    assert found.is_astray
+    for factor in (0.99, 1.01):
+        beside = {**found.fit.values, "coulomb": factor * found.fit.values["coulomb"]}
+        assert np.mean(found.how.balance(motions, ()).stacked(beside) ** 2) > found.fit.rms**2
