@@ -133,10 +133,10 @@ pi = { type = "pid", kp = "500 V/m", ki = "100 V/(m s)" }
 [references.sine]
 kind = "sine"
 amplitude = "5 mm"
-frequency = "2 Hz"
+frequency = "4 Hz"
 
 [simulation]
-duration = "0.6 s"
+duration = "0.4 s"
 transient = "0.1 s"
 
 [cases]
@@ -172,7 +172,7 @@ y_unit = "mm"
 x_range = [0.0, 0.5]
 curves = [
   { y = "position", where = { case = "plain", rpm = 0, controller = "p" }, label = "at rest" },
-  { y = "reference", where = { case = "plain", rpm = 0, controller = "p" }, label = "$r_1$", style = "reference" },
+  { y = "reference_position", where = { case = "plain", rpm = 0, controller = "p" }, label = "$r_1$" },
 ]
 [[figures.panels]]
 x = "rpm"

@@ -23,6 +23,9 @@ from workbench.study.sections import other_command
 MOST_CASES, MOST_SECONDS, MOST_STEPS, LEAST_TOLERANCE = 12, 4.0, 60_000, 1e-8
 """Of a mutant that is really run, all cases together: others take too long to run thousands of them."""
 
+DRAWN = 200
+"""Mutants from which one that can be run is taken, at most: what is refused is looked at in thousands of checks."""
+
 KINDS = ("check", "run", "records")
 
 
@@ -63,8 +66,11 @@ def _checked(sandbox: Sandbox, made: Mutant) -> Trial:
 def _run(sandbox: Sandbox, random: Random) -> Trial:
     text = random.choice((STUDY, DRIVE, RICH, RICH, RICH))
     data = next(original.data for original in originals() if original.text == text)
-    path = sandbox.put("mutant.toml", written(mutated(data, random, [data])))
-    if not _is_small(path):
+    for _ in range(DRAWN):
+        path = sandbox.put("mutant.toml", written(mutated(data, random, [data])))
+        if (fit := _is_fit(path)) is not False:
+            break
+    if not fit:
         return Trial("refused", watched(sandbox, "check", path)[1])
     with contextlib.nullcontext() if random.random() < 0.1 else _png_alone():
         answer, found = watched(sandbox, "run", path, "--out", sandbox.out, "--jobs", "1")
@@ -76,8 +82,8 @@ def _run(sandbox: Sandbox, random: Random) -> Trial:
     return Trial("run", found)
 
 
-def _is_small(path: Path) -> bool:
-    """Whether a study is in order and takes a blink to run; what is odd in it, a check finds."""
+def _is_fit(path: Path) -> bool | None:
+    """Whether a study is in order and takes a blink to run; None of one that is odd, which a check is to tell."""
     try:
         study = read_study(path)
         if other_command(study) is not None:
@@ -87,7 +93,7 @@ def _is_small(path: Path) -> bool:
     except UserError:
         return False
     except Exception:  # noqa: BLE001 - the check that follows tells it
-        return False
+        return None
     steps = sum(setup.duration / min(setup.sample_time, setup.integrator.step) for setup in setups)
     seconds = sum(setup.duration for setup in setups)
     exact = min((setup.integrator.tolerance for setup in setups), default=1.0)
