@@ -10,7 +10,7 @@ from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.fits import Fitting, begun
-from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.setup import AWAY, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -79,3 +79,13 @@ def test_the_parameters_of_a_plant_far_from_noise_are_those_that_leave_least(
     for factor in (0.99, 1.01):
         beside = {**found.fit.values, "coulomb": factor * found.fit.values["coulomb"]}
         assert np.mean(found.how.balance(motions, ()).stacked(beside) ** 2) > found.fit.rms**2
+
+
+def test_a_simulation_that_leaves_its_record_is_over(fine: tuple[Shooting, list[Motion], dict[str, float]]) -> None:
+    """A negative spring takes the mass away ever faster; what is stiff would take ever shorter steps."""
+    how, (motion,), declared = fine
+    pushed = {**declared, "spring_stiffness": -10.0 * declared["viscous"], "end_stop_stiffness": 0.0}
+    (_, run), *_ = how._runs(motion, pushed)
+    assert run.outcome == "diverged"
+    farthest = AWAY * np.max(np.abs(motion.measured["position"]))
+    assert farthest < np.max(np.abs(run.state("position"))) * 1.1 < 3.0 * farthest

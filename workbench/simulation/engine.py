@@ -36,9 +36,6 @@ COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED, MACHINE_FAILED = 0, 1, 2, 3, 4
 FIRST_OF_DRIVE = Measurement._fields.index("rotation_speed")
 """From this channel on the motor's drive measures itself, speed and current, and at once; the rest may be delayed."""
 
-DIVERGENCE_BOUND = 1e6
-"""A state beyond this many times its typical magnitude (and its initial value) has diverged."""
-
 KEPT = 2
 """Samples of the command that are kept beyond a delay of whole ones: this one, and one that ends within this one."""
 
@@ -63,6 +60,7 @@ _SIGNATURE = types.Tuple((_integer, _integer, _integer))(
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     _table,  # of each input that is the command of a time ago: its place, that time in whole samples, and the rest in s
     types.Tuple((_number, _integer, _number)),  # sample time, steps a sample, tolerance
+    _number,  # times its typical magnitude and its initial value at which a state has diverged
     types.Tuple((_integer, _integer, _number, _vector)),  # the method: `workbench.simulation.steppers.scheme`
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
     _vector,  # scratch, of `scratch_size`
@@ -139,6 +137,7 @@ def run_loop(
     delay: Any,
     lines: Any,
     clock: Any,
+    farthest: Any,
     method: Any,
     logs: Any,
     scratch: Any,
@@ -204,7 +203,7 @@ def run_loop(
     for i in range(scratch.size):
         p_work[i] = 0.0
     for j in range(n):
-        p_bounds[j] = DIVERGENCE_BOUND * (p_scales[j] + abs(p_y[j]))
+        p_bounds[j] = farthest * (p_scales[j] + abs(p_y[j]))
     for j in range(m):
         p_now[j] = p_base[j]
         p_initial[j] = p_base[j]

@@ -27,6 +27,9 @@ COMPANION, HALVED = 10.0, 2
 that takes in a sample at least: where one step a sample suffices for either tolerance both runs would be the same, and
 the distance nothing. The error of methods of lower order falls less steadily; they take `TIGHTER`."""
 
+FARTHEST = 1e6
+"""Times its typical magnitude and its initial value beyond which no state of a machine goes: it has diverged."""
+
 DELAY_SLACK = 1e-9
 """A delay this close (in samples) to a whole number of samples is one."""
 
@@ -85,7 +88,8 @@ class Setup:
 
     `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
     `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed. Where there is a
-    `machine`, it runs in the place of the plant's equations, with a solver and a start of its own.
+    `machine`, it runs in the place of the plant's equations, with a solver and a start of its own. A state
+    has diverged that is `farthest` times its typical magnitude and its initial value.
     """
 
     plant: Plant
@@ -103,6 +107,7 @@ class Setup:
     sample_time: float = 1e-3
     seed: int = 0
     machine: FmuMachine | None = None
+    farthest: float = FARTHEST
 
 
 def memory_names(controller: Controller) -> list[str]:

@@ -149,6 +149,7 @@ def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float
         (delay_samples, delay_rest),
         lines,
         (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
+        setup.farthest,
         how,
         log,
         np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),

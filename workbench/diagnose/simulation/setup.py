@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from plants.equation import fields
 from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -15,6 +16,11 @@ from workbench.fitting.replay import observe
 from workbench.records.experiment import Experiment
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Setup
+
+AWAY, ODD = 30.0, 1e3
+"""Times what a record shows of the position at which a simulation has left it, and times what is typical of a state up
+to which it goes in any case.
+"""
 
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
@@ -40,7 +46,9 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
         feeds = tuple(
             replace(feed, linear=not (held and feed.input == along.plant.command)) for feed in observed.setup.feeds
         )
-        setup = replace(observed.setup, feeds=feeds, sample_time=record.sample_time)
+        setup = replace(
+            observed.setup, feeds=feeds, sample_time=record.sample_time, farthest=_farthest(observed.setup, motion)
+        )
         channels = tuple(observed.measured)
         if "position" not in channels:
             return None
@@ -48,6 +56,14 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
     return Shooting(
         along, setups, channels, held, scales_of(motions, declared), effects_told(along.plant, motions[0].channels)
     )
+
+
+def _farthest(setup: Setup, motion: Motion) -> float:
+    """When a simulation has left its record for good: what runs away on it takes all that is stiff with it, and ever
+    longer.
+    """
+    typical = next(item.scale for item in fields(setup.plant.State) if item.name == "position")
+    return max(AWAY * float(np.max(np.abs(motion.measured["position"]))) / typical, ODD)
 
 
 def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Motion]:
