@@ -11,12 +11,12 @@ import numpy as np
 from workbench.design.diagnosed import Evidence, Reported
 from workbench.design.hypotheses import Hypothesis
 from workbench.diagnose.readiness import declared_values
-from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit
+from workbench.diagnose.residuals.fit import AS_IT_IS, THOROUGH, Fit, fit
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.likelihood import Outlook, Proposal
 from workbench.diagnose.selection.search import away_of
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import QUICK, Asked, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import Asked, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import Columns, Trial, columns_of, trials_of
 from workbench.errors import UserError, nearest
 from workbench.fitting.covariance import inverse
@@ -195,7 +195,7 @@ def _allowed(current: Fit, columns: Sequence[Columns], effects: tuple[str, ...],
     def profiled(share: float) -> Fit:
         ways = [sized(share, current.places + moved * shift[:count]) for moved in (share, 0.0)]
         start = min(ways, key=current.seen_at)
-        return fit(current.balance, start, current.names, bounds, QUICK, current.weighing)
+        return fit(current.balance, start, current.names, bounds, THOROUGH, current.weighing)
 
     share, found, refused = 1.0, profiled(1.0), False
     for _ in range(TIMES):
