@@ -11,7 +11,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
-from workbench.diagnose.simulation.fits import Fitting, begun
+from workbench.diagnose.simulation.fits import Fitting, Simulated, begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -32,11 +32,13 @@ def errors_of(
 ) -> ErrorsByUse:
     """Errors of the baseline and of what was found, each with the parameters that were fitted to that kind of error."""
 
+    free = (None, None) if simulation is None else _free(experiment, simulation, results[0].balance.motions)
+
     def on(motions: Sequence[Motion]) -> BeforeAfter:
         if not motions:
             return BeforeAfter(Errors({}), Errors({}))
         whole = None if simulation is None else shooting_of(experiment, motions, held=simulation.how.held)
-        before, after = (None, None) if simulation is None else (simulation.before, simulation.after)
+        before, after = free
         first = _errors(results, motions, baseline, whole, before)
         if after is before and corrected == baseline:
             return BeforeAfter(first, first)
@@ -45,9 +47,7 @@ def errors_of(
     fitted, tested = on(results[0].balance.motions), on(held_out)
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
-        own = BeforeAfter(
-            *(_own_fit(experiment, simulation, one, held_out) for one in (simulation.before, simulation.after))
-        )
+        own = _own_fits(experiment, simulation, held_out)
     found = ErrorsByUse(fitted, tested, own)
     if simulation is not None and simulation.effects and found.runs_worse:
         return replace(found, gained=_gained(experiment, simulation, held_out))
@@ -93,15 +93,36 @@ def _drifts(fitted: Errors, tested: Errors) -> bool:
     return tested.position > DRIFTS * fitted.position
 
 
-def _own_fit(experiment: Experiment, simulation: SimulationStage, fitted: Fit, held_out: Sequence[Motion]) -> Errors:
-    """Free-run errors of held-out records with a fit's parameters fitted to them: the least that it can leave."""
-    held_out = as_simulated(experiment, held_out)
-    whole = shooting_of(experiment, held_out, held=simulation.how.held)
+def _free(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Fit, Fit]:
+    """The fits before and after by whose values the plant runs freely: those of the simulation, or of a plant that is
+    far from noise those of free runs themselves.
+    """
+    fits = simulation.before, simulation.after
+    if not all(Simulated(simulation.how, one).is_astray for one in fits):
+        return fits
+    before, after = (_freely(experiment, simulation, one, motions)[1] for one in fits)
+    return before, before if fits[0] is fits[1] else after
+
+
+def _freely(
+    experiment: Experiment, simulation: SimulationStage, fitted: Fit, motions: Sequence[Motion]
+) -> tuple[Shooting, Fit]:
+    """A plant from end to end of records, and a fit of it to them from its first samples on."""
+    motions = as_simulated(experiment, motions)
+    whole = shooting_of(experiment, motions, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
-    fitting = Fitting(held_out, fitted.names, experiment.bounds)
-    own = fitting.final(fitting.begun(whole, fitted.values))
-    run = free_run(whole, held_out, own.fit.values)
-    return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
+    return whole, Fitting(motions, fitted.names, experiment.bounds).freely(whole, fitted.values)
+
+
+def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> BeforeAfter:
+    """Free-run errors of held-out records with parameters fitted to these: the least that the plant can leave."""
+
+    def left(one: Fit) -> Errors:
+        whole, own = _freely(experiment, simulation, one, held_out)
+        run = free_run(whole, held_out, own.values)
+        return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
+
+    return BeforeAfter(left(simulation.before), left(simulation.after))
 
 
 def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> float:

@@ -152,7 +152,8 @@ class Fitting:
         was measured, since a long run may not find back from the one to the other; or from rest, where that alone
         follows within noise.
 
-        Far from noise a long run begins as its sensors show: else its start makes up for what parameters are off by.
+        Far from noise a long run is begun by what comes soon after: else its start makes up for what its parameters
+        are off by, and does not find back.
         """
         if not np.isinf(how.length):
             return self.stepped(how, values)
@@ -164,8 +165,7 @@ class Fitting:
         if fresh.excess < ASTRAY:
             measured = self.stepped(soon, values)
         else:
-            sensed = how.as_sensed(self.motions)
-            measured = Simulated(sensed, fit(sensed.balance(self.motions, ()), values, ()))
+            measured = Simulated(soon, fresh, soon.starting(self.motions, values))
         others = [near] if near is not None and near.fit.excess < ASTRAY else []
         if not how.begins and measured.fit.excess > NEAR_NOISE:
             rested = self.stepped(how.rested(self.motions, values), values)
@@ -196,8 +196,7 @@ class Fitting:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
         weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
-        free = _no_starts(of) if of.is_astray else of.starting
-        weighing = _without_astray(weighed_by(weigh, of.fit, free), of)
+        weighing = _without_astray(weighed_by(weigh, of.fit, of.starting), of)
         fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
         return self.begun(of.how, fitted.values)
 
@@ -205,16 +204,16 @@ class Fitting:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         balance = of.how.balance(self.motions, self.names)
         weighing, search = weighing_at(of.fit), FINAL
-        if of.is_astray:  # nobody's noise: the values are those that leave least, and as uncertain as it is
-            weighing, search = weighed_by(by_scatter, of.fit, _no_starts(of)), THOROUGH
-        elif of.fit.excess > ASTRAY:
+        if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
             weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
-
-def _no_starts(of: Simulated) -> tuple[np.ndarray, Sequence[np.ndarray]]:
-    """What starts would change of a fit whose starts are held."""
-    return np.zeros((of.fit.residual.size, 0)), []
+    def freely(self, whole: Shooting, values: Values) -> Fit:
+        """The parameters that leave least of a run from end to end that begins as its first samples show, from these
+        values on: of a plant far from noise, whose start would make up for what it lacks.
+        """
+        balance = whole.as_sensed(self.motions).balance(self.motions, self.names)
+        return fit(balance, values, self.names, self.bounds, THOROUGH)
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
@@ -293,10 +292,14 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
-    """A plant with these values from the starts that suit them best, from end to end."""
+    """A plant with these values from end to end, from the starts that suit them best; as its first samples show, where
+    it is far from noise.
+    """
     fitting = Fitting(motions, (), {})
     first = fitting.begun(how, values)
-    if first.fit.excess < AT_NOISE or first.is_astray:
+    if first.is_astray:
+        return how.as_sensed(motions)
+    if first.fit.excess < AT_NOISE:
         return first.how
     starts = first.how, replace(how, begins={})
     return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
