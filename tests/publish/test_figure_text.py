@@ -6,7 +6,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workbench.publish.figure_text import BOX, boxed, drawable, lacking, literal, mathematics_fails
+from workbench.publish.figure_text import BOX, LONGEST, boxed, drawable, lacking, literal, mathematics_fails
 from workbench.publish.pictures import caption_of, save
 from workbench.publish.style import figure_style
 
@@ -63,3 +63,19 @@ def test_boxes() -> None:
 def test_lines_are_set_one_by_one(caplog: pytest.LogCaptureFixture) -> None:
     assert mathematics_fails("rotating\n$R^2$ = 1") == ""
     assert caplog.records == []
+
+
+def test_a_line_that_leaves_no_room_is_cut(tmp_path: Path) -> None:
+    """A legend as wide as its figure and wider: no layout finds room for the axes."""
+    long = "at rest " * 50
+    figure = Figure(layout="constrained")
+    axes = figure.subplots()
+    axes.plot([0.0, 1.0], label=long)
+    axes.set_title(f"short\n{'$x$' * 100}")
+    legend = axes.legend()
+    save(figure, "cut", tmp_path, ("png",))
+    (label,) = legend.get_texts()
+    assert label.get_text() == long
+    with drawable(figure):
+        assert label.get_text() == f"{long[: LONGEST - 1]}\u2026"
+        assert [len(line) for line in axes.get_title().split("\n")] == [len("short"), LONGEST]

@@ -1,5 +1,5 @@
 """Text of figures as matplotlib can draw it: mathematics that cannot be set is shown as written, as are single dollars;
-a glyph that the font lacks is a box.
+a glyph that the font lacks is a box, and the rest of a very long line an ellipsis.
 """
 
 from collections.abc import Iterator
@@ -13,6 +13,9 @@ from matplotlib.text import Text
 from workbench.errors import visible
 
 BOX = "\u25a1"
+
+LONGEST = 120
+"""Characters of a line that a figure shows: a longer one would leave no room for what is drawn."""
 
 LATIN = "\u0250"
 """The first character that a font of figures may lack."""
@@ -50,12 +53,18 @@ def literal(text: str) -> str:
     return boxed(text).replace("$", r"\$")
 
 
+def _shown(said: str, font: FontProperties) -> str:
+    """What can be drawn of a text: no line is longer than `LONGEST`."""
+    lines = boxed(said, font).split("\n")
+    return "\n".join(line if len(line) <= LONGEST else f"{line[: LONGEST - 1]}\u2026" for line in lines)
+
+
 @contextmanager
 def drawable(figure: Figure) -> Iterator[None]:
     """Within this context every text of the figure can be drawn; afterwards it is what it was."""
     before = [(text, text.get_text(), text.get_parse_math()) for text in figure.findobj(Text) if isinstance(text, Text)]
     for text, said, parsed in before:
-        if (shown := boxed(said, text.get_fontproperties())) != said:
+        if (shown := _shown(said, text.get_fontproperties())) != said:
             text.set_text(shown)
         if parsed and "$" in said and mathematics_fails(shown):
             text.set_parse_math(False)
@@ -64,5 +73,5 @@ def drawable(figure: Figure) -> Iterator[None]:
     finally:
         for text, said, parsed in before:
             text.set_parse_math(parsed)
-            if text.get_text() == boxed(said, text.get_fontproperties()):
+            if text.get_text() == _shown(said, text.get_fontproperties()):
                 text.set_text(said)
