@@ -76,6 +76,10 @@ LIMITS = {
         changed('frequency = "2 Hz"', 'frequency = "1e200 Hz"'),
         "@:13: references.sine: grows beyond all numbers within 1 s; expected less, or slower",
     ),
+    "a rotation": (
+        changed("rpm = [0, 460]", "rpm = [1e300]"),
+        "@:2: plant: no number can hold where this machine rests: a value of it, or its rotation, is too large",
+    ),
     "a name of a file": (STUDY + TABLE.format("x" * 300), "@:22: tables.0.name: got 't"),
     "a hidden file": (STUDY + TABLE.replace("t{}", ".."), "@:22: tables.0.name: got '..': "),
     "a unit": (

@@ -173,7 +173,13 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
 def _start(plant: Plant, parameters: Any, tables: CaseTables) -> NamedTuple:
     """Where a plant of ours starts."""
     turning = 0.0 if tables.plant.start == "standstill" else _rotation(plant, parameters, tables)[1]
-    state, _ = plant.equilibrium(parameters, turning)
+    try:
+        state, _ = plant.equilibrium(parameters, turning)
+    except OverflowError:
+        raise SchemaError(
+            ("plant",),
+            "no number can hold where this machine rests: a value of it, or its rotation, is too large",
+        ) from None
     start = ("plant", "start_position")
     state = state._replace(position=along_axis(tables.plant.start_position, plant.axis, start))
     return _within_limits(state, parameters)  # all else that the machine is given is believed
