@@ -117,3 +117,11 @@ def test_what_does_not_settle_or_does_not_jump_has_no_settling_time() -> None:
     turned = figures_of(lambda t: ramp(t)[0] + 1e-3 * np.exp(-t), ramp, 3.0, 0.5)
     assert turned["settling_time_s"] is None
     assert turned["limit_cycle"] == "none"
+
+
+@pytest.mark.parametrize(("samples", "step"), [(8, 0.125), (2, 0.05)])
+def test_samples_that_show_no_wave_give_no_lag(samples: int, step: float) -> None:
+    """Of a wave of 4 Hz: two samples a period, where its sine is always 0; and two samples in all."""
+    time = step * np.arange(samples)
+    wave = 0.01 * np.cos(2.0 * np.pi * 4.0 * time)
+    assert phase_lag_and_gain(time, wave, 0.9 * wave, 4.0) == (None, None)

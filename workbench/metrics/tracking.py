@@ -26,8 +26,9 @@ LEAST_AMPLITUDE = 1e-9
 """m. A fundamental, or a jump, smaller than this is none."""
 
 
-def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: float) -> list[complex]:
+def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: float) -> list[complex] | None:
     """A exp(i phi) of the fundamental A sin(w t + phi) of each signal, by least squares; w = 2 pi `frequency` (Hz).
+    None where the samples do not show it: they are too few, or two of them or fewer make a period.
 
         sum over k = 1..K of a_k sin(k w t) + b_k cos(k w t), + c + d t
 
@@ -35,18 +36,22 @@ def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: flo
     `HARMONICS` with it, since a sine that is left out tilts the line. One period has K = 1 and d = 0.
     """
     basis, products = _known_basis(time.tobytes(), frequency) if time.size <= MOST_KNOWN else _basis(time, frequency)
+    if products is None:
+        return None
     fitted = np.linalg.solve(products, basis @ np.stack(signals, axis=1))
     return [complex(sine, cosine) for sine, cosine in fitted[:2].T]
 
 
 @functools.lru_cache(4)
-def _known_basis(time: bytes, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+def _known_basis(time: bytes, frequency: float) -> tuple[np.ndarray, np.ndarray | None]:
     """`_basis`, of which the cases of a study need the same again and again."""
     return _basis(np.frombuffer(time), frequency)
 
 
-def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray]:
-    """The functions of time that `fundamentals` fits, a row each, and their products."""
+def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray | None]:
+    """The functions of time that `fundamentals` fits, a row each, and their products; None where the samples do not
+    tell them apart.
+    """
     angle = 2.0 * np.pi * frequency * time
     step = angle[1] - angle[0]
     drifts = (angle[-1] - angle[0] + step) / (2.0 * np.pi) > LEAST_PERIODS
@@ -60,7 +65,8 @@ def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray]:
         basis[2 * k], basis[2 * k + 1] = wave.imag, wave.real
     if drifts:
         basis[-1] = np.linspace(-1.0, 1.0, angle.size)
-    return basis, basis @ basis.T
+    products = basis @ basis.T
+    return basis, products if np.linalg.matrix_rank(products) == products.shape[0] else None
 
 
 def phase_lag_and_gain(
@@ -69,10 +75,13 @@ def phase_lag_and_gain(
     """Phase lag (deg) of position behind reference (both m) at `frequency` (Hz), and the ratio of their amplitudes.
 
     phi(reference) - phi(position) in (-180, 180], positive where the position is late; over whole periods. Both are
-    None where the reference has no such fundamental, the lag also where the position hardly moves: a ratio below
-    HARDLY_MOVES.
+    None where the samples show no such fundamental of the reference, the lag also where the position hardly moves: a
+    ratio below HARDLY_MOVES.
     """
-    asked, got = fundamentals(time, (reference, position), frequency)
+    found = fundamentals(time, (reference, position), frequency)
+    if found is None:
+        return None, None
+    asked, got = found
     if abs(asked) < LEAST_AMPLITUDE:
         return None, None
     lead = math.degrees(math.atan2(got.imag, got.real) - math.atan2(asked.imag, asked.real))
