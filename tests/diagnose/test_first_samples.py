@@ -4,16 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driven import driven_experiment
+from driven import driven_shooting
 
-from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.fits import Fitting, begun
-from workbench.diagnose.simulation.setup import AWAY, shooting_of
+from workbench.diagnose.simulation.setup import AWAY
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.records.experiment import read_experiment
-from workbench.records.reading import read_records
 
 FINE = 1e-8
 """m. Noise of a position sensor beside which no plant is right."""
@@ -22,12 +19,7 @@ FINE = 1e-8
 @pytest.fixture(scope="module")
 def fine(tmp_path_factory: pytest.TempPathFactory) -> tuple[Shooting, list[Motion], dict[str, float]]:
     """6 s of a mass whose position a fine sensor shows."""
-    path = driven_experiment(tmp_path_factory.mktemp("fine"), 0.0, FINE, 6.0, stroke=1.0)
-    experiment = read_experiment(path)
-    motions = motions_of(experiment, read_records(experiment))
-    how = shooting_of(experiment, motions, held=False)
-    assert how is not None
-    return how, motions, declared_values(experiment)
+    return driven_shooting(tmp_path_factory.mktemp("fine"), FINE, 6.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from driven import driven_experiment
+from driven import driven_shooting
 
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
@@ -133,12 +133,8 @@ def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tup
 @pytest.fixture(scope="module")
 def drifting(tmp_path_factory: pytest.TempPathFactory) -> Made:
     """12 s of a mass that nothing holds, from rest: what its force is off by adds up to the end."""
-    path = driven_experiment(tmp_path_factory.mktemp("drifting"), 0.0, POSITION_NOISE, 12.0, stroke=1.0)
-    experiment = read_experiment(path)
-    motions = motions_of(experiment, read_records(experiment))
-    how = shooting_of(experiment, motions, held=False)
-    assert how is not None
-    return how, motions, {**declared_values(experiment), "coulomb": TRUTH["coulomb"]}
+    how, motions, declared = driven_shooting(tmp_path_factory.mktemp("drifting"), POSITION_NOISE, 12.0)
+    return how, motions, {**declared, "coulomb": TRUTH["coulomb"]}
 
 
 def test_a_plant_that_goes_astray_is_led_back(drifting: Made) -> None:

@@ -7,8 +7,14 @@ import pandas as pd
 from declared_parameters import write_declared
 
 from plants.registry import plants
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
 from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
@@ -61,3 +67,12 @@ def driven_experiment(
     path = folder / "experiment.toml"
     path.write_text(EXPERIMENT.format(channel="command" if sensor is None else "force"), encoding="utf-8")
     return path
+
+
+def driven_shooting(folder: Path, noise: float, duration: float) -> tuple[Shooting, list[Motion], dict[str, float]]:
+    """How a mass that nothing holds is simulated along such a record, the record's motion, and what is declared."""
+    experiment = read_experiment(driven_experiment(folder, 0.0, noise, duration, stroke=1.0))
+    motions = motions_of(experiment, read_records(experiment))
+    how = shooting_of(experiment, motions, held=False)  # the force of this record is no computer's
+    assert how is not None
+    return how, motions, declared_values(experiment)

@@ -68,14 +68,15 @@ def test_lines_are_set_one_by_one(caplog: pytest.LogCaptureFixture) -> None:
 def test_a_line_that_leaves_no_room_is_cut(tmp_path: Path) -> None:
     """A legend as wide as its figure and wider: no layout finds room for the axes."""
     long = "at rest " * 50
-    figure = Figure(layout="constrained")
-    axes = figure.subplots()
-    axes.plot([0.0, 1.0], label=long)
-    axes.set_title(f"short\n{'$x$' * 100}")
-    legend = axes.legend()
+    with figure_style():
+        figure = Figure(layout="constrained")
+        axes = figure.subplots()
+        axes.plot([0.0, 1.0], label=long)
+        axes.set_title(f"short\n{'$x$' * 100}")
+        legend = axes.legend()
     save(figure, "cut", tmp_path, ("png",))
     (label,) = legend.get_texts()
     assert label.get_text() == long
     with drawable(figure):
-        assert label.get_text() == f"{long[: LONGEST - 1]}\u2026"
-        assert [len(line) for line in axes.get_title().split("\n")] == [len("short"), LONGEST]
+        assert label.get_text() == f"{long[:LONGEST]}... (400 characters)"
+        assert axes.get_title() == f"short\n{('$x$' * 100)[:LONGEST]}... (300 characters)"

@@ -31,8 +31,7 @@ def errors_of(
     held_out: Sequence[Motion],
 ) -> ErrorsByUse:
     """Errors of the baseline and of what was found, each with the parameters that were fitted to that kind of error."""
-
-    free = (None, None) if simulation is None else _free(experiment, simulation, results[0].balance.motions)
+    free = (None, None) if simulation is None else _free(experiment, simulation)
 
     def on(motions: Sequence[Motion]) -> BeforeAfter:
         if not motions:
@@ -93,36 +92,40 @@ def _drifts(fitted: Errors, tested: Errors) -> bool:
     return tested.position > DRIFTS * fitted.position
 
 
-def _free(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Fit, Fit]:
+def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Fit, Fit]:
     """The fits before and after by whose values the plant runs freely: those of the simulation, or of a plant that is
     far from noise those of free runs themselves.
     """
-    fits = simulation.before, simulation.after
-    if not all(Simulated(simulation.how, one).is_astray for one in fits):
-        return fits
-    before, after = (_freely(experiment, simulation, one, motions)[1] for one in fits)
-    return before, before if fits[0] is fits[1] else after
+    if not all(Simulated(simulation.how, one).is_astray for one in (simulation.before, simulation.after)):
+        return simulation.before, simulation.after
+    return _freely(experiment, simulation, simulation.after.balance.motions)
 
 
-def _freely(
-    experiment: Experiment, simulation: SimulationStage, fitted: Fit, motions: Sequence[Motion]
-) -> tuple[Shooting, Fit]:
-    """A plant from end to end of records, and a fit of it to them from its first samples on."""
-    motions = as_simulated(experiment, motions)
+def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Fit, Fit]:
+    """The plant before and after fitted to free runs of records, as `as_simulated` has them."""
+    whole = _whole(experiment, simulation, motions)
+
+    def fitted(one: Fit) -> Fit:
+        return Fitting(motions, one.names, experiment.bounds).freely(whole, one.values)
+
+    before = fitted(simulation.before)
+    return before, before if simulation.after is simulation.before else fitted(simulation.after)
+
+
+def _whole(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> Shooting:
+    """The plant from end to end of records, as the simulation had it."""
     whole = shooting_of(experiment, motions, held=simulation.how.held)
     assert whole is not None  # free runs of it are among the errors
-    return whole, Fitting(motions, fitted.names, experiment.bounds).freely(whole, fitted.values)
+    return whole
 
 
 def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> BeforeAfter:
     """Free-run errors of held-out records with parameters fitted to these: the least that the plant can leave."""
-
-    def left(one: Fit) -> Errors:
-        whole, own = _freely(experiment, simulation, one, held_out)
-        run = free_run(whole, held_out, own.values)
-        return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
-
-    return BeforeAfter(left(simulation.before), left(simulation.after))
+    held_out = as_simulated(experiment, held_out)
+    whole = _whole(experiment, simulation, held_out)
+    runs = [free_run(whole, held_out, one.values) for one in _freely(experiment, simulation, held_out)]
+    axis = experiment.plant.axis
+    return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
 
 
 def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> float:
@@ -130,8 +133,7 @@ def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Seque
     leaves of them: an error that goes up with slow noise alone says nothing.
     """
     held_out = as_simulated(experiment, held_out)
-    whole = shooting_of(experiment, held_out, held=simulation.how.held)
-    assert whole is not None  # free runs of it are among the errors
+    whole = _whole(experiment, simulation, held_out)
     before, after = (
         fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ())
         for one in (simulation.before, simulation.after)

@@ -1,5 +1,5 @@
 """Text of figures as matplotlib can draw it: mathematics that cannot be set is shown as written, as are single dollars;
-a glyph that the font lacks is a box, and the rest of a very long line an ellipsis.
+a glyph that the font lacks is a box, and a very long line is its beginning.
 """
 
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-from workbench.errors import visible
+from workbench.errors import shortened, visible
 
 BOX = "\u25a1"
 
@@ -54,9 +54,8 @@ def literal(text: str) -> str:
 
 
 def _shown(said: str, font: FontProperties) -> str:
-    """What can be drawn of a text: no line is longer than `LONGEST`."""
-    lines = boxed(said, font).split("\n")
-    return "\n".join(line if len(line) <= LONGEST else f"{line[: LONGEST - 1]}\u2026" for line in lines)
+    """What can be drawn of a text: of a long line its beginning."""
+    return "\n".join(shortened(line, LONGEST) for line in boxed(said, font).split("\n"))
 
 
 @contextmanager
