@@ -92,6 +92,18 @@ def ignore() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Fork a worker process inside: until it is `in_a_worker` no signal reaches it. It would go by the handlers of the
+    process that forks, and through a socket that they share stop that one too.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def in_a_worker() -> None:
     """Begin a worker process with this: a signal, which a terminal sends to all processes of a command, ends it without
     a word; the process that it works for says what there is to say.
@@ -99,6 +111,7 @@ def in_a_worker() -> None:
     signal.set_wakeup_fd(-1)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
 def _interrupt(number: int, _: object) -> None:

@@ -17,6 +17,7 @@ from support import OSCILLATOR, start
 import workbench.stopping as stopping
 from workbench.cli.app import mistakes_told
 from workbench.cli.progress import stoppable
+from workbench.parallel.chunks import Worker
 from workbench.simulation.setup import Integrator
 from workbench.simulation.simulate import simulate
 
@@ -138,6 +139,23 @@ def test_a_signal_ends_workers_without_a_word_of_theirs(
         sent(process.pid, number)
         _, said = process.communicate(timeout=60.0)
     assert (process.returncode, said) == (code, "stopped; nothing is written\n")
+
+
+def begins_late() -> None:
+    """A worker's beginning, on a machine that has much to do."""
+    time.sleep(0.3)
+    stopping.in_a_worker()
+    time.sleep(60.0)
+
+
+def test_a_worker_that_is_ended_before_it_has_begun_stops_nothing_else() -> None:
+    with stopping.stopping_on_signals(lambda: None):
+        worker = Worker(target=begins_late)
+        worker.start()
+        worker.terminate()
+        worker.join(30.0)
+        asked = stopping.is_requested()
+    assert (worker.exitcode, asked) == (-signal.SIGTERM, False)
 
 
 def test_what_holds_on_ends_with_the_process() -> None:

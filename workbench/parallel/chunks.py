@@ -14,12 +14,12 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing.context import ForkContext, ForkProcess
 from typing import Any, Generic, TypeVar
 
 from workbench.parallel.cluster import Watch, connected, done_there, finished, packed, result_of
 from workbench.parallel.workers import job_count
-from workbench.stopping import in_a_worker
+from workbench.stopping import held_back, in_a_worker
 
 Result = TypeVar("Result")
 
@@ -218,7 +218,7 @@ def _in_processes(work: Work[Result], places: Sequence[int], workers: int) -> It
     while left:
         again = [place for place in left if place in killed]
         held: Held[Result] = {}
-        executor = ProcessPoolExecutor(1 if again else workers, get_context("fork"), _begin, (work, os.getpid()))
+        executor = ProcessPoolExecutor(1 if again else workers, Forking(), _begin, (work, os.getpid()))
         try:
             given = (again, 1, Sizes(most=1)) if again else ([*left], workers, sizes)
             for chunk in _handed_out(executor, _forked_chunk, *given, held):
@@ -233,6 +233,21 @@ def _in_processes(work: Work[Result], places: Sequence[int], workers: int) -> It
                     raise KilledError(place) from None
         finally:
             _stop(executor)
+
+
+class Worker(ForkProcess):
+    """A forked process that no signal reaches until it has begun."""
+
+    def start(self) -> None:
+        """Fork it."""
+        with held_back():
+            super().start()
+
+
+class Forking(ForkContext):
+    """Makes such processes for an executor."""
+
+    Process = Worker
 
 
 def _stop(executor: ProcessPoolExecutor) -> None:
