@@ -5,22 +5,28 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 
 import workbench as wb
 from suite.part import Part, Ratio, Size
+from suite.studies import KP
 from workbench.publish.style import COLOURS, MARKERS, plain_numbers
 
 OWN_DAMPING = 2.28e4
 """N s/m. Bristle damping of the parameter set, which the ratio of stiffness is over."""
 
 
-def loop(seconds: float, damping: float | None = None) -> Any:
-    """The loop of the studies here, of another duration or bristle damping (N s/m)."""
+SOME = 20
+"""Cases of which a mean is taken."""
+
+
+def loop(seconds: float, damping: float | None = None, kp: float = 500.0) -> Any:
+    """The loop of the studies here, of another duration, bristle damping (N s/m) or gain (V/m)."""
     return wb.setup(
         "non_rotating",
         "owen2001_simulation",
-        controller=wb.pid(kp=500),
+        controller=wb.pid(kp=kp),
         reference=wb.sine("5 mm", "2 Hz"),
         duration=seconds,
         plant={} if damping is None else {"set": {"bristle_damping": f"{damping:g} N s/m"}},
@@ -41,13 +47,20 @@ def least(calls: Sequence[Callable[[], object]], turns: int) -> list[float]:
 
 
 def of_a_case(seconds: float, turns: int) -> tuple[float, float]:
-    """Processor time (s) of the simulation of a case and of its error estimate."""
-    case = loop(seconds)
-    run = wb.simulate(case)
+    """Processor time (s) of the simulation of a case and of its error estimate: means of some cases of such a study,
+    whose gains lie as evenly between the same as those of all.
+    """
+    cases = [loop(seconds, kp=kp) for kp in np.linspace(*KP, SOME)]
+    runs = [wb.simulate(case) for case in cases]
     simulation, without, whole = least(
-        [lambda: wb.simulate(case), lambda: wb.evaluate(run, solver_error=False), lambda: wb.evaluate(run)], turns
+        [
+            lambda: [wb.simulate(case) for case in cases],
+            lambda: [wb.evaluate(run, solver_error=False) for run in runs],
+            lambda: [wb.evaluate(run) for run in runs],
+        ],
+        turns,
     )
-    return simulation, max(whole - without, 0.0)
+    return simulation / SOME, max(whole - without, 0.0) / SOME
 
 
 def seconds(size: Size, folder: Path) -> Part:

@@ -63,4 +63,4 @@ def resolved(path: Path) -> list[Resolved]:
 def row_of(study: Study, case: Case) -> dict[str, float | str | None]:
     """The figures of a case, without its solver errors."""
     resolved = resolve(study, case)
-    return figures_of(resolved, simulate(resolved.setup), solver_error=False)
+    return figures_of(resolved, simulate(resolved.setup))

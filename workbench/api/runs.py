@@ -150,5 +150,6 @@ def evaluate(run: LoopRun, *, solver_error: bool = True) -> pd.Series:
         ('completed', 11.3, None)
     """
     expect(run, LoopRun, "evaluate", "a run; use wb.evaluate(wb.simulate(setup))")
-    values = figures_of(run.setup.resolved, run.run, solver_error=solver_error)
+    resolved = run.setup.resolved
+    values = figures_of(resolved, run.run, engine.finer(resolved.setup, run.run) if solver_error else None)
     return pd.Series(values, dtype=object)

@@ -38,7 +38,7 @@ class Outcome:
     @cached_property
     def figures(self) -> Mapping[str, float | str | None]:
         """The columns of results.csv, without those that take a second run."""
-        return figures_of(self.loop.resolved, self.run, solver_error=False)
+        return figures_of(self.loop.resolved, self.run)
 
     @cached_property
     def signals(self) -> Mapping[str, np.ndarray]:

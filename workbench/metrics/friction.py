@@ -46,7 +46,7 @@ def hysteresis(time: np.ndarray, velocity: np.ndarray, friction: np.ndarray) -> 
         return None
     moving = velocity != 0.0
     speed, force = np.abs(velocity[moving]), friction[moving]
-    branch = np.where(np.gradient(velocity, time)[moving] > 0.0, 1.0, -1.0)
+    branch = np.where(_changes(velocity)[moving] > 0.0, 1.0, -1.0)
     width = 2.0 * top / BINS
     bins = np.minimum(np.floor((velocity[moving] + top) / width).astype(int), BINS - 1)
 
@@ -67,3 +67,8 @@ def hysteresis(time: np.ndarray, velocity: np.ndarray, friction: np.ndarray) -> 
     alike = both & (ss <= ALIKE * count)
     difference = np.divide(summed(d * f), dd, out=difference, where=alike)
     return float(np.sum(np.abs(difference) * summed(speed))) * float(time[1] - time[0])
+
+
+def _changes(values: np.ndarray) -> np.ndarray:
+    """From the sample before each to the one behind it; at the ends from or to the sample itself."""
+    return np.concatenate([values[1:2] - values[:1], values[2:] - values[:-2], values[-1:] - values[-2:-1]])

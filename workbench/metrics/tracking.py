@@ -20,7 +20,7 @@ LEAST_PERIODS = 1.99
 """Periods from which a drift is told from harmonics; the samples may lack a little of the second."""
 
 MOST_KNOWN = 20_000
-"""Samples up to which the waves that are fitted are kept for the next case: 2.5 MB."""
+"""Samples up to which the weights of a fit are kept for the next case: 0.3 MB."""
 
 LEAST_AMPLITUDE = 1e-9
 """m. A fundamental, or a jump, smaller than this is none."""
@@ -35,22 +35,21 @@ def fundamentals(time: np.ndarray, signals: Sequence[np.ndarray], frequency: flo
     The drift d is fitted where there are two periods to tell it from a harmonic, and the harmonics up to K =
     `HARMONICS` with it, since a sine that is left out tilts the line. One period has K = 1 and d = 0.
     """
-    basis, products = _known_basis(time.tobytes(), frequency) if time.size <= MOST_KNOWN else _basis(time, frequency)
-    if products is None:
+    weights = _known_weights(time.tobytes(), frequency) if time.size <= MOST_KNOWN else _weights(time, frequency)
+    if weights is None:
         return None
-    fitted = np.linalg.solve(products, basis @ np.stack(signals, axis=1))
-    return [complex(sine, cosine) for sine, cosine in fitted[:2].T]
+    return [complex(*(weights @ signal)) for signal in signals]
 
 
 @functools.lru_cache(4)
-def _known_basis(time: bytes, frequency: float) -> tuple[np.ndarray, np.ndarray | None]:
-    """`_basis`, of which the cases of a study need the same again and again."""
-    return _basis(np.frombuffer(time), frequency)
+def _known_weights(time: bytes, frequency: float) -> np.ndarray | None:
+    """`_weights`, of which the cases of a study need the same again and again."""
+    return _weights(np.frombuffer(time), frequency)
 
 
-def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray | None]:
-    """The functions of time that `fundamentals` fits, a row each, and their products; None where the samples do not
-    tell them apart.
+def _weights(time: np.ndarray, frequency: float) -> np.ndarray | None:
+    """What samples are to be multiplied with to give a_1, and b_1, of the sum that `fundamentals` fits, a row each.
+    None where the samples do not tell its terms apart.
     """
     angle = 2.0 * np.pi * frequency * time
     step = angle[1] - angle[0]
@@ -66,7 +65,9 @@ def _basis(time: np.ndarray, frequency: float) -> tuple[np.ndarray, np.ndarray |
     if drifts:
         basis[-1] = np.linspace(-1.0, 1.0, angle.size)
     products = basis @ basis.T
-    return basis, products if np.linalg.matrix_rank(products) == products.shape[0] else None
+    if np.linalg.matrix_rank(products) < products.shape[0]:
+        return None
+    return np.ascontiguousarray(np.linalg.solve(products, basis)[:2])
 
 
 def phase_lag_and_gain(

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from workbench.parallel.chunks import enough, in_chunks
 from workbench.rehearse.lockstep import Lockstep
-from workbench.simulation.simulate import simulate
+from workbench.simulation.simulate import finer, simulate
 from workbench.study.case_runs import compiled, figures_of
 from workbench.study.plan import Plan
 from workbench.study.resolve import Resolved
@@ -96,7 +96,8 @@ def rehearse(
 
 
 def _figures(case: Case, resolved: Resolved) -> Figures:
-    return figures_of(resolved, simulate(resolved.setup), solver_error=case.tells_solver_error)
+    run = simulate(resolved.setup)
+    return figures_of(resolved, run, finer(resolved.setup, run) if case.tells_solver_error else None)
 
 
 def _compared(planned: Plan, index: int, own: Figures, other: Figures) -> list[Compared]:

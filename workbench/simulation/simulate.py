@@ -20,7 +20,7 @@ from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, plant_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
-from workbench.simulation.references import ReferenceSignal
+from workbench.simulation.references import Signal
 from workbench.simulation.run import COMPLETED, HARDLY_MOVES, MACHINE_FAILED, STUCK_SPEED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
@@ -74,12 +74,15 @@ def simulate(setup: Setup) -> Run:
     return replace(run, outcome=run.outcome or _outcome(run, limit))
 
 
-def _integrated(setup: Setup) -> tuple[Run, float]:
-    """The run of a setup, whose outcome is "" unless it ended early, and the limit of its command."""
+def _integrated(setup: Setup, known: Signal | None = None) -> tuple[Run, float]:
+    """The run of a setup, whose outcome is "" unless it ended early, and the limit of its command.
+
+    `known`: its reference at all samples, where another run of the same has it.
+    """
     if setup.machine is not None:
         return _solved_by(setup.machine, setup)
     method = INTEGRATORS.working()[setup.integrator.method]
-    return _solved(setup, plant_addresses(setup.plant), scheme(method))
+    return _solved(setup, plant_addresses(setup.plant), scheme(method), known)
 
 
 def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
@@ -95,7 +98,12 @@ def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
     return (replace(run, outcome=f"{MACHINE_FAILED}: {fmu.failure}") if fmu.failure else run), limit
 
 
-def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float, np.ndarray]) -> tuple[Run, float]:
+def _solved(
+    setup: Setup,
+    addresses: tuple[int, int],
+    how: tuple[int, int, float, np.ndarray],
+    known: Signal | None = None,
+) -> tuple[Run, float]:
     """The same of what stands at these addresses, solved as `scheme` says."""
     plant, h = setup.plant, setup.sample_time
     samples = round(setup.duration / h) + 1
@@ -112,8 +120,10 @@ def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
 
-    shown = first_reading(setup)
-    references, profile = _sampled_reference(setup.reference, time)
+    errors = setup.sensors.errors()
+    shown = _shown(reading, errors)
+    profile = setup.reference(time) if known is None and setup.reference is not None else known
+    references = np.zeros((samples, 3)) if profile is None else np.column_stack(profile)
     rotary_references = np.zeros((samples if setup.rotary else 0, 3))
     rotary_references[:, 0] = setup.rotation_speed
     exogenous, linear = _sampled_feeds(setup, samples)
@@ -145,7 +155,7 @@ def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float
             float(plant.rotary_limit(setup.parameters)),
         ),
         (references, rotary_references, exogenous, linear),
-        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, setup.sensors.errors()),
+        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
         (delay_samples, delay_rest),
         lines,
         (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
@@ -176,7 +186,10 @@ def _solved(setup: Setup, addresses: tuple[int, int], how: tuple[int, int, float
 
 def first_reading(setup: Setup) -> Measurement:
     """What the sensors show at the start, without noise: what the controllers start from."""
-    reading, errors = setup.plant.measure(setup.state, setup.parameters), setup.sensors.errors()
+    return _shown(setup.plant.measure(setup.state, setup.parameters), setup.sensors.errors())
+
+
+def _shown(reading: Measurement, errors: np.ndarray) -> Measurement:
     return Measurement(*(value + systematic_error(value, row) for value, row in zip(reading, errors, strict=True)))
 
 
@@ -189,15 +202,6 @@ def _in_samples(delay: float, sample_time: float) -> tuple[int, float]:
 
 def _memory(loop: Loop, reading: Measurement) -> tuple[np.ndarray, np.ndarray]:
     return to_array(loop.controller.start(reading, loop.gains)), to_array(loop.gains)
-
-
-def _sampled_reference(
-    reference: ReferenceSignal | None, time: np.ndarray
-) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray] | None]:
-    if reference is None:
-        return np.zeros((time.size, 3)), None
-    profile = reference(time)
-    return np.column_stack(profile), profile
 
 
 def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
@@ -272,16 +276,18 @@ def _range(values: np.ndarray) -> float:
 
 def solver_error(setup: Setup, run: Run) -> float | None:
     """Largest distance (m) of the run's positions from those of a finer integration, or None if it diverged."""
-    return largest_distance(run, finer(setup))
+    return largest_distance(run, finer(setup, run))
 
 
-def finer(setup: Setup) -> Run:
-    """The run of `setup` with a finer integration, which tells the error of its own; an outcome only if it ends early.
+def finer(setup: Setup, run: Run) -> Run:
+    """The run of `setup` with a finer integration, which tells the error of its own `run`; an outcome only if it ends
+    early.
 
     Raises:
         KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
     """
-    return _integrated(replace(setup, integrator=setup.integrator.companion()))[0]
+    known = None if run.diverged else run.reference
+    return _integrated(replace(setup, integrator=setup.integrator.companion()), known)[0]
 
 
 def largest_distance(run: Run, other: Run) -> float | None:

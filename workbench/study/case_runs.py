@@ -21,6 +21,13 @@ from workbench.study.sketches import is_sketched, points_for, sketch_of, sketche
 from workbench.study.store import RECORDS, Row, record_path, trajectory_path, write_record, write_trajectory
 from workbench.study.study import Case, Study
 
+TOGETHER = 16
+"""Cases that are built, then simulated, then judged: of more the signals no longer stay in a processor's cache."""
+
+SIMULATED = 0.3
+"""Share of a chunk's time after which no further case is simulated: what makes a row of it takes as long again, and as
+long for its error."""
+
 
 @dataclass(frozen=True)
 class CaseRuns:
@@ -48,24 +55,33 @@ class CaseRuns:
         """Run cases: a row of results each, as many as take about a chunk's time. Trajectories, and what a rig would
         write down, go to files of their own.
 
-        All are built before the first is run: a processor does much alike faster than a little of each.
+        Some go through each step together: a processor does much alike faster than a little of each.
 
         Raises:
             MetricError: a metric of a plug-in fails.
             UserError: a mistake in a case that was not among those checked before.
         """
-        built = [(self.cases[index], self.resolved[index]) for index in indices]
         began, rows = time.perf_counter(), list[Row]()
-        for case, resolved in built:
-            rows.append(self._row(case, resolved))
-            if enough(began):
-                break
-        return rows
+        while True:
+            rows += self._together(indices[len(rows) : len(rows) + TOGETHER])
+            if len(rows) == len(indices) or enough(began):
+                return rows
 
-    def _row(self, case: Case, resolved: Resolved) -> Row:
-        run = simulate(resolved.setup)
+    def _together(self, indices: Sequence[int]) -> list[Row]:
+        """Rows of as many of these cases as are simulated in a share of a chunk's time, and at least of the first."""
+        built = [(self.cases[index], self.resolved[index]) for index in indices]
+        began, runs = time.perf_counter(), list[Run]()
+        while len(runs) < len(built) and not (runs and enough(began, SIMULATED)):
+            runs.append(simulate(built[len(runs)][1].setup))
+        others = [
+            finer(resolved.setup, run) if case.tells_solver_error else None
+            for (case, resolved), run in zip(built, runs, strict=False)
+        ]
+        return [self._row(*each, run, other) for each, run, other in zip(built, runs, others, strict=False)]
+
+    def _row(self, case: Case, resolved: Resolved, run: Run, other: Run | None) -> Row:
         try:
-            figures = figures_of(resolved, run, solver_error=case.tells_solver_error)
+            figures = figures_of(resolved, run, other)
         except MetricError as error:
             raise MetricError(f"{case.label}: {error}") from error.__cause__
         values: dict[str, object] = {**case.columns, **figures}
@@ -114,22 +130,20 @@ def _storable(value: object) -> object:
     return json.dumps(value) if isinstance(value, list | dict) else value
 
 
-def figures_of(resolved: Resolved, run: Run, *, solver_error: bool = True) -> dict[str, float | str | None]:
-    """All of the `columns` of a case's run, in their order; None where a figure does not apply.
-
-    `solver_error`: whether those of `SOLVER` are found too, which takes a second, finer run.
+def figures_of(resolved: Resolved, run: Run, other: Run | None = None) -> dict[str, float | str | None]:
+    """All of the `columns` of a case's run, in their order; None where a figure does not apply, those of `SOLVER` where
+    there is no `other` run of it, a `finer` one.
     """
     figures = evaluated(resolved, run)
     rms = figures["rms_error_m"]
-    errors = _solver_errors(resolved, run, rms if isinstance(rms, float) else None) if solver_error else {}
+    errors = {} if other is None else _solver_errors(resolved, run, other, rms if isinstance(rms, float) else None)
     whole = {**figures, **dict.fromkeys(column.name for column in SOLVER), **errors}
     called = names_along(run.plant.axis)
     return {called[name]: value for name, value in whole.items()}
 
 
-def _solver_errors(resolved: Resolved, run: Run, rms: float | None) -> dict[str, float | None]:
+def _solver_errors(resolved: Resolved, run: Run, other: Run, rms: float | None) -> dict[str, float | None]:
     """What a finer integration changes: positions at most, and the rms error where there is one."""
-    other = finer(resolved.setup)
     known = rms_error(other, resolved.signal, resolved.transient)
     change = abs(known - rms) if known is not None and rms is not None else None
     return dict(zip((column.name for column in SOLVER), (largest_distance(run, other), change), strict=True))

@@ -1,7 +1,5 @@
 """Sketches: trajectories with few points, of which a page of results can hold thousands."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from workbench.publish.page.packed import shorts
@@ -53,15 +51,19 @@ def sketch_of(run: Run, points: int) -> str:
     motion = (REFERENCE, ERROR) if ERROR in signals else (POSITION,)
     chosen = [name for name in ("time", *motion, COMMAND, "velocity", TRUE) if name in signals]
     extremes = thinned(signals[motion[-1]], signals[COMMAND], buckets=max(points // 8, 1))
-    spaced = _evenly([signals[name] for name in chosen], points // 2)
+    spaced = _evenly(np.stack([signals[name] for name in chosen]), points // 2)
     kept = np.union1d(extremes, spaced)
     return shorts({name: signals[name][kept] for name in chosen}, {COMMAND: run.plant.command_unit})
 
 
-def _evenly(signals: Sequence[np.ndarray], points: int) -> np.ndarray:
-    """Indices of samples that lie evenly along the path of the signals, each in units of its range."""
-    path = np.zeros(signals[0].size - 1)
-    for values in map(np.nan_to_num, signals):
-        path += (np.diff(values) / (np.ptp(values) or 1.0)) ** 2
-    along = np.concatenate([[0.0], np.cumsum(np.sqrt(path))])
+def _evenly(signals: np.ndarray, points: int) -> np.ndarray:
+    """Indices of samples that lie evenly along the path of the signals, a row each, in units of their ranges."""
+    signals = _finite(signals)
+    ranges = np.ptp(signals, axis=1, keepdims=True)
+    steps = np.diff(signals, axis=1) / np.where(ranges == 0.0, 1.0, ranges)
+    along = np.concatenate([[0.0], np.cumsum(np.sqrt(np.einsum("ij,ij->j", steps, steps)))])
     return np.searchsorted(along, np.linspace(0.0, along[-1], points)).clip(0, along.size - 1)
+
+
+def _finite(signals: np.ndarray) -> np.ndarray:
+    return signals if np.isfinite(signals).all() else np.nan_to_num(signals)

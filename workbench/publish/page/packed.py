@@ -33,16 +33,19 @@ def shorts(channels: Mapping[str, np.ndarray], units: Mapping[str, str] | None =
     By name the least value and the step, and all values as little-endian 16-bit integers in base 64, one channel behind
     the other. NaN is the least, and an infinity the end on its side. `units` are told beside them.
     """
-    scales, parts = {}, []
-    for name, given in channels.items():
-        values = np.clip(given, -MOST, MOST, where=np.isfinite(given), out=np.array(given, dtype=float))
-        known = values[np.isfinite(values)]
-        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
-        step = (high - low) / LEVELS
-        levels = np.rint((np.nan_to_num(values, nan=low, posinf=high, neginf=low) - low) / (step or 1.0))
-        scales[name] = [float(f"{low:.8g}"), float(f"{step:.8g}")]
-        parts.append(levels.astype("<u2").tobytes())
-    content = {"channels": scales, "values": base64.b64encode(b"".join(parts)).decode("ascii")}
+    values = np.array([*channels.values()], dtype=float)
+    finite = np.isfinite(values)
+    np.clip(values, -MOST, MOST, out=values, where=finite)
+    low = np.min(values, axis=1, initial=MOST, where=finite, keepdims=True)
+    high = np.max(values, axis=1, initial=-MOST, where=finite, keepdims=True)
+    known = low <= high
+    low, high = np.where(known, low, 0.0), np.where(known, high, 0.0)
+    if not finite.all():
+        values = np.where(finite, values, np.where(values == np.inf, high, low))
+    step = (high - low) / LEVELS
+    levels = np.rint((values - low) / np.where(step == 0.0, 1.0, step)).astype("<u2")
+    scales = {name: [float(f"{low[i, 0]:.8g}"), float(f"{step[i, 0]:.8g}")] for i, name in enumerate(channels)}
+    content = {"channels": scales, "values": base64.b64encode(levels.tobytes()).decode("ascii")}
     return in_script({**content, "units": dict(units or {})})
 
 

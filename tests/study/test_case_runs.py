@@ -1,0 +1,31 @@
+"""Cases that are run together have the rows that each has by itself."""
+
+from pathlib import Path
+
+import pytest
+from command import changed, write
+
+from workbench.study import case_runs
+from workbench.study.case_runs import CaseRuns
+from workbench.study.plan import plan
+from workbench.study.reading import read_study
+
+CASES = 18
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> CaseRuns:
+    rpm = [25.0 * place for place in range(CASES)]
+    return case_runs.case_runs(plan(read_study(write(tmp_path, changed("[0, 460]", str(rpm))))), tmp_path)
+
+
+def test_rows_of_cases_run_together_are_those_of_each(work: CaseRuns) -> None:
+    assert case_runs.TOGETHER < CASES
+    rows = work(range(CASES))
+    assert [row.case for row in rows] == [*range(CASES)]
+    assert rows == [row for place in range(CASES) for row in work([place])]
+
+
+def test_cases_that_take_long_are_brought_back_unmade(work: CaseRuns, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("workbench.parallel.chunks.LONGEST", 0.0)
+    assert [row.case for row in work([3, 1, 2])] == [3]
