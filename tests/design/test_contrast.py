@@ -47,6 +47,18 @@ def test_contrasts_of_pieces_add_up() -> None:
     assert (parts[0] + parts[1]).refitted(of)[0] == pytest.approx(whole.refitted(of)[0], rel=1e-9)
 
 
+def test_pieces_have_where_the_motion_starts_in_common() -> None:
+    """A column that no precision holds stands behind the unknowns: what it makes up for tells nothing, in both."""
+    columns, place = DRAW.standard_normal((60, 2)), np.ones((60, 1))
+    difference = 3.0 + 0.1 * DRAW.standard_normal(60)
+    whole = np.column_stack([columns, place])
+    parts = [Contrast.of(difference[part], whole[part]) for part in (slice(0, 25), slice(25, 60))]
+    left, moved = (parts[0] + parts[1]).refitted(hypothesis(room=1e3))
+    assert left == pytest.approx(np.linalg.lstsq(whole, difference, rcond=None)[1][0], rel=1e-6)
+    assert moved.size == 3
+    assert left < 1e-2 * Contrast.of(difference, columns).refitted(hypothesis())[0]
+
+
 def test_a_plant_without_an_effect_is_never_told_from_one_that_may_have_it() -> None:
     none, backlash, other = hypothesis(), hypothesis(("backlash",)), hypothesis(("cogging",))
     assert pairs_of([none, backlash, other]) == [(1, 0), (1, 2), (2, 0), (2, 1)]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up_runs import STEP, figures_of
 
-from workbench.metrics.tracking import phase_lag_and_gain
+from workbench.metrics.tracking import phase_lag_and_gain, root_mean_square
 from workbench.simulation.references import Multisine, Ramp, Sine, Steps
 
 
@@ -125,3 +125,8 @@ def test_samples_that_show_no_wave_give_no_lag(samples: int, step: float) -> Non
     time = step * np.arange(samples)
     wave = 0.01 * np.cos(2.0 * np.pi * 4.0 * time)
     assert phase_lag_and_gain(time, wave, 0.9 * wave, 4.0) == (None, None)
+
+
+def test_a_root_mean_square_is_found_where_no_number_holds_the_squares() -> None:
+    assert root_mean_square(np.array([3e200, -4e200])) == pytest.approx(math.sqrt(12.5) * 1e200)
+    assert root_mean_square(np.array([3.0, math.inf])) == math.inf

@@ -7,6 +7,9 @@ known with a precision P; to first order in them it is off by
 
 twice the expected logarithm of the ratio of both likelihoods (Atkinson and Fedorov 1975: T-optimal designs). Squares
 and slopes of pieces of a motion add up, so that those of a sum of pieces need no further simulation.
+
+Behind the unknowns stand the states in which a motion starts, which nobody knows. All pieces have them in common: what
+lasts of them, such as the place, is the same in each; what does not last tells little in any.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +32,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, eq=False)
 class Contrast:
-    """Squares |r|^2 of a difference r, slope J' r and curvature J' J over the rival's unknowns."""
+    """Squares |r|^2 of a difference r, slope J' r and curvature J' J over the rival's unknowns and where it starts."""
 
     squares: float
     slope: np.ndarray
@@ -37,23 +40,25 @@ class Contrast:
 
     @classmethod
     def of(cls, difference: np.ndarray, columns: np.ndarray) -> "Contrast":
-        """That of a difference (rows,) and what the rival's unknowns change (rows, unknowns)."""
+        """That of a difference (rows,) and of what the rival's unknowns and its starts change (rows, numbers)."""
         return cls(float(difference @ difference), columns.T @ difference, columns.T @ columns)
 
     def __add__(self, other: "Contrast") -> "Contrast":
         return Contrast(self.squares + other.squares, self.slope + other.slope, self.curvature + other.curvature)
 
     def refitted(self, rival: Hypothesis) -> tuple[float, np.ndarray]:
-        """T, and how far the rival's unknowns move."""
-        whole = self.curvature + rival.precision
-        moved = bounded_minimum(whole, -self.slope, *rival.room)
+        """T, and how far the rival's unknowns and its starts move."""
+        starts = self.slope.size - len(rival.unknowns)
+        whole = self.curvature + rival.precision_with(starts)
+        low, high = (np.append(end, np.full(starts, np.inf)) for end in (-rival.room[0], rival.room[1]))
+        moved = bounded_minimum(whole, -self.slope, -low, high)
         return max(float(self.squares - 2.0 * self.slope @ moved + moved @ whole @ moved), 0.0), moved
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
     """A piece of a motion: which limit it exceeds under some hypothesis, in words, else its contrasts; the information
-    on the unknowns of the first hypothesis, if that was asked; and the steps of the solver that all of it took.
+    on the unknowns of the first hypothesis and its starts, if that was asked; and the steps that the solver took.
     """
 
     piece: Piece
@@ -71,7 +76,7 @@ def pairs_of(hypotheses: Sequence[Hypothesis]) -> list[Pair]:
 def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: bool) -> Tried:
     """A piece under every hypothesis, and what every rival makes of it."""
     reference, condition = sampled(piece, rig.reach), piece.condition
-    size = len(hypotheses[0].unknowns)
+    size = len(hypotheses[0].unknowns) + len(rig.moves())
     runs = side_by_side(lambda one: rig.driven(one.values, reference, condition), hypotheses)
     steps = sum(run.steps for run in runs)
     nothing = np.zeros((size, size))
@@ -79,7 +84,7 @@ def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: 
         return Tried(piece, beyond, {}, nothing, steps)
     contrasts = dict[Pair, Contrast]()
     for i, j in pairs_of(hypotheses):
-        shown, columns, more = replays(rig, hypotheses[j], runs[i], condition)
+        shown, columns, more = replays(rig, hypotheses[j], runs[i], condition, starts=True)
         steps += more
         seen = rig.seen(runs[i])
         if seen is None or shown is None:
@@ -87,7 +92,7 @@ def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: 
         contrasts[i, j] = Contrast.of(seen - shown, columns)
     if not informs:
         return Tried(piece, "", contrasts, nothing, steps)
-    _, columns, more = replays(rig, hypotheses[0], runs[0], condition)
+    _, columns, more = replays(rig, hypotheses[0], runs[0], condition, starts=True)
     return Tried(piece, "", contrasts, columns.T @ columns, steps + more)
 
 

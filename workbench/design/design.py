@@ -12,11 +12,11 @@ from workbench.design.asked import Asked, asked_of, limits_of
 from workbench.design.contrast import Tried
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Reach, sampled
-from workbench.design.power import told_apart
+from workbench.design.power import distances, told_apart
 from workbench.design.refit import Leg
 from workbench.design.result import Design, Known
 from workbench.design.rig import Limits, Rig
-from workbench.design.search import Wanted, search
+from workbench.design.search import Wanted, known_by, search
 from workbench.design.steering import plain, steering_of
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.balances import diagnosed_plant
@@ -24,12 +24,12 @@ from workbench.diagnose.residuals.motion import THINNED, Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
 from workbench.errors import UserError
-from workbench.fitting.covariance import inverse
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress, part_of, silent
 from workbench.publish.words import listed
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
+from workbench.simulation.run import Run
 
 OF_STROKE = 0.9
 """Share of the stroke in which a motion stays."""
@@ -82,9 +82,12 @@ def design(
             f"{source}: nothing is asked of a motion; name hypotheses with --between, such as none,backlash, or "
             "parameters with --identify"
         )
-    chosen = search(rig, wanted, asked.duration, part_of(progress, 0.2, 0.5))
-    progress("the whole motion under every hypothesis", 0.7)
-    return _confirmed(experiment, str(source), rig, wanted, chosen)
+    found = search(rig, wanted, asked.duration, part_of(progress, 0.2, 0.4))
+    motion = _best(rig, wanted, found, part_of(progress, 0.6, 0.2))
+    progress("how often a record of it decides", 0.8)
+    told = told_apart(rig, hypotheses, motion.legs, motion.runs) if len(hypotheses) > 1 else []
+    pieces, known = [one.piece for one in motion.chosen], _known(wanted, motion.chosen)
+    return Design(experiment, str(source), rig, hypotheses, pieces, motion.legs, motion.runs, told, known)
 
 
 def _of_experiment(
@@ -232,8 +235,29 @@ def _place(hypothesis: Hypothesis, name: str) -> int:
     return names.index(name)
 
 
-def _confirmed(experiment: Experiment, source: str, rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Design:
-    """The pieces as a whole motion, run under every hypothesis, and fitted by every rival."""
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """The pieces that were chosen as a whole motion, in legs, with what each hypothesis does in them."""
+
+    chosen: Sequence[Tried]
+    legs: Sequence[Leg]
+    runs: Sequence[Sequence[Run]]
+
+
+def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: Progress) -> Whole:
+    """Of motions the one that does most as a whole, once every rival has been fitted to it."""
+    best, most = None, -np.inf
+    for i, chosen in enumerate(found):
+        progress("the whole motion under every hypothesis", i / len(found))
+        motion = _whole(rig, wanted, chosen)
+        score = wanted.score_of(distances(rig, wanted.hypotheses, motion.legs, motion.runs), chosen)
+        if best is None or score > most:
+            best, most = motion, score
+    assert best is not None
+    return best
+
+
+def _whole(rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Whole:
     pieces = [one.piece for one in chosen]
     conditions = list(dict.fromkeys(piece.condition for piece in pieces))
     legs = [
@@ -244,8 +268,7 @@ def _confirmed(experiment: Experiment, source: str, rig: Rig, wanted: Wanted, ch
         side_by_side(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs)
         for one in wanted.hypotheses
     ]
-    told = told_apart(rig, wanted.hypotheses, legs, runs) if len(wanted.hypotheses) > 1 else []
-    return Design(experiment, source, rig, wanted.hypotheses, pieces, legs, runs, told, _known(wanted, chosen))
+    return Whole(chosen, legs, runs)
 
 
 def _leg(rig: Rig, condition: Condition, references: Sequence[np.ndarray]) -> Leg:
@@ -256,7 +279,7 @@ def _leg(rig: Rig, condition: Condition, references: Sequence[np.ndarray]) -> Le
 def _known(wanted: Wanted, chosen: Sequence[Tried]) -> list[Known]:
     """Deviations of the parameters that were asked for, before and after."""
     first = wanted.hypotheses[0]
-    after = inverse(first.precision + sum(one.information for one in chosen)) if wanted.parameters else first.covariance
+    after = known_by(first, chosen) if wanted.parameters else first.covariance
     found = []
     for k in wanted.parameters:
         unknown = first.unknowns[k]

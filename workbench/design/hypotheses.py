@@ -15,6 +15,9 @@ from workbench.publish.words import listed, plain_name
 LONGEST_STEP, SHORTEST_STEP = 1e-2, 1e-6
 """Of an unknown as a search sees it, by which a difference quotient moves it; between them half its deviation."""
 
+KNOWN_START = 1e-8
+"""Precision of the states at a start, in units of a little change of each: next to nothing."""
+
 NOTHING = "nothing missing"
 """What a plant without effects is called."""
 
@@ -56,6 +59,13 @@ class Hypothesis:
     def covariance(self) -> np.ndarray:
         """Of its unknowns, as a search sees them."""
         return inverse(self.precision)
+
+    def precision_with(self, starts: int) -> np.ndarray:
+        """The precision of its unknowns, and behind them of so many states in which a record may start."""
+        count = len(self.unknowns)
+        whole = np.diag(np.full(count + starts, KNOWN_START))
+        whole[:count, :count] = self.precision
+        return whole
 
     @cached_property
     def steps(self) -> np.ndarray:

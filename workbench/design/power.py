@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.design.contrast import pairs_of
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.refit import Leg, Shown, can_search, refitted, shown_along, started, with_starts
 from workbench.design.rig import Rig
@@ -77,6 +78,25 @@ def told_apart(
                 other = shown_along(rig, rival, legs, runs[i])
                 theirs = None if other is None else _refits(rig, (true, rival), other, legs, machines)
                 found.append(_told((i, j), (true, rival), own, theirs))
+    return found
+
+
+def distances(
+    rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
+) -> list[float]:
+    """T of every pair that a motion may tell apart, by refits of the rivals to records without noise."""
+    found = []
+    for i, j in pairs_of(hypotheses):
+        true, rival = hypotheses[i], hypotheses[j]
+        machine = _machine(rig, true, np.zeros(len(true.unknowns)), runs[i])
+        shown = shown_along(rig, rival, legs, runs[i])
+        if machine is None:
+            found.append(0.0)
+        elif shown is None:  # its plant runs away where the true one does not
+            found.append(np.inf)
+        else:
+            start = started(rival, true, machine.away)
+            found.append(refitted(rig, rival, machine.record, shown, legs, runs[i], start)[0])
     return found
 
 

@@ -37,9 +37,6 @@ REFIT = Search(flat=1e-5, most_steps=60, learns=True, step=1e-5)
 LOST = 1e3
 """Standard deviations in the place of what a diverging plant leaves."""
 
-KNOWN_START = 1e-8
-"""Precision of the states at a start, in units of a little change of each: next to nothing."""
-
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -94,10 +91,7 @@ def shown_along(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Ru
 
 def with_starts(of: Hypothesis, shown: Shown) -> np.ndarray:
     """The precision of its unknowns and of where it starts."""
-    count, more = len(of.unknowns), shown.starts.shape[1]
-    whole = np.diag(np.full(count + more, KNOWN_START))
-    whole[:count, :count] = of.precision
-    return whole
+    return of.precision_with(shown.starts.shape[1])
 
 
 def refitted(

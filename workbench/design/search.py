@@ -2,6 +2,9 @@
 
 What pieces show adds up. So every piece that was ever simulated competes for every place in the motion, and costs
 nothing then. Points that fill a space evenly: Sobol 1967; the descent: COBYQA (Ragonneau 2022).
+
+It adds up to first order, and as if each piece were the first. So several motions are found that do much by that, from
+all pieces and from those of one kind, for the whole of each to be looked at.
 """
 
 from collections.abc import Sequence
@@ -28,21 +31,25 @@ PIECES = 8
 PIECE = (2.0, 10.0)
 """s, of a piece."""
 
-STEPS = 1.0e7
+STEPS = 1.6e7
 """Of the solver, that a search may take: some ten seconds on each of two cores."""
 
 TRIALS = (24, 100)
 """Pieces that are simulated, at least and at most."""
 
-DESCENT = 0.4
-"""Share of them that an optimiser moves on."""
+DESCENT, DESCENTS = 0.4, 3
+"""Share of them that an optimiser moves on, and from how many."""
 
 RADIUS, LAST_RADIUS = 0.15, 0.01
 """Of the descent, in shares."""
 
-LEAST = 0.1
-"""T below which a pair is so far from being told apart that no piece matters more than another."""
+MOTIONS = 6
+"""That are found, at most."""
 
+LEAST, MOST = 0.1, 1e6
+"""T below which a pair is so far from being told apart that no piece matters more than another, and beyond which it
+does not count how surely it is.
+"""
 BESIDE = 1e-3
 """Of the logarithm of T beside that of the power: what tells apart surely may do so more surely still."""
 
@@ -61,16 +68,27 @@ class Wanted:
         """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters'
         precision (D-optimal: Kiefer and Wolfowitz 1960).
         """
+        sums = summed(chosen).items()
+        return self.score_of([one.refitted(self.hypotheses[pair[1]])[0] for pair, one in sums], chosen)
+
+    def score_of(self, left: Sequence[float], chosen: Sequence[Tried]) -> float:
+        """The same of pieces whose motion leaves that much of each pair, T."""
         total = 0.0
-        for pair, contrast in summed(chosen).items():
-            left = contrast.refitted(self.hypotheses[pair[1]])[0]
-            sure = max(left, LEAST)
-            total += float(norm.logcdf((sure - ODDS) / (2.0 * np.sqrt(sure)))) + BESIDE * float(np.log1p(left))
+        for one in left:
+            sure = min(max(one, LEAST), MOST)
+            total += float(norm.logcdf((sure - ODDS) / (2.0 * np.sqrt(sure)))) + BESIDE * float(
+                np.log1p(min(one, MOST))
+            )
         if self.parameters:
-            known = self.hypotheses[0].precision + sum(one.information for one in chosen)
-            block = inverse(known)[np.ix_(self.parameters, self.parameters)]
+            block = known_by(self.hypotheses[0], chosen)[np.ix_(self.parameters, self.parameters)]
             total -= 0.5 * float(np.linalg.slogdet(block)[1])
         return total
+
+
+def known_by(first: Hypothesis, chosen: Sequence[Tried]) -> np.ndarray:
+    """The covariance of the first hypothesis's unknowns after these pieces, and behind them of where it starts."""
+    information = sum(one.information for one in chosen[1:]) + chosen[0].information
+    return inverse(first.precision_with(len(information) - len(first.unknowns)) + information)
 
 
 def summed(chosen: Sequence[Tried]) -> dict[Pair, Contrast]:
@@ -122,9 +140,17 @@ class Search:
                 self.most = int(np.clip(STEPS / count, *TRIALS))
             at += 1
 
-    def best(self, chosen: Sequence[Tried]) -> Tried:
-        """Of all that are known the piece that does most beside those that are chosen."""
-        return max(self.known, key=lambda one: self.wanted.score([*chosen, one]))
+    def best(self, chosen: Sequence[Tried], kind: str = "") -> Tried:
+        """Of all that are known, or of one kind, the piece that does most beside those that are chosen."""
+        known = [one for one in self.known if kind in ("", one.piece.kind)]
+        return max(known, key=lambda one: self.wanted.score([*chosen, one]))
+
+    def greedily(self, places: int, kind: str = "") -> list[Tried]:
+        """A motion of so many pieces, each the best beside those before."""
+        chosen = list[Tried]()
+        for _ in range(places):
+            chosen.append(self.best(chosen, kind))
+        return chosen
 
     def descended(self, chosen: Sequence[Tried], start: Tried, count: int) -> None:
         """Move a piece to where it does more, with so many simulations."""
@@ -141,8 +167,9 @@ class Search:
         )
 
 
-def search(rig: Rig, wanted: Wanted, duration: float, progress: Progress) -> list[Tried]:
-    """The pieces of a motion of a `duration` (s) on a rig, in the order of their conditions and kinds.
+def search(rig: Rig, wanted: Wanted, duration: float, progress: Progress) -> list[list[Tried]]:
+    """Motions of a `duration` (s) on a rig, each as its pieces in the order of their conditions and kinds, the best to
+    first order first.
 
     Raises:
         UserError: every piece exceeds a limit, or none tells any two hypotheses apart.
@@ -156,17 +183,22 @@ def search(rig: Rig, wanted: Wanted, duration: float, progress: Progress) -> lis
         most = max(sorted(set(reasons)), key=reasons.count)
         raise UserError(f"no piece of a motion keeps the rig's limits: most exceed {most}; widen [design.limits]")
     chosen = list[Tried]()
-    descents = min(places, 3)
     for place in range(places):
         best = found.best(chosen)
         left = found.most - len(found.known) - len(found.refused)
-        if place < descents and left > 0:
-            found.descended(chosen, best, max(left // (descents - place), 4))
+        if place < DESCENTS and left > 0:
+            found.descended(chosen, best, max(left // (min(places, DESCENTS) - place), 4))
             best = found.best(chosen)
         chosen.append(best)
     _check_tells(wanted, found.known)
-    kinds = list(KINDS)
-    return sorted(chosen, key=lambda one: (rig.conditions.index(one.piece.condition), kinds.index(one.piece.kind)))
+    kinds = [kind for kind in KINDS if any(kind == one.piece.kind for one in found.known)]
+    motions = [chosen, found.greedily(places), *(found.greedily(places, kind) for kind in kinds)]
+    motions.sort(key=wanted.score, reverse=True)
+    ordered = [
+        sorted(each, key=lambda one: (rig.conditions.index(one.piece.condition), kinds.index(one.piece.kind)))
+        for each in motions
+    ]
+    return [one for i, one in enumerate(ordered) if one not in ordered[:i]][:MOTIONS]
 
 
 def _check_tells(wanted: Wanted, known: Sequence[Tried]) -> None:

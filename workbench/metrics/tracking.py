@@ -92,8 +92,12 @@ def phase_lag_and_gain(
 
 
 def root_mean_square(signal: np.ndarray) -> float:
-    """Root of the mean square, in the unit of `signal`."""
-    return math.sqrt(float(np.square(signal).sum()) / signal.size)
+    """Root of the mean square, in the unit of `signal`; of numbers too, whose squares none can hold."""
+    with np.errstate(over="ignore"):
+        total = float(np.square(signal).sum())
+    if math.isinf(total) and math.isfinite(largest := float(np.max(np.abs(signal)))):
+        return largest * root_mean_square(signal / largest)
+    return math.sqrt(total / signal.size)
 
 
 def steady_state_errors(
