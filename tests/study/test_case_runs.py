@@ -1,5 +1,6 @@
 """Cases that are run together have the rows that each has by itself."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,8 @@ def work(tmp_path: Path) -> CaseRuns:
     return case_runs.case_runs(plan(read_study(write(tmp_path, changed("[0, 460]", str(rpm))))), tmp_path)
 
 
-def test_rows_of_cases_run_together_are_those_of_each(work: CaseRuns) -> None:
+def test_rows_of_cases_run_together_are_those_of_each(work: CaseRuns, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("workbench.parallel.chunks.LONGEST", math.inf)
     assert case_runs.TOGETHER < CASES
     rows = work(range(CASES))
     assert [row.case for row in rows] == [*range(CASES)]

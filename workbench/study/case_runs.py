@@ -24,9 +24,9 @@ from workbench.study.study import Case, Study
 TOGETHER = 16
 """Cases that are built, then simulated, then judged: of more the signals no longer stay in a processor's cache."""
 
-SIMULATED = 0.3
-"""Share of a chunk's time after which no further case is simulated: what makes a row of it takes as long again, and as
-long for its error."""
+SIMULATED, BEGUN = 0.3, 0.5
+"""Shares of a chunk's time after which none of those is simulated any more, since its error and its row take as long
+again each, and after which no others are begun."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class CaseRuns:
         began, rows = time.perf_counter(), list[Row]()
         while True:
             rows += self._together(indices[len(rows) : len(rows) + TOGETHER])
-            if len(rows) == len(indices) or enough(began):
+            if len(rows) == len(indices) or enough(began, BEGUN):
                 return rows
 
     def _together(self, indices: Sequence[int]) -> list[Row]:
