@@ -7,34 +7,43 @@ import numpy as np
 import pytest
 
 from workbench.design import design
-from workbench.design.contrast import Tried
+from workbench.design.contrast import Contrast, Tried
+from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Piece
 from workbench.design.search import LEAST, MOST, Wanted
 from workbench.progress import silent
 
 RIG: Any = None
 
-
-def tried(kind: str) -> Tried:
-    """A piece of that kind, of which nothing more is asked."""
-    return Tried(Piece(kind, (0.5, 0.5, 0.5), 2.0, Condition(0.0, 0.0)), "", {}, np.zeros((0, 0)), 1)
+NONE, OTHER = (Hypothesis(effects, {}, (), np.zeros((0, 0))) for effects in ((), ("backlash",)))
 
 
-def taken(kinds: Sequence[str], left: Sequence[float], monkeypatch: pytest.MonkeyPatch) -> str:
-    """The kind of the motion that is taken of some, of which so much is left."""
+def tried(kind: str, squares: float = 1e9) -> Tried:
+    """A piece of that kind, which leaves so much of the one pair to first order."""
+    contrast = Contrast(squares, np.zeros(0), np.zeros((0, 0)))
+    return Tried(Piece(kind, (0.5, 0.5, 0.5), 2.0, Condition(0.0, 0.0)), "", {(1, 0): contrast}, np.zeros((0, 0)), 1)
+
+
+def taken(pieces: Sequence[Tried], left: Sequence[float], monkeypatch: pytest.MonkeyPatch) -> str:
+    """The kind of the motion that is taken of some, of which so much is left as a whole."""
     answers: Iterator[float] = iter(left)
     monkeypatch.setattr(design, "_whole", lambda rig, wanted, chosen: design.Whole(chosen, [], []))
     monkeypatch.setattr(design, "distances", lambda *_: [next(answers)])
-    return design._best(RIG, Wanted([]), [[tried(kind)] for kind in kinds], silent).chosen[0].piece.kind
+    return design._best(RIG, Wanted([NONE, OTHER]), [[piece] for piece in pieces], silent).chosen[0].piece.kind
 
 
 def test_the_motion_that_does_most_as_a_whole_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert taken(["steps", "sweep", "ramps"], [3.0, 30.0, 10.0], monkeypatch) == "sweep"
-    assert taken(["steps", "sweep"], [5.0, 0.0], monkeypatch) == "steps"
+    steps, sweep, ramps = tried("steps"), tried("sweep"), tried("ramps")
+    assert taken([steps, sweep, ramps], [3.0, 30.0, 10.0], monkeypatch) == "sweep"
+    assert taken([steps, sweep], [5.0, 0.0], monkeypatch) == "steps"
+
+
+def test_no_fit_counts_that_leaves_more_than_first_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert taken([tried("steps", 8.0), tried("sweep", 12.0)], [1e5, 11.0], monkeypatch) == "sweep"
 
 
 def test_a_rival_that_runs_away_is_told_most_surely(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert taken(["steps", "sweep"], [100.0, np.inf], monkeypatch) == "sweep"
+    assert taken([tried("steps"), tried("sweep")], [100.0, np.inf], monkeypatch) == "sweep"
     wanted = Wanted([])
     assert wanted.score_of([np.inf], []) == wanted.score_of([MOST], [])
     assert wanted.score_of([0.0], []) < wanted.score_of([LEAST], []) < wanted.score_of([10.0], [])

@@ -245,12 +245,15 @@ class Whole:
 
 
 def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: Progress) -> Whole:
-    """Of motions the one that does most as a whole, once every rival has been fitted to it."""
+    """Of motions the one that does most as a whole, once every rival has been fitted to it; but no more than by first
+    order: a rival's fit that ends short of its best leaves what looks like a difference.
+    """
     best, most = None, -np.inf
     for i, chosen in enumerate(found):
         progress("the whole motion under every hypothesis", i / len(found))
         motion = _whole(rig, wanted, chosen)
-        score = wanted.score_of(distances(rig, wanted.hypotheses, motion.legs, motion.runs), chosen)
+        whole = distances(rig, wanted.hypotheses, motion.legs, motion.runs)
+        score = wanted.score_of([min(pair) for pair in zip(whole, wanted.left(chosen), strict=True)], chosen)
         if best is None or score > most:
             best, most = motion, score
     assert best is not None

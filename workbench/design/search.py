@@ -68,8 +68,11 @@ class Wanted:
         """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters'
         precision (D-optimal: Kiefer and Wolfowitz 1960).
         """
-        sums = summed(chosen).items()
-        return self.score_of([one.refitted(self.hypotheses[pair[1]])[0] for pair, one in sums], chosen)
+        return self.score_of(self.left(chosen), chosen)
+
+    def left(self, chosen: Sequence[Tried]) -> list[float]:
+        """T of every pair, to first order."""
+        return [one.refitted(self.hypotheses[rival])[0] for (_, rival), one in summed(chosen).items()]
 
     def score_of(self, left: Sequence[float], chosen: Sequence[Tried]) -> float:
         """The same of pieces whose motion leaves that much of each pair, T."""
