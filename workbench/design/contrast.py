@@ -50,8 +50,8 @@ class Contrast:
         """T, and how far the rival's unknowns and its starts move."""
         starts = self.slope.size - len(rival.unknowns)
         whole = self.curvature + rival.precision_with(starts)
-        low, high = (np.append(end, np.full(starts, np.inf)) for end in (-rival.room[0], rival.room[1]))
-        moved = bounded_minimum(whole, -self.slope, -low, high)
+        (low, high), endless = rival.room, np.full(starts, np.inf)
+        moved = bounded_minimum(whole, -self.slope, np.append(low, -endless), np.append(high, endless))
         return max(float(self.squares - 2.0 * self.slope @ moved + moved @ whole @ moved), 0.0), moved
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from plants.interface import SENSORS
 from workbench.design import declared, diagnosed, open_questions
 from workbench.design.asked import Asked, asked_of, limits_of
-from workbench.design.contrast import Tried
+from workbench.design.contrast import Tried, pairs_of
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Reach, sampled
 from workbench.design.power import distances, told_apart
@@ -249,7 +249,7 @@ def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: 
     order: a rival's fit that ends short of its best leaves what looks like a difference.
     """
     best, most = None, -np.inf
-    for i, chosen in enumerate(found):
+    for i, chosen in enumerate(found if pairs_of(wanted.hypotheses) else found[:1]):
         progress("the whole motion under every hypothesis", i / len(found))
         motion = _whole(rig, wanted, chosen)
         whole = distances(rig, wanted.hypotheses, motion.legs, motion.runs)

@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.design.contrast import pairs_of
 from workbench.design.hypotheses import Hypothesis
-from workbench.design.refit import Leg, Shown, can_search, refitted, shown_along, started, with_starts
+from workbench.design.refit import Leg, Shown, can_search, refitted, shown_along, started
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
 from workbench.fitting.covariance import inverse
@@ -191,7 +191,7 @@ def _repeated(
     noise = draw.standard_normal((SHARES, REPETITIONS, basis.shape[1]))
     left, clean = list[np.ndarray](), list[float]()
     for hypothesis, one, own in zip(of, fitted, columns, strict=True):
-        within, known = basis.T @ own, with_starts(hypothesis, one.shown)
+        within, known = basis.T @ own, hypothesis.precision_with(one.shown.starts.shape[1])
         moved = np.concatenate([one.moved, np.zeros(one.shown.starts.shape[1])])
         off = basis.T @ one.left
         left.append(_least(off + noise, within, known, moved))

@@ -89,11 +89,6 @@ def shown_along(rig: Rig, of: Hypothesis, legs: Sequence[Leg], runs: Sequence[Ru
     return Shown(np.concatenate(seen), np.concatenate(columns), apart)
 
 
-def with_starts(of: Hypothesis, shown: Shown) -> np.ndarray:
-    """The precision of its unknowns and of where it starts."""
-    return of.precision_with(shown.starts.shape[1])
-
-
 def refitted(
     rig: Rig,
     of: Hypothesis,
@@ -111,7 +106,7 @@ def refitted(
     lead nowhere, and what is not found there passes for a difference.
     """
     columns = np.column_stack([shown.columns, shown.starts])
-    precision = with_starts(of, shown)
+    precision = of.precision_with(shown.starts.shape[1])
     whole, count = inverse(columns.T @ columns + precision), len(of.unknowns)
     begins = np.linalg.qr(shown.starts)[0]
 

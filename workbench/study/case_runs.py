@@ -73,11 +73,12 @@ class CaseRuns:
         began, runs = time.perf_counter(), list[Run]()
         while len(runs) < len(built) and not (runs and enough(began, SIMULATED)):
             runs.append(simulate(built[len(runs)][1].setup))
+        simulated = built[: len(runs)]
         others = [
             finer(resolved.setup, run) if case.tells_solver_error else None
-            for (case, resolved), run in zip(built, runs, strict=False)
+            for (case, resolved), run in zip(simulated, runs, strict=True)
         ]
-        return [self._row(*each, run, other) for each, run, other in zip(built, runs, others, strict=False)]
+        return [self._row(*each, run, other) for each, run, other in zip(simulated, runs, others, strict=True)]
 
     def _row(self, case: Case, resolved: Resolved, run: Run, other: Run | None) -> Row:
         try:

@@ -58,12 +58,9 @@ def sketch_of(run: Run, points: int) -> str:
 
 def _evenly(signals: np.ndarray, points: int) -> np.ndarray:
     """Indices of samples that lie evenly along the path of the signals, a row each, in units of their ranges."""
-    signals = _finite(signals)
+    if not np.isfinite(signals).all():
+        signals = np.nan_to_num(signals)
     ranges = np.ptp(signals, axis=1, keepdims=True)
     steps = np.diff(signals, axis=1) / np.where(ranges == 0.0, 1.0, ranges)
     along = np.concatenate([[0.0], np.cumsum(np.sqrt(np.einsum("ij,ij->j", steps, steps)))])
     return np.searchsorted(along, np.linspace(0.0, along[-1], points)).clip(0, along.size - 1)
-
-
-def _finite(signals: np.ndarray) -> np.ndarray:
-    return signals if np.isfinite(signals).all() else np.nan_to_num(signals)
