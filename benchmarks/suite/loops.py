@@ -12,6 +12,7 @@ import workbench as wb
 from suite.part import Part, Ratio, Size
 from suite.studies import KP
 from workbench.publish.style import COLOURS, MARKERS, plain_numbers
+from workbench.simulation.simulate import simulate, solver_error
 
 OWN_DAMPING = 2.28e4
 """N s/m. Bristle damping of the parameter set, which the ratio of stiffness is over."""
@@ -50,17 +51,16 @@ def of_a_case(seconds: float, turns: int) -> tuple[float, float]:
     """Processor time (s) of the simulation of a case and of its error estimate: means of some cases of such a study,
     whose gains lie as evenly between the same as those of all.
     """
-    cases = [loop(seconds, kp=kp) for kp in np.linspace(*KP, SOME)]
-    runs = [wb.simulate(case) for case in cases]
-    simulation, without, whole = least(
+    setups = [loop(seconds, kp=kp).simulation for kp in np.linspace(*KP, SOME)]
+    runs = [simulate(setup) for setup in setups]
+    simulation, estimate = least(
         [
-            lambda: [wb.simulate(case) for case in cases],
-            lambda: [wb.evaluate(run, solver_error=False) for run in runs],
-            lambda: [wb.evaluate(run) for run in runs],
+            lambda: [simulate(setup) for setup in setups],
+            lambda: [solver_error(setup, run) for setup, run in zip(setups, runs, strict=True)],
         ],
         turns,
     )
-    return simulation / SOME, max(whole - without, 0.0) / SOME
+    return simulation / SOME, estimate / SOME
 
 
 def seconds(size: Size, folder: Path) -> Part:

@@ -81,7 +81,7 @@ def test_error_follows_the_tolerance(tolerance: float) -> None:
     ],
 )
 def test_own_error_estimate_is_close_to_the_true_error(integrator: Integrator, ratio: float) -> None:
-    """Half the step of order p leaves 1/2^p of the error; the estimate is the rest, 1 - 1/2^p. A tolerance ten times
+    """Half the step of order p leaves 1/2^p of the error; the estimate is the rest, 1 - 1/2^p. A tolerance eight times
     smaller leaves 0.12 of it here, one a hundred times smaller next to nothing.
     """
     setup = replace(SWING, integrator=integrator)

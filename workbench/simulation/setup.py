@@ -22,7 +22,7 @@ DEFAULT_TOLERANCE = 1e-6
 TIGHTER = 100.0
 """By which a tolerance is smaller (or twice, a step) where a run is to be as good as exact beside another."""
 
-COMPANION, HALVED = 10.0, 2
+COMPANION, HALVED = 8.0, 2
 """By which the default method's tolerance is smaller in the run against which its error is found, and how many steps
 that takes in a sample at least: where one step a sample suffices for either tolerance both runs would be the same, and
 the distance nothing. The error of methods of lower order falls less steadily; they take `TIGHTER`."""
