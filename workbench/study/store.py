@@ -55,7 +55,7 @@ RECORDS = "records"
 EXPORTS = ("results.csv", "results.parquet")
 """What `export` writes."""
 
-EXPORTED = 5_000
+EXPORTED = 1_000
 """Rows that are read and written at a time: results may be larger than memory."""
 
 FOLDER = GrowingFolder("run", "results", REPLACED, kept=tuple(layer.section for layer in LAYERS.values()))
@@ -289,6 +289,7 @@ def read_results(folder: Path) -> "pd.DataFrame":
     Raises:
         UserError: there are none, or the file is damaged.
     """
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
     path = folder / "results.parquet"
@@ -297,7 +298,8 @@ def read_results(folder: Path) -> "pd.DataFrame":
     if not path.exists():
         raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
     try:
-        table = pq.read_table(path)
+        table = pq.read_table(path, use_threads=False, pre_buffer=False)  # one column after another
+        pa.default_memory_pool().release_unused()
         return table.to_pandas(split_blocks=True, self_destruct=True)  # not twice in memory
     except (OSError, ValueError) as error:
         raise UserError(f"{path}: cannot be read ({error}); run the study again with --resume") from None

@@ -80,7 +80,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     for name, template, environment in (("comparison.md", MARKDOWN, markdown), ("comparison.html", HTML, html)):
         environment.filters["plain"] = plain_name
         path = folder / name
-        anew(path).write_text(environment.from_string(template).render(page=content), encoding="utf-8")
+        environment.from_string(template).stream(page=content).dump(str(anew(path)), encoding="utf-8")
         pages.append(path)
     return pages
 

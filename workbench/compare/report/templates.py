@@ -82,7 +82,7 @@ MARKDOWN = """\
 
 HTML = """\
 {% extends "frame.html" %}
-{% from "parts.html" import cells, draw, every_case with context %}
+{% from "parts.html" import cells, draw with context %}
 {% block title %}{{ page.title }}{% endblock %}
 {% block kind %}comparison{% endblock %}
 {% block picture %}{{ page.pictures | first }}{% endblock %}
@@ -126,7 +126,7 @@ body { max-width: 84em; }
 {% endfor %}</ul>
 <p>{{ page.notation }}</p>
 <p class="note screen">A click on a field shows its cases below, with their motions.</p>
-{{ every_case(page.cases) }}
+{% with section = page.cases %}{% include "every_case.html" %}{% endwith %}
 <h2>In words</h2>
 <ul>{% for line in page.overview %}<li>{{ line }}</li>
 {% endfor %}</ul>

@@ -31,7 +31,8 @@ def page_environment(folder: Path) -> Environment:
     `folder`/figures.
 
     "parts.html" has what pages show alike: `show` a table with its notes, `draw` a picture, `drawn_elsewhere` one that
-    exists as a file alone.
+    exists as a file alone. "every_case.html", which is included, shows `section`, all cases of a study: sketches are
+    large, and only what is included is written piece by piece.
     """
     environment = Environment(loader=FileSystemLoader(HERE), autoescape=True, keep_trailing_newline=True)
     environment.filters["plain"] = plain_name

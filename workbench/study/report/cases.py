@@ -39,7 +39,10 @@ class CaseRow:
 
 @dataclass(frozen=True)
 class Cases:
-    """The table of all cases: headings, which of them are words, which can be chosen from a list, and what is shown."""
+    """The table of all cases: headings, which of them are words, which can be chosen from a list, and what is shown.
+
+    `sketches` are JSON that may stand in a script element.
+    """
 
     headings: Sequence[str]
     words: Sequence[bool]
@@ -47,7 +50,7 @@ class Cases:
     rows: Sequence[CaseRow]
     notes: Sequence[str]
     views: Markup
-    sketches: Mapping[int, Markup]
+    sketches: Mapping[int, str]
 
 
 def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
@@ -83,7 +86,7 @@ def cases_of(frame: pd.DataFrame, folder: Path) -> Cases:
         rows=rows,
         notes=_notes(count, draws, apart, bool(found)),
         views=Markup(in_script({"views": _views(axis), "names": list(range(len(apart)))})),
-        sketches={case: Markup(text) for case, text in found.items() if case in shown},
+        sketches={case: text for case, text in found.items() if case in shown},
     )
 
 

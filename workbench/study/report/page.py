@@ -33,7 +33,7 @@ DIGITS = 3
 
 _HTML = """\
 {% extends "frame.html" %}
-{% from "parts.html" import show, draw, drawn_elsewhere, every_case with context %}
+{% from "parts.html" import show, draw, drawn_elsewhere with context %}
 {% block title %}{{ title }}{% endblock %}
 {% block kind %}study{% endblock %}
 {% block picture %}{{ ((pictures | list) + others) | first }}{% endblock %}
@@ -51,7 +51,7 @@ _HTML = """\
 {% for name, picture in pictures.items() %}{{ draw(name, picture) }}
 {% endfor %}{% for name in others %}{{ drawn_elsewhere(name) }}
 {% endfor %}{% endif %}
-{{ every_case(cases) }}
+{% with section = cases %}{% include "every_case.html" %}{% endwith %}
 <p>Files: <a href="results.csv">results.csv</a> and results.parquet (every case, SI),
 <a href="study.toml">study.toml</a> (the study; <code>workbench run study.toml</code> gives the same again),
 {% if tables %}tables/ (CSV, Markdown, LaTeX), {% endif -%}
@@ -66,10 +66,11 @@ def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
     own = {spec.name: spec for spec in study.file.figures}
     drawn = sorted(path.stem for path in (folder / "figures").glob("*.png"))
     measured = overlays_of(study)
-    html = (
+    path = folder / PAGE
+    (
         page_environment(folder)
         .from_string(_HTML)
-        .render(
+        .stream(
             title=study.file.title,
             question=study.file.question,
             lines=first_lines(frame),
@@ -84,9 +85,8 @@ def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
             others=[name for name in drawn if name not in own],
             cases=cases_of(frame, folder),
         )
+        .dump(str(anew(path)), encoding="utf-8")  # piece by piece: sketches are large
     )
-    path = folder / PAGE
-    anew(path).write_text(html, encoding="utf-8")
     return path
 
 
