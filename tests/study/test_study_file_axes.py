@@ -29,6 +29,10 @@ MISTAKES = {
         changed("[0, 460]", "[]"),
         "@:7: axes.rpm: is empty: expected at least one value (or leave the axis out)",
     ),
+    "speed of a gain file": (
+        changed("[0, 460]", '["fast"]').replace('type = "pid"', 'gains = "p.toml"'),
+        "@:7: axes.rpm: got 'fast', expected a speed of rotation, such as 460 or \"460 rpm\"",
+    ),
     "value twice": (changed("[0, 460]", "[0, 0]"), "@:7: axes.rpm: holds a value twice"),
     "axis that is no list": (changed("[0, 460]", "0"), "@:7: axes.rpm: got 0: input should be a valid list"),
     "negative rpm": (changed("460", "-460"), "@:7: axes.rpm: got -460, expected a speed that is not negative"),
@@ -85,6 +89,14 @@ PLACES = {
     "scenario, over a case": (
         SCENARIO + '[cases.a.plant.set]\nmass = "30 kg"\n[scenarios.worn.plant.set]\nmass = "-1 kg"\n',
         "@:25: scenarios.worn.plant.set.mass: got -1 kg, ",
+    ),
+    "case, what is no table": (
+        changed("rpm = [0, 460]", '"controllers.p.kp" = [1, 2]') + "[cases.b]\ncontrollers = 3.5\n",
+        "@:22: cases.b.controllers: got 3.5, expected a table",
+    ),
+    "scenario, what is no table": (
+        SCENARIO + "[scenarios.worn]\nreferences = 3.5\n",
+        "@:23: scenarios.worn.references: got 3.5, expected a table",
     ),
     "scenario, axes": (
         SCENARIO + "[scenarios.worn]\naxes = {}\n",

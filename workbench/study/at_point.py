@@ -9,6 +9,7 @@ from workbench.errors import UserError
 from workbench.study.layers import LAYERS, MACHINE
 from workbench.study.study import Study, axes_key, rpm_of
 from workbench.toml.gain_file import KEY, read_gain_file, with_gains
+from workbench.toml.units import QuantityError
 
 
 def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
@@ -53,11 +54,13 @@ def at_point(
                 table[part] = dict(below)  # what is shared with other cases stays as it is
                 table = table[part]
             table[last] = value
-    result["controllers"] = _with_gains(study, result, point.get(MACHINE.axis), gains)
+    result["controllers"] = _with_gains(study, case, result, point.get(MACHINE.axis), gains)
     return result, declared
 
 
-def _with_gains(study: Study, tables: Mapping[str, Any], machine: str | None, gains: "Gains") -> dict[str, object]:
+def _with_gains(
+    study: Study, case: str | None, tables: Mapping[str, Any], machine: str | None, gains: "Gains"
+) -> dict[str, object]:
     """Controllers with what their gain files say for a case's speed and machine.
 
     Of controllers beside the case's own a file that has nothing for this speed is left: they have cases of their own.
@@ -68,7 +71,11 @@ def _with_gains(study: Study, tables: Mapping[str, Any], machine: str | None, ga
     for name, table in controllers.items():
         if not isinstance(table, dict) or KEY not in table:
             continue  # what is no table is told when the case is resolved
-        filled = gains(name, table, study.path.parent, rpm_of(tables), machine)
+        try:
+            rpm = rpm_of(tables)
+        except QuantityError as error:
+            raise study.error((*axes_key(study, case), "rpm"), str(error)) from None
+        filled = gains(name, table, study.path.parent, rpm, machine)
         if not isinstance(filled, UserError):
             found[name] = filled
         elif name == own:

@@ -21,9 +21,12 @@ def unfold(study: Study) -> Cases:
     """All cases of a study as it declares its machine, in order.
 
     Raises:
-        UserError: an axis that is empty, unknown, or names something that the file does not hold.
+        UserError: an axis that is empty, unknown, or names something that the file does not hold; what is no table
+            where a case, a machine or a scenario is to change one.
     """
     file = study.file
+    for section in ("cases", *(layer.section for layer in LAYERS.values())):
+        _check_tables(study, section)
     base = {name: getattr(file, name) for name in OVERRIDES}
     named: list[tuple[str | None, dict[str, Any]]] = [*file.cases.items()] or [(None, {})]
     blocks = []
@@ -36,6 +39,14 @@ def unfold(study: Study) -> Cases:
         if (count := sum(block.size for block in blocks)) > MOST_CASES:
             raise study.error(axes_key(study, name), f"make {count} cases, expected at most {MOST_CASES}: {FEWER}")
     return Cases(study, blocks)
+
+
+def _check_tables(study: Study, section: str) -> None:
+    """That what is laid over a study's tables is tables: others look into them before all are checked."""
+    for name, overrides in getattr(study.file, section).items():
+        for key in OVERRIDES:
+            if not isinstance(overrides.get(key, {}), dict):
+                raise study.error((section, name, key), f"got {spelled(overrides[key])}, expected a table")
 
 
 def _key(value: object) -> object:
