@@ -102,7 +102,6 @@ def replays(
     """What a hypothesis shows under a run's command, None where it diverges; what its unknowns change of that, a column
     each, 0 where that diverges, and behind them with `starts` what the states do in which it begins; and the steps.
     """
-    command = run.command
     changes = [of.moved(step * one) for one, step in zip(np.eye(len(of.unknowns)), of.steps, strict=True)]
     asked: list[tuple[Values, np.ndarray | None]] = [(of.values, None), *((values, None) for values in changes)]
     sizes = of.steps.tolist()
@@ -110,7 +109,7 @@ def replays(
         moves = rig.moves()
         asked += [(of.values, np.zeros_like(moves[0])), *((of.values, move) for move in moves)]
         sizes += [1.0] * len(moves)
-    replayed = side_by_side(lambda one: rig.replayed(one[0], command, condition, one[1]), asked)
+    replayed = side_by_side(lambda one: rig.replayed(one[0], run, condition, one[1]), asked)
     steps = sum(one.steps for one in replayed)
     base, *others = (rig.seen(one) for one in replayed)
     if base is None:

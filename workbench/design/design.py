@@ -40,6 +40,9 @@ FAST = 1.2
 SPARE = 0.95
 """Share of a limit of positions that a reference asks for."""
 
+COMPARED = 8e6
+"""Steps of the solver after which no further motion is compared as a whole: some ten seconds on each of two cores."""
+
 SAMPLE_TIME = 1e-3
 """s, where neither records nor [design] say another."""
 
@@ -248,11 +251,14 @@ def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: 
     """Of motions the one that does most as a whole, once every rival has been fitted to it; but no more than by first
     order: a rival's fit that ends short of its best leaves what looks like a difference.
     """
-    best, most = None, -np.inf
+    best, most, steps = None, -np.inf, 0
     for i, chosen in enumerate(found if pairs_of(wanted.hypotheses) else found[:1]):
+        if steps > COMPARED:
+            break
         progress("the whole motion under every hypothesis", i / len(found))
         motion = _whole(rig, wanted, chosen)
-        whole = distances(rig, wanted.hypotheses, motion.legs, motion.runs)
+        whole, taken = distances(rig, wanted.hypotheses, motion.legs, motion.runs)
+        steps += taken
         score = wanted.score_of([min(pair) for pair in zip(whole, wanted.left(chosen), strict=True)], chosen)
         if best is None or score > most:
             best, most = motion, score

@@ -4,8 +4,10 @@ Both are fitted to the record of the motion with noise, beside what is known of 
 and the true one is told from its rival where S_rival - S_true exceeds what odds of 20 to 1 ask for. Where the rival can
 do all that the true one does, it must not gain so much. Machines are drawn from what is known of the parameters.
 
-The rival's fit is searched for in simulations of each machine, and what noise changes of either is taken to first
-order: it lies in the few directions in which a plant can move the record, and in their differences.
+Both fits are searched for in simulations of each machine, the true one's from a little beside it: where contacts stick
+and nothing leads the plant, the least change may grow to another motion, to which the truth itself cannot be fitted.
+What noise changes of either is taken to first order: it lies in the few directions in which a plant can move the
+record, and in their differences.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +17,7 @@ import numpy as np
 
 from workbench.design.contrast import pairs_of
 from workbench.design.hypotheses import Hypothesis
-from workbench.design.refit import Leg, Shown, can_search, refitted, shown_along, started
+from workbench.design.refit import FOUND, Leg, Refit, Shown, can_search, refitted, shown_along, started
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
 from workbench.fitting.covariance import inverse
@@ -30,6 +32,9 @@ INTERVAL = (5.0, 95.0)
 
 NEAR = 0.2
 """Of an unknown as a search sees it, to which first order reaches: no machine is drawn farther away."""
+
+BESIDE = 0.1
+"""Of a deviation, how far from a machine the fit of the true hypothesis begins."""
 
 SEED = 11
 
@@ -83,21 +88,29 @@ def told_apart(
 
 def distances(
     rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
-) -> list[float]:
-    """T of every pair that a motion may tell apart, by refits of the rivals to records without noise."""
-    found = []
+) -> tuple[list[float], int]:
+    """T of every pair that a motion may tell apart, by refits of both to records without noise; and the steps that the
+    solver took.
+    """
+    own = dict[int, float]()
+    found, steps = list[float](), 0
     for i, j in pairs_of(hypotheses):
         true, rival = hypotheses[i], hypotheses[j]
         machine = _machine(rig, true, np.zeros(len(true.unknowns)), runs[i])
-        shown = shown_along(rig, rival, legs, runs[i])
-        if machine is None:
+        near, shown = (shown_along(rig, of, legs, runs[i]) for of in (true, rival))
+        if machine is None or near is None:
             found.append(0.0)
         elif shown is None:  # its plant runs away where the true one does not
             found.append(np.inf)
         else:
+            if i not in own:
+                back = _found_back(rig, true, near, legs, machine)
+                own[i], steps = back.squares, steps + back.steps
             start = started(rival, true, machine.away)
-            found.append(refitted(rig, rival, machine.record, shown, legs, runs[i], start)[0])
-    return found
+            fitted = refitted(rig, rival, machine.record, shown, legs, runs[i], start)
+            found.append(max(fitted.squares - own[i], 0.0))
+            steps += fitted.steps
+    return found, steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +125,18 @@ class Fitted:
 
 
 def _itself(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Fitted:
-    """The true hypothesis on its own machine; `shown` are its columns on the nominal one."""
+    """The true hypothesis fitted to its own machine; `shown` are its columns on the nominal one."""
+    back = _found_back(rig, true, shown, legs, machine)
+    return Fitted(back.moved, back.left, _columns_at(rig, true, back.moved, shown, legs, machine.runs))
+
+
+def _found_back(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Refit:
+    """The refit of the true hypothesis to its own machine, from a little beside it."""
     away = np.array(list(machine.away.values()))
-    return Fitted(away, np.zeros(machine.record.size), _columns_at(rig, true, away, shown, legs, machine.runs))
+    beside = BESIDE * drawn_from(true) @ np.random.default_rng(SEED).standard_normal(away.size)
+    there = np.clip(away + beside, *true.room)
+    known = float(away @ true.precision @ away)
+    return refitted(rig, true, machine.record, shown, legs, machine.runs, there, found=known + FOUND)
 
 
 def _columns_at(
@@ -134,8 +156,8 @@ def _refits(
 
     def fitted(machine: Machine) -> Fitted:
         start = started(rival, true, machine.away)
-        _, moved, left = refitted(rig, rival, machine.record, shown, legs, machine.runs, start)
-        return Fitted(moved, left, _columns_at(rig, rival, moved, shown, legs, machine.runs))
+        fit = refitted(rig, rival, machine.record, shown, legs, machine.runs, start)
+        return Fitted(fit.moved, fit.left, _columns_at(rig, rival, fit.moved, shown, legs, machine.runs))
 
     return side_by_side(fitted, machines)
 

@@ -55,6 +55,18 @@ class Shown:
     starts: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """What a hypothesis's refit leaves of a record, squared with what is known of its unknowns; how far these have
+    moved, what is left (rows,), and the steps that the solver took.
+    """
+
+    squares: float
+    moved: np.ndarray
+    left: np.ndarray
+    steps: int
+
+
 def started(of: Hypothesis, true: Hypothesis, away: Mapping[str, float]) -> np.ndarray:
     """Where the refit of a hypothesis begins (unknowns,) on a machine that is so far `away` from the true one, by name:
     there, in each direction; of a hypothesis that can do all that the true one does without its effect.
@@ -97,18 +109,19 @@ def refitted(
     legs: Sequence[Leg],
     runs: Sequence[Run],
     start: np.ndarray,
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """What a hypothesis's refit leaves of a record, squared with what is known of its unknowns; how far these move, and
-    what is left (rows,).
+    found: float = FOUND,
+) -> Refit:
+    """The refit of a hypothesis to a record.
 
     Gauss and Newton's steps from a `start` with the columns of the hypothesis, as long as they lower the squares; where
     they leave so much that it would be told, a search with columns of its own: far from where they were taken columns
-    lead nowhere, and what is not found there passes for a difference.
+    lead nowhere, and what is not found there passes for a difference. Squares below `found` need not be bettered.
     """
     columns = np.column_stack([shown.columns, shown.starts])
     precision = of.precision_with(shown.starts.shape[1])
     whole, count = inverse(columns.T @ columns + precision), len(of.unknowns)
     begins = np.linalg.qr(shown.starts)[0]
+    steps = list[int]()
 
     def worth(moved: np.ndarray, left: np.ndarray) -> tuple[float, np.ndarray]:
         slope = columns.T @ left - precision[:, :count] @ moved
@@ -116,10 +129,9 @@ def refitted(
         return float(freed @ freed + moved @ of.precision @ moved), whole @ slope
 
     def left_at(moved: np.ndarray) -> np.ndarray | None:
-        seen = [
-            rig.seen(rig.replayed(of.moved(moved), run.command, leg.condition))
-            for leg, run in zip(legs, runs, strict=True)
-        ]
+        played = [rig.replayed(of.moved(moved), run, leg.condition) for leg, run in zip(legs, runs, strict=True)]
+        steps.extend(each.steps for each in played)
+        seen = [rig.seen(each) for each in played]
         whole = [each for each in seen if each is not None]
         return record - np.concatenate(whole) if len(whole) == len(seen) else None
 
@@ -132,14 +144,14 @@ def refitted(
         other = left_at(reached)
         if other is None:
             continue
-        found, further = worth(reached, other)
-        if found < least:
-            flat = found > least - SETTLED
-            moved, left, least, step = reached, other, found, further
+        squares, further = worth(reached, other)
+        if squares < least:
+            flat = squares > least - SETTLED
+            moved, left, least, step = reached, other, squares, further
             if flat:
                 break
-    if least < FOUND or not can_search(runs):
-        return least, moved, left
+    if least < found or not can_search(runs):
+        return Refit(least, moved, left, sum(steps))
     sizes, ways = np.linalg.eigh(of.precision)
     known = (ways * np.sqrt(np.maximum(sizes, 0.0))).T
 
@@ -160,8 +172,8 @@ def refitted(
         at = solution.x
     squares, there = float(solution.residual @ solution.residual), left_at(at)
     if there is not None and squares < least:
-        return squares, at, there
-    return least, moved, left
+        return Refit(squares, at, there, sum(steps))
+    return Refit(least, moved, left, sum(steps))
 
 
 def can_search(runs: Sequence[Run]) -> bool:

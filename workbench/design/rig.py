@@ -80,19 +80,16 @@ class Rig:
         """Unit of the position, "m" or "rad"."""
         return self.along.plant.axis
 
-    def setup(self, values: Values, condition: Condition, samples: int, moved: np.ndarray | None = None) -> Setup:
-        """The plant with these values at rest in a condition, for so many samples; its states at the start `moved`."""
+    def setup(self, values: Values, condition: Condition, samples: int, *, whole: bool = False) -> Setup:
+        """The plant with these values at rest in a condition, for so many samples; with all the states that it may have
+        (`whole`), or those of its effects alone that act.
+        """
         load = name_along("load_force", self.axis)
         loaded = {**values, load: values.get(load, 0.0) + condition.load}
-        if moved is None:
-            plant, parameters = self.along.acting(loaded)
-        else:
-            plant, parameters = self.along.plant, self.along.parameters(loaded)
+        plant, parameters = (self.along.plant, self.along.parameters(loaded)) if whole else self.along.acting(loaded)
         state, inputs = plant.equilibrium(parameters, condition.rotation * values.get("piston_radius", 0.0))
         middle = self.reach.middle if self.steering is not None else 0.0
         state = state._replace(position=middle)
-        if moved is not None:
-            state = from_array(plant.State, (to_array(state) + moved).tolist())
         return Setup(
             plant=plant,
             parameters=parameters,
@@ -114,12 +111,17 @@ class Rig:
         loop = replace(setup, loop=Loop(steering.controller, gains), reference=Recorded(times, reference))
         return simulate(loop)
 
-    def replayed(
-        self, values: Values, command: np.ndarray, condition: Condition, moved: np.ndarray | None = None
-    ) -> Run:
-        """What the plant does under a command (samples,) that was recorded."""
-        setup = self.setup(values, condition, command.size, moved)
-        return simulate(replace(setup, loop=NO_LOOP, feeds=(self._command(command, values),)))
+    def replayed(self, values: Values, run: Run, condition: Condition, moved: np.ndarray | None = None) -> Run:
+        """What the plant does under the command of a run, from where that starts: with closed valves many pressures are
+        at rest, and which of them a rig has is no question of its parameters.
+        """
+        setup = self.setup(values, condition, run.time.size, whole=moved is not None)
+        begun = dict(zip((item.name for item in fields(run.plant.State)), run.states[0].tolist(), strict=True))
+        state = replaced(setup.state, begun)
+        if moved is not None:
+            state = from_array(type(state), (to_array(state) + moved).tolist())
+        feeds = (self._command(run.command, values),)
+        return simulate(replace(setup, state=state, loop=NO_LOOP, feeds=feeds))
 
     def _command(self, command: np.ndarray, values: Values) -> Feed:
         times = self.sample_time * np.arange(command.size)

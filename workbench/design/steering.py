@@ -9,7 +9,6 @@ import numpy as np
 
 from controllers import pid
 from controllers.pid import PID
-from plants.equation import fields
 from plants.interface import Plant
 from workbench.design.asked import Asked
 from workbench.design.hypotheses import Hypothesis
@@ -82,7 +81,7 @@ def plain(rig: Rig, hypotheses: Sequence[Hypothesis]) -> Steering:
         UserError: every one does; or the plant's command sets neither a speed nor a force.
     """
     condition, values = rig.conditions[0], hypotheses[0].values
-    start = rig.setup(values, condition, 2, np.zeros(len(fields(rig.along.plant.State))))
+    start = rig.setup(values, condition, 2, whole=True)
     for crossover in CROSSOVERS:
         if crossover > QUICKEST / rig.sample_time:
             continue

@@ -31,7 +31,7 @@ def share_found(design: Design) -> float:
     def is_told(seed: int) -> bool:
         record = clean + np.random.default_rng([SEED, seed]).standard_normal(clean.size)
         plants = zip((true, rival), (own, other), starts, strict=True)
-        left = [refitted(rig, one, record, shown, design.legs, runs, start)[0] for one, shown, start in plants]
+        left = [refitted(rig, one, record, shown, design.legs, runs, start).squares for one, shown, start in plants]
         return left[1] - left[0] > asked
 
     with ThreadPoolExecutor(THREADS) as pool:
