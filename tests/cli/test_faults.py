@@ -193,3 +193,15 @@ def test_a_second_command_of_all_or_nothing_is_told_before_the_work(
     told = f"error: {out}: No space left on device; nothing is written: mend that and run it again\n"
     assert workbench(command, experiment, "--out", out) == (2, "", told)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_fills_up_after_the_last_case_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a run, whose tables and pages come then: all cases are kept, and what remains is made with --resume."""
+    study, out = write(tmp_path, STUDY), tmp_path / "out"
+    told = f"error: {out}: No space left on device; all cases are kept in {out}: mend that, then go on with --resume\n"
+    with monkeypatch.context() as patch:
+        patch.setattr("workbench.study.report.folder.write_results_page", full)
+        answer = workbench("run", study, "--out", out, "--jobs", "1")
+        assert (answer.code, answer.err) == (2, told)
+    assert workbench("run", study, "--out", out, "--resume").code == 0
+    assert (out / "results.html").exists()

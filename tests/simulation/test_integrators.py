@@ -9,6 +9,7 @@ from scipy.special import ellipj, ellipk
 from support import COLLAPSE, EXPLOSION, OSCILLATOR, PENDULUM, start
 
 from workbench.simulation.references import Recorded
+from workbench.simulation.sensors import Sensors
 from workbench.simulation.simulate import Feed, Integrator, Run, Setup, simulate, solver_error
 
 HEIGHT = 2.0
@@ -87,6 +88,14 @@ def test_own_error_estimate_is_close_to_the_true_error(integrator: Integrator, r
     setup = replace(SWING, integrator=integrator)
     run, error = true_error(setup)
     assert solver_error(setup, run) == pytest.approx(ratio * error, rel=0.05)
+
+
+@pytest.mark.parametrize("delay", [0.2, 0.5, 1.3])
+def test_own_error_estimate_beside_a_delayed_sensor(delay: float) -> None:
+    """A run stops where a delay ends: the run beside it takes two steps up to there too, wherever in a sample it is."""
+    setup = replace(SWING, integrator=Integrator(tolerance=1.0), sensors=Sensors(delay=delay * SWING.sample_time))
+    run, error = true_error(setup)
+    assert 0.5 * error < solver_error(setup, run) < 1.5 * error
 
 
 def test_fixed_step_is_shortened_to_fit_the_sample() -> None:

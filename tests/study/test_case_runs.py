@@ -31,3 +31,16 @@ def test_rows_of_cases_run_together_are_those_of_each(work: CaseRuns, monkeypatc
 def test_cases_that_take_long_are_brought_back_unmade(work: CaseRuns, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("workbench.parallel.chunks.LONGEST", 0.0)
     assert [row.case for row in work([3, 1, 2])] == [3]
+
+
+def test_rows_that_take_long_are_brought_back_one_by_one(work: CaseRuns, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a loop that is held until it tells whether it hunts: all are simulated soon, and judged late."""
+    monkeypatch.setattr("workbench.parallel.chunks.LONGEST", math.inf)
+    judged = CaseRuns._row
+
+    def slowly(*arguments: object) -> object:
+        monkeypatch.setattr("workbench.parallel.chunks.LONGEST", 0.0)
+        return judged(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(CaseRuns, "_row", slowly)
+    assert [row.case for row in work([3, 1, 2])] == [3]

@@ -1,6 +1,7 @@
 """Tables: numbers in their units beside published ones, as CSV, Markdown and LaTeX."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -9,6 +10,7 @@ from command import STUDY, changed, fails, ran, workbench, write
 
 from workbench.errors import UserError
 from workbench.publish.tables import shown_number
+from workbench.study.report.folder import write_cycles
 from workbench.study.report.schema import TableSpec
 from workbench.study.report.tables import make_table, write_table
 from workbench.study.report.unusual import unusual
@@ -437,3 +439,10 @@ def test_check_says_what_has_no_place(tmp_path: Path, spec: str, said: str) -> N
     study += '[references.slow]\nkind = "sine"\namplitude = "1 mm"\nfrequency = "4 Hz"\n'
     table = f'[[tables]]\nname = "t"\ntitle = "t"\nindex = "rpm"\n{spec}\n'
     fails(workbench("check", write(tmp_path, study + table)), said)
+
+
+def test_no_table_of_limit_cycles_without_a_size(tmp_path: Path) -> None:
+    """A cycle that is too short to tell may have none yet."""
+    planned: Any = SimpleNamespace(axis="m")
+    frame = pd.DataFrame({"limit_cycle": ["too_short", "none"], "limit_cycle_amplitude_m": [None, 1e-6]})
+    assert write_cycles(planned, frame, tmp_path) == []

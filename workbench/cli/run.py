@@ -35,6 +35,7 @@ def command(
 ) -> None:
     """Run a study: every case of it, then its tables and figures."""
     from workbench.cli.progress import AGAIN, ProgressBar, stoppable
+    from workbench.publish.folders import faults_told
     from workbench.study.description import description
     from workbench.study.standing import leave_standing, standing
 
@@ -69,7 +70,8 @@ def command(
 
     with stoppable(kept):
         run_rounds(planned, out, run, resume=resume, overwrite=overwrite, tell=say)
-        made = _report(planned, out)
+        with faults_told(out, f"all cases are kept in {out}: mend that, then go on with --resume"):
+            made = _report(planned, out)
         leave_standing(planned, out, made, keep_all=keep_trajectories)
 
 

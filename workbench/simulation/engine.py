@@ -270,6 +270,7 @@ def run_loop(
 
         at, end, middle = k * h, (k + 1) * h, (k + 1) * h - delay_rest
         reading = delay_rest > 0.0
+        first = stop = at  # of a stretch between two stops
         while at < end:
             until, steps_here = middle if reading else end, steps_a_sample
             for i in range(line_count):
@@ -279,9 +280,11 @@ def run_loop(
                 _arrive(lined, inputs, k, h, at)
                 steps_here = max(int(np.ceil(steps_a_sample * (until - at) / h - 1e-9)), 1)
             if kind != FIXED_STEP and steps_a_sample > 1:
-                part = np.floor((at / h - k) * steps_a_sample + 1e-6) + 1.0
+                if at >= stop:
+                    first, stop = at, until
+                part = np.floor((at - first) / (stop - first) * steps_a_sample + 1e-6) + 1.0
                 if part < steps_a_sample:
-                    until = min(until, (k + part / steps_a_sample) * h)
+                    until = min(until, first + part / steps_a_sample * (stop - first))
             interval, driven = (at, until), (*inputs, k * h, ramped)
             if kind == WRITTEN_OUT:
                 ended, guess, tried = dormand_prince(system, interval, guess, tolerance, p_scales, p_y, driven, p_work)

@@ -39,7 +39,7 @@ class Integrator:
     """How to integrate: an error-controlled method with its `tolerance`, or a fixed-step one with its `step` (s).
 
     A fixed step is shortened so that a whole number of steps makes one sample. An error-controlled method takes
-    `fewest` steps in a sample at least.
+    `fewest` steps in a sample at least, and in each part of one that a delay ends within.
     """
 
     method: str = DORMAND_PRINCE.name

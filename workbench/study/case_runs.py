@@ -63,12 +63,15 @@ class CaseRuns:
         """
         began, rows = time.perf_counter(), list[Row]()
         while True:
-            rows += self._together(indices[len(rows) : len(rows) + TOGETHER])
+            rows += self._together(indices[len(rows) : len(rows) + TOGETHER], began)
             if len(rows) == len(indices) or enough(began, BEGUN):
                 return rows
 
-    def _together(self, indices: Sequence[int]) -> list[Row]:
-        """Rows of as many of these cases as are simulated in a share of a chunk's time, and at least of the first."""
+    def _together(self, indices: Sequence[int], chunk_began: float) -> list[Row]:
+        """Rows of as many of these cases as are simulated in a share of a chunk's time, and at least of the first; no
+        further ones where the chunk, which began then, has taken its time: a row may take far longer than its run, as
+        of a loop that is held until it tells whether it hunts.
+        """
         built = [(self.cases[index], self.resolved[index]) for index in indices]
         began, runs = time.perf_counter(), list[Run]()
         while len(runs) < len(built) and not (runs and enough(began, SIMULATED)):
@@ -78,7 +81,12 @@ class CaseRuns:
             finer(resolved.setup, run) if case.tells_solver_error else None
             for (case, resolved), run in zip(simulated, runs, strict=True)
         ]
-        return [self._row(*each, run, other) for each, run, other in zip(simulated, runs, others, strict=True)]
+        rows = list[Row]()
+        for each, run, other in zip(simulated, runs, others, strict=True):
+            rows.append(self._row(*each, run, other))
+            if enough(chunk_began):
+                break
+        return rows
 
     def _row(self, case: Case, resolved: Resolved, run: Run, other: Run | None) -> Row:
         try:

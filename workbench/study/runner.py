@@ -12,7 +12,7 @@ from workbench.publish.run_record import ran_on
 from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
 from workbench.study.shipped import Shipped, ShippedRuns, unpacked
-from workbench.study.store import Row, is_exported, open_store, write_json, write_study
+from workbench.study.store import Row, is_exported, open_store, ready_to_write, write_json, write_study
 from workbench.study.study import in_full
 
 Progress = Callable[[int, int, str], None]
@@ -55,6 +55,8 @@ def run_study(
         waiting = [index for index in range(count) if index not in done]
         if waiting and cluster is None:
             compiled(planned)
+            if work.file_count:
+                ready_to_write()
         version = identity["version of the program"]
         made: Callable[[Sequence[int]], Sequence[Row | Shipped]] = (
             work if cluster is None else ShippedRuns(work, version)

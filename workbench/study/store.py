@@ -12,6 +12,7 @@ fresh/            the finalists of a comparison on machines not drawn before: re
 """
 
 import functools
+import importlib
 import json
 import sqlite3
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -226,6 +227,12 @@ def write_json(path: Path, content: Mapping[str, object]) -> None:
 def trajectory_path(folder: Path, index: int) -> Path:
     """Where the trajectory of a case lies."""
     return folder / "trajectories" / f"case_{index:04d}.parquet"
+
+
+def ready_to_write() -> None:
+    """Have at hand what writes trajectories and records, before processes are made that would each load it."""
+    for name in ("pandas", "pyarrow.parquet"):
+        importlib.import_module(name)
 
 
 def write_trajectory(run: Run, path: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from workbench.metrics.registry import names_along
 from workbench.study.plan import Plan
 from workbench.study.report.figures import write_figure
 from workbench.study.report.page import write_results_page
@@ -39,8 +40,9 @@ def write_pages(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
 
 
 def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]:
-    """Write each limit cycle beside its describing-function prediction; none where nothing cycles."""
-    if not frame["limit_cycle"].isin(["sustained", "decaying", "too_short"]).any():
+    """Write each limit cycle whose size is known beside its describing-function prediction; none where none is."""
+    sizes = frame[names_along(planned.axis)["limit_cycle_amplitude_m"]]
+    if not (frame["limit_cycle"].isin(["sustained", "decaying", "too_short"]) & sizes.notna()).any():
         return []
     from workbench.study.report.limit_cycles import write_limit_cycles  # a study without cycles waits for no CasADi
 
