@@ -11,6 +11,7 @@ from thesis_actuator import OF_OTHERS
 from controllers import relay
 from controllers.pid import PID
 from controllers.relay import RELAY
+from plants.effects.registry import effects
 from plants.registry import plants
 from workbench.errors import UserError
 from workbench.linear.open_loop import margins
@@ -227,3 +228,16 @@ def test_starting_points_without_an_answer_say_so() -> None:
     unlimited = registered("drive_force", duration=1.0)
     with pytest.raises(UserError, match="give largest_command"):
         starting_points(unlimited, unlimited.parameters, SPEED)
+
+
+def test_a_belief_has_none_of_the_effects_of_the_true_plant() -> None:
+    """Pole placement and LQR see what is believed alone; the relay experiment swings the true plant."""
+    plain = registered("non_rotating", duration=1.0)
+    curved = plain.plant.with_effects(effects("m")["position_dependent_friction"])
+    parameters = build(curved.Parameters, read_parameters(named_sets()["owen2001_simulation"]))
+    true = replace(plain, plant=curved, parameters=parameters)
+    true = replace(true, state=curved.equilibrium(parameters, 0.0)[0], inputs=curved.equilibrium(parameters, 0.0)[1])
+    points = [starting_points(setup, plain.parameters, SPEED) for setup in (plain, true)]
+    placed = [[point for point in each if not point.name.startswith("ziegler")] for each in points]
+    assert placed[0] == placed[1]
+    assert len(placed[0]) == 4

@@ -14,6 +14,7 @@ import numpy as np
 
 from controllers.pid import PID
 from controllers.pid import Settings as PidSettings
+from plants.equation import NumbersT, fields, from_array, to_array
 from workbench.errors import UserError
 from workbench.linear.margins import Margins
 from workbench.linear.open_loop import margins
@@ -177,8 +178,27 @@ def starting_points(
             f"plant {setup.plant.name} has a largest command of {limit:g} {setup.plant.command_unit}: expected a "
             "finite value above 0; give largest_command"
         )
-    believed = replace(setup, parameters=belief, feeds=())
+    believed = _believed(setup, belief)
     return [*_by_relay(setup, believed, speed, RELAY_SHARE * limit), *_by_model(believed, speed, limit)]
+
+
+def _believed(setup: Setup, belief: Numbers) -> Setup:
+    """The setup with the plant that is believed in: it has none of the effects that the true one may have."""
+    plant = setup.plant if isinstance(belief, setup.plant.Parameters) else setup.plant.bare or setup.plant
+    return replace(
+        setup,
+        plant=plant,
+        parameters=belief,
+        state=_part(plant.State, setup.state),
+        inputs=_part(plant.Inputs, setup.inputs),
+        feeds=(),
+    )
+
+
+def _part(cls: type[NumbersT], of: Numbers) -> NumbersT:
+    """Those numbers, by name, that a class has."""
+    values = dict(zip((item.name for item in fields(type(of))), to_array(of).tolist(), strict=True))
+    return from_array(cls, [values[item.name] for item in fields(cls)])
 
 
 def _by_relay(setup: Setup, believed: Setup, speed: float, amplitude: float) -> Iterator[StartingPoint]:

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import sys
 from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
@@ -35,6 +36,11 @@ def _replaced(data: dict[str, Any], random: Random, others: Sequence[dict[str, A
     holder[key] = odd_value(random)
 
 
+def _as_float(value: float) -> float:
+    """A number, an integer beyond all floats as the largest of them."""
+    return float(value) if abs(value) <= sys.float_info.max else sys.float_info.max
+
+
 def _near(data: dict[str, Any], random: Random, others: Sequence[dict[str, Any]]) -> None:
     """A value changed and of its kind."""
     holder, key = _any(data, random, leaves=True)
@@ -42,7 +48,7 @@ def _near(data: dict[str, Any], random: Random, others: Sequence[dict[str, Any]]
     if isinstance(value, bool):
         holder[key] = not value
     elif isinstance(value, int | float):
-        scaled = value * random.choice((-1.0, 0.0, 10.0, 0.1, 1e6, 1e-6, 1e15, 1e-15))
+        scaled = _as_float(value) * random.choice((-1.0, 0.0, 10.0, 0.1, 1e6, 1e-6, 1e15, 1e-15))
         whole = isinstance(value, int) and math.isfinite(scaled) and random.random() < 0.7
         holder[key] = int(scaled) if whole else scaled
     elif isinstance(value, str) and value:
