@@ -93,15 +93,20 @@ def _bytes(row: Row) -> float:
     return sum(3.0 * len(value) if isinstance(value, str) else COPIES for value in found)
 
 
+def _about(number: float) -> str:
+    """Two digits, and no power of ten."""
+    return f"{float(f'{number:.2g}'):g}"
+
+
 def _duration(seconds: float) -> str:
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
+            return f"{_about(seconds / size)} {unit}"
+    return f"{_about(seconds)} s"
 
 
 def _size(count: float) -> str:
     for unit, size in (("GB", 1e9), ("MB", 1e6)):
         if count >= size:
-            return f"{count / size:.2g} {unit}"
+            return f"{_about(count / size)} {unit}"
     return f"{max(count / 1e3, 1.0):.0f} kB"
