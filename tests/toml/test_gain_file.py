@@ -37,3 +37,11 @@ def test_a_gain_file_that_is_written_is_read_again(tmp_path: Path) -> None:
     assert "[at.rotation]" in text
     assert text.count("[at.rotation]") == 1
     assert "gain_margin_dB" not in text
+
+
+def test_a_file_by_hand_needs_type_and_settings_alone(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    path.write_text('type = "pid"\n[[at]]\nsettings = { kp = "500 V/m" }\n', encoding="utf-8")
+    read = read_gain_file(path)
+    assert (read.type, read.at[0].settings, read.at[0].margins) == ("pid", {"kp": "500 V/m"}, None)
+    assert gain_file_text(read).startswith('type = "pid"')

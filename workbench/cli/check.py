@@ -54,7 +54,8 @@ def _check_gains(file: Path) -> None:
     for entry in found.at:
         settings = ", ".join(f"{name} {value}" for name, value in entry.settings.items())
         say(f"  {'any speed' if entry.rpm is None else f'{entry.rpm:g} rpm'}: {settings}")
-    say(found.source)
+    if found.source:
+        say(found.source)
 
 
 def _check_layer(layer: "Layer", file: Path) -> None:

@@ -4,6 +4,7 @@
     gains = "tuned/{machine}/lugre.toml"
 
 `type` and the `settings` of an entry are what such a table may say itself; what stands beside `gains` goes before them.
+What a tuning says beside, a file by hand need not have.
 A file has one entry for all speeds of rotation, or one for each speed at which the controller was tuned; a case takes
 that of its rpm. `{machine}` stands for the case's value on the axis machine.
 """
@@ -50,20 +51,20 @@ class Entry(Strict):
     """What a controller's table may say itself."""
     rotation: dict[str, float | str] = {}
     """A rotation that was tuned."""
-    objective: dict[str, Any]
+    objective: dict[str, Any] = {}
     """What was reached."""
-    margins: MarginsTable
+    margins: MarginsTable | None = None
     """Of the loop, linearised."""
-    search: dict[str, Any]
+    search: dict[str, Any] = {}
     """How it was found, and by how much seeds differ."""
 
 
 class GainFile(Strict):
     """A whole gain file."""
 
-    title: str
+    title: str = ""
     """Of the file."""
-    source: str
+    source: str = ""
     """Which tuning wrote it."""
     type: str
     """The controller's."""
