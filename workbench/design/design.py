@@ -106,10 +106,7 @@ def _of_experiment(
         for name in SENSORS
         if motions and name in motions[0].sensed and name in experiment.plant.channels
     }
-    if "position" not in noise:
-        raise UserError(
-            f"{path}: no record is there to tell the sensors' noise; give it in [design.noise], position at least"
-        )
+    _check_noise(path, noise)
     channels = [
         *noise,
         "time",
@@ -124,9 +121,33 @@ def _of_experiment(
     return experiment, asked, rig, declared.hypotheses_of(experiment, asked, channels, moved)
 
 
+def missing_before_records(experiment: Experiment, asked: Asked) -> str:
+    """What keeps a motion from being designed before there is a record, in words; empty where nothing does."""
+    if _has_records(experiment):
+        return ""
+    try:
+        _check_noise(experiment.path, asked.noise)
+        _room(experiment, asked, None, asked.sample_time or SAMPLE_TIME)
+    except UserError as error:
+        return str(error).removeprefix(f"{experiment.path}: ")
+    return ""
+
+
+def _check_noise(path: Path, noise: Mapping[str, float]) -> None:
+    if "position" not in noise:
+        raise UserError(
+            f"{path}: no record is there to tell the sensors' noise; give it in [design.noise], position at least"
+        )
+
+
+def _has_records(experiment: Experiment) -> bool:
+    """Whether the records for the fit are there."""
+    return all(spec.is_there for spec in experiment.records if spec.use == "fit")
+
+
 def _motions(experiment: Experiment) -> list[Motion]:
     """Those records for the fit that are there."""
-    if not all(spec.is_there for spec in experiment.records if spec.use == "fit"):
+    if not _has_records(experiment):
         return []
     return motions_of(experiment, read_records(experiment, "fit"))
 

@@ -2,6 +2,7 @@
 
 from plants.effects.attach import possible
 from workbench.design.asked import Asked, asked_of
+from workbench.design.design import missing_before_records
 from workbench.design.steering import steering_of
 from workbench.errors import nearest
 from workbench.publish.words import listed, plain_name
@@ -22,7 +23,8 @@ def check_design(experiment: Experiment) -> str:
             said = f'plant {experiment.plant.name} has no effect "{name}"; {nearest(name, known)}'
             raise files.at(experiment.path, files.read_text(experiment.path), ("design", "between"), said)
     steering_of(experiment, asked)
-    return _words(asked)
+    missing = missing_before_records(experiment, asked)
+    return f"{_words(asked)}, once its records are there: {missing}" if missing else _words(asked)
 
 
 def _words(asked: Asked) -> str:
