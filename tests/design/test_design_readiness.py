@@ -40,6 +40,9 @@ def test_a_mistake_is_told_with_its_place(table: str, said: str, tmp_path: Path)
 
 def test_what_is_missing_before_there_is_a_record_is_said(tmp_path: Path) -> None:
     noise = 'noise = { position = "5 um" }'
-    assert "once its records are there: no record is there to tell the sensors' noise" in checked(tmp_path, 'loads = ["0 N"]')[1]
+    assert (
+        "once its records are there: no record is there to tell the sensors' noise"
+        in checked(tmp_path, 'loads = ["0 N"]')[1]
+    )
     assert "nothing tells how fast the mass may move; give [design.limits] speed" in checked(tmp_path, noise)[1]
     assert "once its records" not in checked(tmp_path, f'{noise}\nlimits = {{ speed = "0.1 m/s" }}')[1]
