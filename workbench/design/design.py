@@ -40,7 +40,7 @@ FAST = 1.2
 SPARE = 0.95
 """Share of a limit of positions that a reference asks for."""
 
-COMPARED = 8e6
+COMPARED = 5e6
 """Steps of the solver after which no further motion is compared as a whole: some ten seconds on each of two cores."""
 
 SAMPLE_TIME = 1e-3

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.design.contrast import pairs_of
+from workbench.design.contrast import Pair, pairs_of
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.refit import FOUND, Leg, Refit, Shown, can_search, refitted, shown_along, started
 from workbench.design.rig import Rig
@@ -92,25 +92,30 @@ def distances(
     """T of every pair that a motion may tell apart, by refits of both to records without noise; and the steps that the
     solver took.
     """
-    own = dict[int, float]()
-    found, steps = list[float](), 0
-    for i, j in pairs_of(hypotheses):
-        true, rival = hypotheses[i], hypotheses[j]
-        machine = _machine(rig, true, np.zeros(len(true.unknowns)), runs[i])
-        near, shown = (shown_along(rig, of, legs, runs[i]) for of in (true, rival))
-        if machine is None or near is None:
-            found.append(0.0)
-        elif shown is None:  # its plant runs away where the true one does not
-            found.append(np.inf)
-        else:
-            if i not in own:
-                back = _found_back(rig, true, near, legs, machine)
-                own[i], steps = back.squares, steps + back.steps
-            start = started(rival, true, machine.away)
-            fitted = refitted(rig, rival, machine.record, shown, legs, runs[i], start)
-            found.append(max(fitted.squares - own[i], 0.0))
-            steps += fitted.steps
-    return found, steps
+    pairs = pairs_of(hypotheses)
+    trues = sorted({i for i, _ in pairs})
+
+    def found_back(i: int) -> Refit | None:
+        machine = _machine(rig, hypotheses[i], np.zeros(len(hypotheses[i].unknowns)), runs[i])
+        near = shown_along(rig, hypotheses[i], legs, runs[i])
+        return None if machine is None or near is None else _found_back(rig, hypotheses[i], near, legs, machine)
+
+    own = dict(zip(trues, side_by_side(found_back, trues), strict=True))
+
+    def distance(pair: Pair) -> tuple[float, int]:
+        (i, j), back = pair, own[pair[0]]
+        machine = _machine(rig, hypotheses[i], np.zeros(len(hypotheses[i].unknowns)), runs[i])
+        if back is None or machine is None:
+            return 0.0, 0
+        shown = shown_along(rig, hypotheses[j], legs, runs[i])
+        if shown is None:  # its plant runs away where the true one does not
+            return np.inf, back.steps
+        start = started(hypotheses[j], hypotheses[i], machine.away)
+        fitted = refitted(rig, hypotheses[j], machine.record, shown, legs, runs[i], start)
+        return max(fitted.squares - back.squares, 0.0), back.steps + fitted.steps
+
+    found = side_by_side(distance, pairs)
+    return [left for left, _ in found], sum(steps for _, steps in found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,13 @@ _here = threading.local()
 
 
 def side_by_side(function: Callable[..., Result], *items: Iterable[Any]) -> list[Result]:
-    """What a function makes of items, in their order; one after the other where a thread of these asks for it."""
-    if getattr(_here, "works", False):
-        return list(map(function, *items))
-    return list(_pool(getpid()).map(function, *items))
+    """What a function makes of items, in their order; one after the other where a thread of these asks for it. One item
+    alone is left to the thread that asks, whose own work may then go side by side.
+    """
+    lists = [list(each) for each in items]
+    if getattr(_here, "works", False) or min(map(len, lists)) == 1:
+        return list(map(function, *lists))
+    return list(_pool(getpid()).map(function, *lists))
 
 
 @lru_cache(maxsize=1)
