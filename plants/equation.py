@@ -217,6 +217,11 @@ def replaced(value: NumbersT, numbers: Mapping[str, float]) -> NumbersT:
     return from_array(cls, [numbers.get(name, old) for name, old in zip(names, leaves(value), strict=True)])
 
 
+def named(value: tuple[Scalar, ...]) -> dict[str, Scalar]:
+    """The numbers, arrays or symbols of a (nested) NamedTuple by their names in `fields`."""
+    return dict(zip((item.name for item in fields(type(value))), _flat(value), strict=True))
+
+
 def leaves(value: Scalar | tuple[Scalar, ...]) -> Iterator[Scalar]:
     """The numbers, arrays or symbols of a (nested) NamedTuple, in the order of `fields`."""
     return iter(_flat(value) if isinstance(value, tuple) else [value])

@@ -95,18 +95,20 @@ def distances(
     pairs = pairs_of(hypotheses)
     trues = sorted({i for i, _ in pairs})
 
-    def found_back(i: int) -> Refit | None:
+    def itself(i: int) -> tuple[Machine, Refit] | None:
         machine = _machine(rig, hypotheses[i], np.zeros(len(hypotheses[i].unknowns)), runs[i])
         near = shown_along(rig, hypotheses[i], legs, runs[i])
-        return None if machine is None or near is None else _found_back(rig, hypotheses[i], near, legs, machine)
+        if machine is None or near is None:
+            return None
+        return machine, _found_back(rig, hypotheses[i], near, legs, machine)
 
-    own = dict(zip(trues, side_by_side(found_back, trues), strict=True))
+    own = dict(zip(trues, side_by_side(itself, trues), strict=True))
 
     def distance(pair: Pair) -> tuple[float, int]:
-        (i, j), back = pair, own[pair[0]]
-        machine = _machine(rig, hypotheses[i], np.zeros(len(hypotheses[i].unknowns)), runs[i])
-        if back is None or machine is None:
+        i, j = pair
+        if (found := own[i]) is None:
             return 0.0, 0
+        machine, back = found
         shown = shown_along(rig, hypotheses[j], legs, runs[i])
         if shown is None:  # its plant runs away where the true one does not
             return np.inf, back.steps
@@ -114,8 +116,8 @@ def distances(
         fitted = refitted(rig, hypotheses[j], machine.record, shown, legs, runs[i], start)
         return max(fitted.squares - back.squares, 0.0), back.steps + fitted.steps
 
-    found = side_by_side(distance, pairs)
-    return [left for left, _ in found], sum(steps for _, steps in found)
+    each = side_by_side(distance, pairs)
+    return [left for left, _ in each], sum(steps for _, steps in each)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from controllers.interface import Controller
 from plants.axis import name_along
-from plants.equation import fields, from_array, replaced, to_array
+from plants.equation import fields, from_array, named, replaced, to_array
 from plants.interface import Measurement
 from workbench.design.pieces import Condition, Reach
 from workbench.diagnose.residuals.along import Along
@@ -116,8 +116,7 @@ class Rig:
         at rest, and which of them a rig has is no question of its parameters.
         """
         setup = self.setup(values, condition, run.time.size, whole=moved is not None)
-        begun = dict(zip((item.name for item in fields(run.plant.State)), run.states[0].tolist(), strict=True))
-        state = replaced(setup.state, begun)
+        state = replaced(setup.state, named(from_array(run.plant.State, run.states[0].tolist())))
         if moved is not None:
             state = from_array(type(state), (to_array(state) + moved).tolist())
         feeds = (self._command(run.command, values),)

@@ -68,13 +68,14 @@ def _with_gains(
     controllers = tables["controllers"]
     found: dict[str, object] = dict(controllers)
     own = tables.get("controller") or next(iter(controllers), None)
-    for name, table in controllers.items():
-        if not isinstance(table, dict) or KEY not in table:
-            continue  # what is no table is told when the case is resolved
-        try:
-            rpm = rpm_of(tables)
-        except QuantityError as error:
-            raise study.error((*axes_key(study, case), "rpm"), str(error)) from None
+    filed = {name: table for name, table in controllers.items() if isinstance(table, dict) and KEY in table}
+    if not filed:
+        return found  # what is no table is told when the case is resolved
+    try:
+        rpm = rpm_of(tables)
+    except QuantityError as error:
+        raise study.error((*axes_key(study, case), "rpm"), str(error)) from None
+    for name, table in filed.items():
         filled = gains(name, table, study.path.parent, rpm, machine)
         if not isinstance(filled, UserError):
             found[name] = filled

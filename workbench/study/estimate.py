@@ -11,10 +11,14 @@ import numpy as np
 from scipy.optimize import nnls
 
 from workbench.parallel.workers import job_count
+from workbench.publish.tables import shown_number
 from workbench.study.case_runs import case_runs, compiled
 from workbench.study.plan import Plan
 from workbench.study.sketches import sketched
 from workbench.study.store import Row
+
+DIGITS = 2
+"""Of an estimate."""
 
 SAMPLED = 24
 """Cases that are run, at most."""
@@ -93,20 +97,15 @@ def _bytes(row: Row) -> float:
     return sum(3.0 * len(value) if isinstance(value, str) else COPIES for value in found)
 
 
-def _about(number: float) -> str:
-    """Two digits, and no power of ten."""
-    return f"{float(f'{number:.2g}'):g}"
-
-
 def _duration(seconds: float) -> str:
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
-            return f"{_about(seconds / size)} {unit}"
-    return f"{_about(seconds)} s"
+            return f"{shown_number(seconds / size, DIGITS)} {unit}"
+    return f"{shown_number(seconds, DIGITS)} s"
 
 
 def _size(count: float) -> str:
     for unit, size in (("GB", 1e9), ("MB", 1e6)):
         if count >= size:
-            return f"{_about(count / size)} {unit}"
+            return f"{shown_number(count / size, DIGITS)} {unit}"
     return f"{max(count / 1e3, 1.0):.0f} kB"

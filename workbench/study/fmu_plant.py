@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from controllers.interface import Reference
-from plants.equation import Field, fields, leaves, named_tuple
+from plants.equation import Field, fields, named, named_tuple
 from plants.interface import SENSORS, Measurement, Plant
 from workbench.errors import UserError, few_of, nearest
 from workbench.fmu.description import NUMBERS, Fmu, FmuVariable, read_fmu
@@ -62,7 +62,7 @@ class ForeignPlant:
 
     def inputs(self, believed: NamedTuple) -> NamedTuple:
         """Its inputs, of those of the model."""
-        known = dict(zip((item.name for item in fields(type(believed))), leaves(believed), strict=True))
+        known = named(believed)
         return self.plant.Inputs._make([known[name] for name in self.plant.Inputs._fields])
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from controllers.pid import PID
 from controllers.pid import Settings as PidSettings
-from plants.equation import NumbersT, fields, from_array, to_array
+from plants.equation import NumbersT, fields, from_array, named
 from workbench.errors import UserError
 from workbench.linear.margins import Margins
 from workbench.linear.open_loop import margins
@@ -197,7 +197,7 @@ def _believed(setup: Setup, belief: Numbers) -> Setup:
 
 def _part(cls: type[NumbersT], of: Numbers) -> NumbersT:
     """Those numbers, by name, that a class has."""
-    values = dict(zip((item.name for item in fields(type(of))), to_array(of).tolist(), strict=True))
+    values = named(of)
     return from_array(cls, [values[item.name] for item in fields(cls)])
 
 

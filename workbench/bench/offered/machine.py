@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
-from plants.equation import NEGATIVE, fields, to_array
+from plants.equation import NEGATIVE, fields, named
 from plants.laws.registry import LAWS
 from plants.registry import PLANTS
 from workbench.bench.knobs import Choice, Control, Knob, ranged
@@ -132,8 +132,7 @@ def _parameters(loop: BenchLoop, table: str) -> Iterator[Knob]:
     values = parsed.values.true if table == "plant" else parsed.values.believed
     entries = _entries(loop, table)
     source = loop.resolved.setup.parameters if table == "plant" else loop.resolved.belief
-    cls: Any = type(source)
-    numbers = dict(zip((item.name for item in fields(cls)), to_array(source).tolist(), strict=True))
+    numbers: Any = named(source)
     for item in fields(bare.Parameters):
         name = item.name
         if name == FLOW_SHARE or name in WORDS or name in NEUTRAL:

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.metrics.registry import names_along
 from workbench.study.plan import Plan
 from workbench.study.report.figures import write_figure
 from workbench.study.report.page import write_results_page
+from workbench.study.report.select import with_cycles
 from workbench.study.report.tables import write_table
 from workbench.study.sections import overlays_of, sections_of
 from workbench.study.study import Study
@@ -41,8 +41,7 @@ def write_pages(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:
 
 def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write each limit cycle whose size is known beside its describing-function prediction; none where none is."""
-    sizes = frame[names_along(planned.axis)["limit_cycle_amplitude_m"]]
-    if not (frame["limit_cycle"].isin(["sustained", "decaying", "too_short"]) & sizes.notna()).any():
+    if with_cycles(frame, planned.axis).empty:
         return []
     from workbench.study.report.limit_cycles import write_limit_cycles  # a study without cycles waits for no CasADi
 

@@ -14,6 +14,7 @@ from workbench.publish.along import SHOWN
 from workbench.publish.tables import Table, shown_number, write_frame
 from workbench.simulation.setup import Setup
 from workbench.study.plan import Plan
+from workbench.study.report.select import with_cycles
 
 NAME = "limit_cycles"
 TITLE = "Limit cycles: simulated against describing function"
@@ -33,9 +34,8 @@ def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
     `frame` holds the results of `planned`, its index that of the cases.
     """
     shown, size = SHOWN[planned.axis], names_along(planned.axis)["limit_cycle_amplitude_m"]
-    cycling = frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(subset=size)
     lines = []
-    for index, row in cycling.iterrows():
+    for index, row in with_cycles(frame, planned.axis).iterrows():
         number = int(str(index))
         setup = planned.resolved[number].setup
         asked = _applies(setup)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError, few_of, nearest
+from workbench.metrics.registry import names_along
 from workbench.study.names import comparable, in_words
 from workbench.study.store import trajectory_path
 
@@ -18,6 +19,12 @@ OUTCOME = "outcome"
 def axes_of(columns: Iterable[object]) -> list[str]:
     """Those columns of results that tell the cases apart."""
     return list(takewhile(lambda name: name != OUTCOME, map(str, columns)))
+
+
+def with_cycles(frame: pd.DataFrame, axis: str) -> pd.DataFrame:
+    """The cases of plants along an axis that hold a limit cycle whose size is known."""
+    size = names_along(axis)["limit_cycle_amplitude_m"]
+    return frame[frame["limit_cycle"].isin(["sustained", "decaying", "too_short"])].dropna(subset=size)
 
 
 def rows(frame: pd.DataFrame, where: Mapping[str, object]) -> pd.DataFrame:
