@@ -77,17 +77,18 @@ def main() -> int:
     return int(found)
 
 
+class Shown(Sandbox):
+    """A sandbox that prints the files that are put into it."""
+
+    def put(self, name: str, content: bytes) -> Path:
+        print(f"--- {name}\n{content.decode(errors='backslashreplace')[:20000]}")
+        return super().put(name, content)
+
+
 def _one(kind: str, seed: int, number: int) -> int:
     """One mutant: its files as they are put down, and what is found."""
-    put = Sandbox.put
-
-    def shown(sandbox: Sandbox, name: str, content: bytes) -> Path:
-        print(f"--- {name}\n{content.decode(errors='backslashreplace')[:20000]}")
-        return put(sandbox, name, content)
-
-    Sandbox.put = shown  # type: ignore[method-assign]
     with tempfile.TemporaryDirectory() as folder:
-        one = trial(Sandbox(Path(folder)), kind, seed, number)
+        one = trial(Shown(Path(folder)), kind, seed, number)
     print(f"--- {one.done}")
     for finding in one.findings:
         print(f"{finding.kind}: {finding.what}")

@@ -15,11 +15,11 @@ Place = tuple[Any, Any]
 
 def places(data: object) -> list[Place]:
     """All places of a file's content."""
-    keys: Sequence[Any] = list(data) if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ()
+    entries = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     found: list[Place] = []
-    for key in keys:
+    for key, value in entries:
         found.append((data, key))
-        found += places(data[key])  # type: ignore[index]
+        found += places(value)
     return found
 
 
