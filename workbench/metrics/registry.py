@@ -12,6 +12,9 @@ _OURS = (LAG, STEADY_STATE, ERRORS, SETTLING, LIMIT_CYCLE, COST, FRICTION)
 
 OUTCOME = Column("outcome", "1", "the run in words; one that diverged has no other figure")
 
+WORDS = (OUTCOME.name, "limit_cycle")
+"""Columns of ours that hold words."""
+
 SOLVER = (
     Column(
         "solver_error_m", "m", "largest distance of the positions from a finer integration; the study runner adds it"

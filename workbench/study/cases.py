@@ -124,6 +124,24 @@ class Cases(Sequence[Case]):
         drawn = {DRAW: self.draws.numbers[turn]} if self.draws is not None else {}
         return {**named, **point, **drawn}
 
+    def columns_of(self, indices: np.ndarray) -> dict[str, list[object]]:
+        """What tells these cases apart, by column a value for each, None where a case has none."""
+        bases, turns = np.divmod(indices, self.repeats)
+        places = bases if self._places is None else self._places[bases]
+        owners = np.searchsorted(self._ends, places, side="right")
+        found: dict[str, np.ndarray] = {axis: np.full(len(indices), None, dtype=object) for axis in self.axes}
+        for number, block in enumerate(self._blocks):
+            own = np.flatnonzero(owners == number)
+            if block.name is not None:
+                found[CASE][own] = block.name
+            left = places[own] - (self._ends[number] - block.size)
+            for axis, values in reversed([*block.axes.items()]):
+                left, at = np.divmod(left, len(values))
+                found[axis][own] = _objects(values)[at]
+        if self.draws is not None:
+            found[DRAW] = _objects(self.draws.numbers)[turns]
+        return {axis: values.tolist() for axis, values in found.items()}
+
     @functools.cached_property
     def axes(self) -> dict[str, list[object]]:
         """The columns that tell the cases apart, each with its values, as they first occur."""
@@ -201,6 +219,11 @@ class Cases(Sequence[Case]):
         firsts = tuple(0 if i in numbers else slice(None) for i in range(len(shape)))
         lines = [tuple(slice(None) if i == line else firsts[i] for i in range(len(shape))) for line in numbers]
         return np.unique(np.concatenate([np.ravel(grid[at]) for at in (firsts, *lines)]))
+
+
+def _objects(values: Sequence[object]) -> np.ndarray:
+    """Values as they are, lists among them."""
+    return np.fromiter(values, dtype=object, count=len(values))
 
 
 def _distinct(lists: Sequence[Sequence[object]]) -> list[object]:

@@ -4,6 +4,7 @@ Each is written as PDF (for a thesis), SVG (for a page) and PNG.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,17 @@ from workbench.publish.notebook import NotebookFigure
 from workbench.publish.pictures import save
 from workbench.publish.style import COLOURS, PANEL_HEIGHT, REFERENCE, WIDTH, LineStyle, figure_style, line_style, marker
 from workbench.publish.tables import shown_number, with_unit
+from workbench.publish.words import listed
 from workbench.simulation.run import COMPLETED
 from workbench.study.axis_values import are_names, numbers, shown_unit
-from workbench.study.names import shown_factor, signal_units, unit_of_column
+from workbench.study.names import shown_factor, signal_units
 from workbench.study.report.schema import Curve, FigureSpec, Panel
 from workbench.study.report.select import rows, trajectory
+from workbench.study.report.summary import in_words, summary_unit, taken
 from workbench.study.sections import Overlay
+
+BAND: dict[str, Any] = {"alpha": 0.2, "linewidth": 0.0}
+"""How what lies between two quantiles is shaded."""
 
 BELOW_LABELS = 30.0
 """Points below a panel at which its note stands."""
@@ -56,6 +62,7 @@ def _draw_panel(
     axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[Overlay]
 ) -> None:
     number, x_unit, y_unit = -1, _x_unit(panel, frame), _y_unit(panel, frame)
+    counts = list[int]()
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
     if panel.measured_rpm is not None:
         _draw_measured(axes, panel, x_unit, y_unit, measured)
@@ -69,7 +76,7 @@ def _draw_panel(
         if curve.style == "points":
             style |= {"linestyle": "none", "marker": marker(number)}
         if panel.x in frame.columns:
-            _draw_column(axes, panel, x_unit, y_unit, curve, frame, number, style)
+            counts += _draw_column(axes, panel, x_unit, y_unit, curve, frame, number, style)
         else:
             table = trajectory(folder, frame, curve.where, f"figure {name}")
             _draw_signal(axes, panel, x_unit, y_unit, curve, table, style, signal_units(_axis(frame)))
@@ -81,10 +88,10 @@ def _draw_panel(
         axes.set_xlim(*panel.x_range)
     if panel.y_range:
         axes.set_ylim(*panel.y_range)
-    if panel.note:
+    if note := ". ".join(text for text in (panel.note, _said(panel, counts) if panel.over else "") if text):
         below: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": "small"}
-        axes.annotate(panel.note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
-    if panel.levels or panel.measured_rpm is not None or any(curve.label for curve in panel.curves):
+        axes.annotate(note, (1.0, 0.0), (0.0, -BELOW_LABELS), ha="right", va="top", **below)
+    if panel.levels or panel.measured_rpm is not None or any(curve.label or curve.band for curve in panel.curves):
         beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
         placed: dict[str, Any] = beside if panel.legend == "outside" else {"loc": panel.legend}
         axes.legend(**placed)
@@ -108,7 +115,8 @@ def _y_unit(panel: Panel, frame: pd.DataFrame) -> str:
         return panel.y_unit
     of_signals = signal_units(_axis(frame))
     units = {
-        unit_of_column(curve.y) if panel.x in frame.columns else of_signals.get(curve.y, "1") for curve in panel.curves
+        summary_unit(curve, curve.y) if panel.x in frame.columns else of_signals.get(curve.y, "1")
+        for curve in panel.curves
     }
     if panel.measured_rpm is not None:
         units.add("N")
@@ -179,23 +187,30 @@ def _draw_column(
     frame: pd.DataFrame,
     number: int,
     style: LineStyle,
-) -> None:
+) -> list[int]:
+    """Draw a curve over a column of the results; returns of how many cases each of its points is."""
     found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
-    scale = shown_factor(unit_of_column(curve.y), y_unit)
+    scale = shown_factor(summary_unit(curve, curve.y), y_unit)
     names = are_names(frame[panel.x].dropna().tolist())
 
     def placed(values: Sequence[float | str]) -> Sequence[float | str]:
         return list(map(literal, map(str, values))) if names else numbers(panel.x, values, x_unit)
 
-    x = placed(found[panel.x].tolist())
     marked: LineStyle = {"marker": marker(number), **style}
-    axes.plot(x, found[curve.y] * scale, label=curve.label or None, **marked)
-    unlike = found[found["outcome"] != COMPLETED]
-    if len(unlike):
-        outcomes = ", ".join(dict.fromkeys(unlike["outcome"].astype(str)))
-        points = placed(unlike[panel.x].tolist())
+    points = _points(found, panel, curve)
+    x = placed([point.x for point in points])
+    axes.plot(x, [point.y * scale for point in points], label=curve.label or None, **marked)
+    if curve.band is not None:
+        low, high = ([point.band[end] * scale for point in points] for end in (0, 1))
+        first = next(each for each in panel.curves if each.band == curve.band) is curve
+        label = f"{100.0 * curve.band[0]:g} to {100.0 * curve.band[1]:g} % of the cases" if first else None
+        axes.fill_between(x, low, high, color=style["color"], label=label, **BAND)
+    unlike = [point for point in points if point.outcomes]
+    if unlike:
+        outcomes = ", ".join(dict.fromkeys(outcome for point in unlike for outcome in point.outcomes))
         hollow: LineStyle = {**marked, "linestyle": "none"}
-        axes.plot(points, unlike[curve.y] * scale, label=outcomes, markerfacecolor="white", zorder=3, **hollow)
+        x, y = placed([point.x for point in unlike]), [point.y * scale for point in unlike]
+        axes.plot(x, y, label=outcomes, markerfacecolor="white", zorder=3, **hollow)
     if curve.published:
         axes.plot(
             placed(list(curve.published)),
@@ -206,3 +221,50 @@ def _draw_column(
             color=COLOURS[-1],
             label="published",
         )
+    return [point.cases for point in points]
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A point of a curve: what is drawn there, between which quantiles a band lies, outcomes but "completed", and how
+    many cases it is of.
+    """
+
+    x: Any
+    y: float
+    band: tuple[float, float]
+    outcomes: Sequence[str]
+    cases: int = 1
+
+
+def _points(found: pd.DataFrame, panel: Panel, curve: Curve) -> list[_Point]:
+    """The points of a curve over a column of the results: one for each case, or for each x where it is over several."""
+    if pd.api.types.is_string_dtype(found[curve.y]) and curve.take != "share":
+        raise UserError(f'curve of "{curve.y}": its values are words; a share of them can be drawn with over')
+    outcomes = found["outcome"].astype(str)
+    if not panel.over:
+        columns = (found[panel.x], found[curve.y].astype(float), outcomes)
+        return [
+            _Point(x, y, (y, y), [outcome] if outcome != COMPLETED else [])
+            for x, y, outcome in zip(*columns, strict=True)
+        ]
+    points = []
+    for x, cases in found.groupby(panel.x, sort=False):
+        y, unlike = taken(cases[curve.y].tolist(), curve, curve.y), outcomes[cases.index]
+        if y is None or isinstance(y, str):
+            continue  # a standard deviation of one
+        low, high = np.quantile(cases[curve.y].to_numpy(dtype=float), curve.band).tolist() if curve.band else (y, y)
+        points.append(_Point(x, y, (low, high), [*dict.fromkeys(unlike[unlike != COMPLETED])], len(cases)))
+    return points
+
+
+def _said(panel: Panel, counts: Sequence[int]) -> str:
+    """What the points of a panel over several cases are."""
+    takes = list(dict.fromkeys(in_words(curve, curve.y) for curve in panel.curves))
+    said = (
+        takes[0]
+        if len(takes) == 1
+        else "; ".join(f"{curve.label}: {in_words(curve, curve.y)}" for curve in panel.curves)
+    )
+    number = " to ".join(str(count) for count in dict.fromkeys((min(counts, default=0), max(counts, default=0))))
+    return f"Over {listed(panel.over)}, {number} cases a point: {said}"

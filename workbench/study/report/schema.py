@@ -1,6 +1,7 @@
 """What a study file may ask of its results: probes, tables, figures, and pages."""
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
@@ -8,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 from workbench.toml.file_names import FileName
 from workbench.toml.quantities import Second
 from workbench.toml.reading import Strict
+from workbench.toml.units import si
 
 MOST_PANELS, MOST_CURVES = 40, 400
 """Of a figure, one above the other, and of a panel: more nobody reads, and no picture can be so high."""
@@ -82,7 +84,50 @@ class Probe(Strict):
         return self
 
 
-class Column(Strict):
+SHARES = ("share", "share_below")
+"""What is a share of cases, whatever the unit of their values."""
+
+LEVELLED = ("share_below", "quantile")
+"""What is taken at a level."""
+
+
+class Summary(Strict):
+    """What is taken of the values of several cases, where a table or a panel is `over` the axes that tell these apart.
+
+    Cases without a value are left out. `share` counts those that have one of the words in `of`, `share_below` those
+    whose magnitude is below `level`; `quantile` interpolates linearly; `standard_deviation` is that of a sample.
+    """
+
+    take: (
+        Literal["mean", "median", "minimum", "maximum", "standard_deviation", "quantile", "share", "share_below"] | None
+    ) = None
+    """What is taken, with `over`."""
+    level: float | str | None = None
+    """Of `quantile`, from 0 to 1, and of `share_below`, a quantity."""
+    of: list[str] = []
+    """The words that a `share` counts."""
+
+    @model_validator(mode="after")
+    def _has_what_it_takes(self) -> "Summary":
+        if (self.take in LEVELLED) != (self.level is not None):
+            raise ValueError('level belongs to take = "quantile" and "share_below", which need one')
+        if (self.take == "share") != bool(self.of):
+            raise ValueError('of belongs to take = "share", which needs the words that count')
+        if self.take == "quantile" and not 0.0 <= si(self.level, "1") <= 1.0:
+            raise ValueError(f"level: got {self.level}, expected a share from 0 to 1")
+        return self
+
+
+def _check_summaries(over: Sequence[str], summaries: Mapping[str, Summary]) -> None:
+    """Raise ValueError where some of what has these names has nothing to take, or something and no several cases."""
+    for name, summary in summaries.items():
+        if over and summary.take is None:
+            raise ValueError(f'{name}: expected a take such as "median" for its cases over {" and ".join(over)}')
+        if not over and summary.take is not None:
+            raise ValueError(f'{name}: take = "{summary.take}" needs over, such as over = ["draw"]')
+
+
+class Column(Summary):
     """One column of a table over an axis: a figure of the results, beside its published values by axis value.
 
     `against` holds values by axis value for each of the table's `references`. `where` picks its cases among those of
@@ -108,7 +153,7 @@ class Column(Strict):
     """What is smaller is shown as less than this."""
 
 
-class Row(Strict):
+class Row(Summary):
     """One row of a table of single figures; `against` holds a value for each of the table's `references`."""
 
     where: dict[str, Any] = {}
@@ -162,6 +207,8 @@ class TableSpec(Strict):
     """A second axis, whose values stand side by side."""
     places: bool | None = None
     """Whether each value has its place among its neighbours."""
+    over: list[str] = []
+    """Axes, such as `draw`, of whose cases each figure takes what its `take` says."""
     where: dict[str, Any] = {}
     """Picks its cases."""
     columns: list[Column] = Field([], max_length=MOST_CURVES)
@@ -182,10 +229,15 @@ class TableSpec(Strict):
         headings = [(column.label, column.unit) for column in self.columns]
         if len(set(headings)) < len(headings):
             raise ValueError("two columns have the same label: expected different ones")
+        for axis in (self.index, self.across):
+            if axis in self.over:
+                raise ValueError(f'over: "{axis}" is an axis of the table')
+        figures: Sequence[Column | Row] = (*self.columns, *self.rows)
+        _check_summaries(self.over, {f'"{each.label}"': each for each in figures})
         return self
 
 
-class Curve(Strict):
+class Curve(Summary):
     """One line of a panel: a signal of the run that `where` picks, or a column of the results over an axis.
 
     One without a label, behind one that has a label, goes on with the line before it: the same of another run.
@@ -201,10 +253,20 @@ class Curve(Strict):
     """In the legend; without one the line before goes on."""
     fit: Literal["line", "cubic"] | None = None
     """Regression drawn beside it, written into the legend."""
+    band: tuple[float, float] | None = None
+    """Two quantiles, from 0 to 1, between which it is shaded, with `over`."""
     published: dict[str, float] = {}
     """Values to draw beside it, by axis value."""
     style: Literal["line", "points", "reference"] = "line"
     """How it is drawn."""
+
+    @model_validator(mode="after")
+    def _has_a_band(self) -> "Curve":
+        if self.band is not None and not 0.0 <= self.band[0] < self.band[1] <= 1.0:
+            raise ValueError(f"band: got {list(self.band)}, expected two quantiles from 0 to 1, the lower one first")
+        if self.band is not None and (self.take is None or self.take in SHARES):
+            raise ValueError("band: belongs to a take of values over several cases")
+        return self
 
 
 class Panel(Strict):
@@ -256,6 +318,8 @@ class Panel(Strict):
     """Draws the measured friction of [friction_curves] at this speed of rotation."""
     note: Words = ""
     """In the panel."""
+    over: list[str] = []
+    """Axes, such as `draw`, of whose cases each curve takes what its `take` says, in a panel of results."""
     curves: list[Curve] = Field(min_length=1, max_length=MOST_CURVES)
     """What is drawn."""
 
@@ -263,6 +327,13 @@ class Panel(Strict):
     def _measured_over_velocity(self) -> "Panel":
         if self.measured_rpm is not None and self.x != "velocity":
             raise ValueError('measured_rpm draws measured friction over velocity: expected x = "velocity"')
+        return self
+
+    @model_validator(mode="after")
+    def _takes_of_several(self) -> "Panel":
+        if self.x in self.over:
+            raise ValueError(f'over: "{self.x}" is the axis of the panel')
+        _check_summaries(self.over, {f'curve of "{curve.y}"': curve for curve in self.curves})
         return self
 
 

@@ -1,6 +1,6 @@
 """Picking rows of the results, and the trajectories that belong to them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from itertools import takewhile
 from pathlib import Path
 
@@ -56,11 +56,22 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> p
     Raises:
         UserError: none, or more than one.
     """
+    return alike(frame, where, (), purpose).iloc[0]
+
+
+def alike(frame: pd.DataFrame, where: Mapping[str, object], over: Collection[str], purpose: str) -> pd.DataFrame:
+    """The rows that `where` picks, which only the axes in `over` tell apart: a single one without any.
+
+    Raises:
+        UserError: none, or others too.
+    """
     found = rows(frame, where)
-    if len(found) != 1:
+    apart = [name for name in axes_of(frame.columns) if name not in over and found[name].nunique(dropna=False) > 1]
+    if found.empty or apart or (not over and len(found) > 1):
         number = f"{len(found) or 'no'} case{'s' * (len(found) > 1)}"
-        raise UserError(f"{purpose}: {number} for {in_words(where) or 'no condition'}, expected one")
-    return found.iloc[0]
+        wanted = f"expected those of one {', '.join(apart)}" if over and apart else "expected one"
+        raise UserError(f"{purpose}: {number} for {in_words(where) or 'no condition'}, {wanted}")
+    return found
 
 
 def _axes(row: pd.Series) -> dict[str, object]:

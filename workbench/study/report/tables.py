@@ -1,9 +1,11 @@
 """Thesis-style tables: ours beside each published value and the difference, as CSV, Markdown and LaTeX."""
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import pandas as pd
 
@@ -15,18 +17,20 @@ from workbench.publish.tables import (
     with_unit,
     write_frame,
 )
+from workbench.publish.words import listed
 from workbench.study.names import matches, shown_factor, unit_of_column
-from workbench.study.report.schema import Column, Row, TableSpec
-from workbench.study.report.select import axes_of, one_row, rows
-from workbench.study.report.table_layout import Heading, LayoutError, lay_out
+from workbench.study.report.schema import SHARES, Column, Row, TableSpec
+from workbench.study.report.select import alike, axes_of, rows
+from workbench.study.report.summary import in_words, summary_unit, taken
+from workbench.study.report.table_layout import Heading, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
 PLACES = "In brackets the place in the column."
 
-ResultRow: TypeAlias = Mapping[str, float | str | None]
-"""A row of the results, by column."""
+Values: TypeAlias = Mapping[str, Sequence[Any]]
+"""Columns of the results by name, a value for each case: a number or words, NaN or None without."""
 
 
 def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
@@ -35,28 +39,63 @@ def make_table(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
     Raises:
         UserError: a row asks for a case that does not exist, or a place of the table for two cases.
     """
-    return _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
+    return _made(spec, frame)[0]
 
 
-def _shown(row: ResultRow, figure: Column | Row) -> tuple[str, float | None]:
-    """A figure of a case as text in the unit shown, and as a number in it if it is one."""
-    value = row[figure.result]
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "", None
+def _made(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """A table, and what each of its figures is taken of where they are over several cases."""
+    try:
+        table, taken_of = _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
+    except ValueError as error:
+        raise UserError(f"table {spec.name}: {error}") from None
+    return table, [f"Over {listed(spec.over)}: {'; '.join(taken_of)}."] if taken_of else []
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A figure as text in the unit shown, as a number in it if it is one, and of how many cases it is taken.
+
+    A magnitude below `floor` says nothing.
+    """
+
+    text: str = ""
+    number: float | None = None
+    floor: float = 0.0
+    taken_of: int = 0
+
+
+EMPTY = Cell()
+
+
+def _cell(columns: Values, places: Sequence[int], figure: Column | Row) -> Cell:
+    """The figure of the cases at these places: of one, or what is taken of all."""
+    values = [columns[figure.result][place] for place in places]
+    value = taken(values, figure, figure.result)
+    if value is None:
+        return EMPTY
+    count = sum(each is not None and each == each for each in values)
     if isinstance(value, str):
-        return value, None
-    number = float(value) * shown_factor(unit_of_column(figure.result), figure.unit)
-    floor = _floor(row, figure)
-    return (f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)), number
+        return Cell(value, taken_of=count)
+    factor = shown_factor(summary_unit(figure, figure.result), figure.unit)
+    number, floor = value * factor, _floor(columns, places, figure, factor)
+    text = f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)
+    return Cell(text, number, floor, count)
 
 
-def _floor(row: ResultRow, figure: Column | Row) -> float:
-    """The magnitude, in the unit shown, below which a figure of a case says nothing."""
+def _floor(columns: Values, places: Sequence[int], figure: Column | Row, factor: float) -> float:
+    """The magnitude, in the unit shown, below which a figure of these cases says nothing."""
     own = next((name for name in SOLVER_ERRORS if figure.result.endswith(name.removeprefix("solver"))), None)
-    solver_error = None if own is None else row.get(own)
-    if figure.result == own or isinstance(solver_error, str | None) or math.isnan(solver_error):
+    if own is None or own not in columns or figure.result == own or figure.take in SHARES:
         return figure.least
-    return max(figure.least, float(solver_error) * shown_factor(unit_of_column(figure.result), figure.unit))
+    errors = [float(error) for error in (columns[own][place] for place in places) if error is not None]
+    return max([figure.least, *(error * factor for error in errors if not math.isnan(error))])
+
+
+def _values(frame: pd.DataFrame, figures: Iterable[Column | Row], axes: Sequence[str]) -> Values:
+    """What tells cases apart, and what a table shows of them, by column."""
+    shown = {figure.result for figure in figures}
+    names = [name for name in map(str, frame.columns) if name in shown or name in axes or name in SOLVER_ERRORS]
+    return {name: frame[name].tolist() for name in names}
 
 
 def _compared(number: float | None, reference: float | None, digits: int) -> tuple[str, str, str]:
@@ -82,76 +121,80 @@ def _beside(
     return {f"{label}, {heading}" if label else heading: cell for heading, cell in cells.items()}
 
 
-def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
-    for column in spec.columns:
-        rows(frame.head(0), {**spec.where, **column.where})  # names that the results lack are told
-    own = rows(frame, spec.where)
-    records = [{str(name): value for name, value in row.items()} for row in own.to_dict("records")]
+def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    conditions = [{**spec.where, **column.where} for column in spec.columns]
+    for where in conditions:
+        rows(frame.head(0), where)  # names that the results lack are told
     axes = axes_of(frame.columns)
-    try:
-        layout = lay_out(spec, records, axes)
-    except LayoutError as error:
-        raise UserError(f"table {spec.name}: {error}") from None
+    columns = _values(rows(frame, spec.where), spec.columns, [*axes, str(spec.index), *itertools.chain(*conditions)])
+    layout = lay_out(spec, columns, axes)
     several = sum(bool(column.published or column.against) for column in spec.columns) > 1
     headed = {spec.index: spec.index_label or str(spec.index)}
     table = pd.DataFrame(
         [{headed.get(name, name): _label(value) for name, value in line.values.items()} for line in layout.lines]
     )
+    taken_of = []
     for number, heading in enumerate(layout.headings):
-        places = [line.cases[number] for line in layout.lines]
-        cases = [None if place is None else records[place] for place in places]
-        found = _cells(spec, heading, cases, [line.values[str(spec.index)] for line in layout.lines], several)
+        cells = [_cell(columns, line.cases[number], heading.column) for line in layout.lines]
+        found = _beneath(spec, heading, cells, [line.values[str(spec.index)] for line in layout.lines], several)
         table = pd.concat([table, pd.DataFrame(found)], axis=1)
-    return table
+        if spec.over:
+            taken_of.append(_taken_of(heading.column, _heading(heading), cells))
+    return table, taken_of
+
+
+def _taken_of(figure: Column | Row, label: str, cells: Sequence[Cell]) -> str:
+    """What a figure is of how many cases, in words."""
+    counts = sorted({cell.taken_of for cell in cells if cell.taken_of})
+    number = " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))) if counts else "no"
+    return f'"{label}" is the {in_words(figure, figure.result)} of {number} case{"" if number == "1" else "s"}'
 
 
 def _unit(figure: Column | Row) -> str:
     """The unit in which a figure is shown: as it is stored, in SI, unless it says so."""
-    return unit_of_column(figure.result) if figure.unit == "1" else figure.unit
+    return summary_unit(figure, figure.result) if figure.unit == "1" else figure.unit
 
 
-def _cells(
-    spec: TableSpec,
-    heading: Heading,
-    cases: Sequence[ResultRow | None],
-    values: Sequence[object],
-    several: bool,
+def _heading(heading: Heading) -> str:
+    column = heading.column
+    return column.label if heading.across is None else f"{column.label}, {_label(heading.across)}"
+
+
+def _beneath(
+    spec: TableSpec, heading: Heading, cells: Sequence[Cell], values: Sequence[object], several: bool
 ) -> list[dict[str, str]]:
     """What stands under a heading, line by line: a figure with its place, or beside its published value."""
     column = heading.column
-    shown = [("", None) if case is None else _shown(case, column) for case in cases]
-    label = column.label if heading.across is None else f"{column.label}, {_label(heading.across)}"
-    title = with_unit(label, _unit(column))
+    title = with_unit(_heading(heading), _unit(column))
     if heading.across is not None and spec.places is not False:
-        return [{title: text} for text in _placed(column, shown, cases)]
+        return [{title: text} for text in _placed(column, cells)]
     by_reference: dict[str, dict[str, float]] = {spec.compared_with: column.published} if column.published else {}
     by_reference |= {name: column.against[name] for name in spec.references if name in column.against}
     if not by_reference:
-        return [{title: text} for text, _ in shown]
+        return [{title: cell.text} for cell in cells]
     found = []
-    for (text, number), value in zip(shown, values, strict=True):
+    for cell, value in zip(cells, values, strict=True):
         references = {name: _at(known, value) for name, known in by_reference.items()}
-        beside = _beside(number, references, column.digits, column.label if several else "")
-        found.append({f"{title}, {OURS}": text} | beside)
+        beside = _beside(cell.number, references, column.digits, column.label if several else "")
+        found.append({f"{title}, {OURS}": cell.text} | beside)
     return found
 
 
-def _placed(column: Column, shown: Sequence[tuple[str, float | None]], cases: Sequence[ResultRow | None]) -> list[str]:
+def _placed(column: Column, cells: Sequence[Cell]) -> list[str]:
     """Figures with their places: the smallest in magnitude first, a power by its value; what says nothing is 0."""
-    sizes = [
-        None if number is None or case is None else _size(column, number, _floor(case, column))
-        for (_, number), case in zip(shown, cases, strict=True)
+    places = pd.Series([_size(column, cell) for cell in cells], dtype=float).rank(method="min")
+    return [
+        cell.text if math.isnan(place) else f"{cell.text} ({place:.0f})"
+        for cell, place in zip(cells, places, strict=True)
     ]
-    places = pd.Series(sizes, dtype=float).rank(method="min")
-    texts = [text for text, _ in shown]
-    return [text if math.isnan(place) else f"{text} ({place:.0f})" for text, place in zip(texts, places, strict=True)]
 
 
-def _size(column: Column, number: float, floor: float) -> float:
+def _size(column: Column, cell: Cell) -> float | None:
     """By what a figure is ordered."""
-    if abs(number) < floor:
-        return 0.0
-    return number if unit_of_column(column.result) == "W" else abs(number)
+    if cell.number is None or abs(cell.number) >= cell.floor:
+        signed = cell.number is None or unit_of_column(column.result) == "W"
+        return cell.number if signed else abs(cell.number or 0.0)
+    return 0.0
 
 
 def _at(known: Mapping[str, float], value: object) -> float | None:
@@ -163,15 +206,23 @@ def _label(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> pd.DataFrame:
-    lines = [_single(spec, row, frame) for row in spec.rows]
+def _of_rows(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    lines, taken_of = [], []
+    for row in spec.rows:
+        cell = _of_row(spec, row, frame)
+        lines.append(_line(spec, row, cell))
+        if spec.over:
+            taken_of.append(_taken_of(row, row.label, [cell]))
     table = pd.DataFrame(lines)
-    return table.drop(columns=[name for name in table.columns if not table[name].any()])
+    return table.drop(columns=[name for name in table.columns if not table[name].any()]), taken_of
 
 
-def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
-    found = one_row(frame, {**spec.where, **row.where}, f'table {spec.name}, row "{row.label}"')
-    text, number = _shown({str(name): value for name, value in found.items()}, row)
+def _of_row(spec: TableSpec, row: Row, frame: pd.DataFrame) -> Cell:
+    found = alike(frame, {**spec.where, **row.where}, spec.over, f'table {spec.name}, row "{row.label}"')
+    return _cell(_values(found, [row], ()), range(len(found)), row)
+
+
+def _line(spec: TableSpec, row: Row, cell: Cell) -> dict[str, str]:
     published: dict[str, float | None] = (
         {spec.compared_with: row.published} if any(each.published is not None for each in spec.rows) else {}
     )
@@ -179,8 +230,8 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
     return {
         "quantity": row.label,
         "unit": "" if (unit := _unit(row)) == "1" else unit,
-        OURS: text,
-        **_beside(number, references, row.digits),
+        OURS: cell.text,
+        **_beside(cell.number, references, row.digits),
         REMARK: row.remark,
     }
 
@@ -188,14 +239,14 @@ def _single(spec: TableSpec, row: Row, frame: pd.DataFrame) -> dict[str, str]:
 def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path]:
     """Write a table as NAME.csv, NAME.md and NAME.tex; returns the paths."""
     own: dict[str, str] = {spec.compared_with: spec.source} if spec.source else {}
-    return write_frame(
-        spec.name, Table(spec.title, make_table(spec, frame), _notes(spec, frame), {**own, **spec.references}), folder
-    )
+    table, taken_of = _made(spec, frame)
+    notes = _notes(spec, frame, taken_of)
+    return write_frame(spec.name, Table(spec.title, table, notes, {**own, **spec.references}), folder)
 
 
-def _notes(spec: TableSpec, frame: pd.DataFrame) -> list[str]:
+def _notes(spec: TableSpec, frame: pd.DataFrame, taken_of: Sequence[str]) -> list[str]:
     has_places = spec.across is not None and spec.places is not False
     conditions = [*(column.where for column in spec.columns), *(row.where for row in spec.rows)]
     shown = pd.concat([rows(frame, {**spec.where, **where}) for where in conditions])
     lines = [f"{line}." for line in unusual(shown[~shown.index.duplicated()], frame)]
-    return [text for text in (PLACES if has_places else "", spec.note, *lines) if text]
+    return [text for text in (PLACES if has_places else "", spec.note, *taken_of, *lines) if text]

@@ -1,0 +1,72 @@
+"""Figures of several cases as one: what a table or a panel shows `over` the draws of a machine, or any other axis."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.study.names import unit_of_column
+from workbench.study.report.schema import SHARES, Summary
+from workbench.toml.units import si
+
+WORDS = {
+    "mean": "mean",
+    "median": "median",
+    "minimum": "least",
+    "maximum": "largest",
+    "standard_deviation": "standard deviation",
+}
+"""What is taken of several values, in words."""
+
+
+def summary_unit(summary: Summary, column: str) -> str:
+    """The unit of what is taken of a column: that of its values, or "1" of a share of them."""
+    return "1" if summary.take in SHARES else unit_of_column(column)
+
+
+def taken(values: Sequence[object], summary: Summary, column: str) -> float | str | None:
+    """What `summary` takes of the values that a column has in some cases: of those that there are.
+
+    A single value where nothing is to be taken; None where there is none, or of one alone a standard deviation.
+
+    Raises:
+        ValueError: words where numbers are needed.
+        QuantityError: a level that is no quantity of the column.
+    """
+    present = [value for value in values if value is not None and value == value]
+    if not present:
+        return None
+    if summary.take is None:
+        value = present[0]
+        return value if isinstance(value, str) else float(np.float64(value))  # type: ignore[arg-type]
+    if summary.take == "share":
+        return sum(str(value) in summary.of for value in present) / len(present)
+    if any(isinstance(value, str) for value in present):
+        raise ValueError(f'take = "{summary.take}" of {column}, whose values are words: expected "share"')
+    numbers = np.array(present, dtype=float)
+    match summary.take:
+        case "share_below":
+            return float(np.mean(np.abs(numbers) < si(summary.level, unit_of_column(column))))
+        case "quantile":
+            return float(np.quantile(numbers, si(summary.level, "1")))
+        case "standard_deviation":
+            return float(np.std(numbers, ddof=1)) if len(numbers) > 1 else None
+        case "mean":
+            return float(np.mean(numbers))
+        case "median":
+            return float(np.median(numbers))
+        case "minimum":
+            return float(np.min(numbers))
+        case "maximum":
+            return float(np.max(numbers))
+
+
+def in_words(summary: Summary, column: str) -> str:
+    """What is taken, as a note says it."""
+    if summary.take == "share":
+        return f"share of {' or '.join(summary.of)}"
+    if summary.take == "quantile":
+        return f"{100.0 * si(summary.level, '1'):g} % quantile"
+    if summary.take == "share_below":
+        unit, level = unit_of_column(column), summary.level
+        return f"share of magnitudes below {level if isinstance(level, str) else f'{level:g} {unit}'}"
+    return WORDS[str(summary.take)]
