@@ -12,12 +12,16 @@ import signal
 import socket
 import sys
 import threading
+import time
 from array import array
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 """Ctrl-C, and what asks a process to end."""
+
+AGAIN = 0.1
+"""s, after which KeyboardInterrupt is raised once more where something has dropped it, as imports of libraries do."""
 
 GRACE = 3.0
 """s. What holds on for longer, such as the compiler, or a library that looks at no signal, ends with the process."""
@@ -53,7 +57,8 @@ def exit_code() -> int:
 @contextmanager
 def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
     """While inside, the first of `SIGNALS` stops every compiled loop and the worker processes at once, and raises
-    KeyboardInterrupt in the main thread; later ones are ignored, and so are those that the process ignores already.
+    KeyboardInterrupt in the main thread, again where it is dropped there; later ones are ignored, and so are those that
+    the process ignores already.
 
     Where the block is not left within `GRACE`, `say` writes what there is to say and the process exits. Outside the
     main thread, which alone is told of signals, the block is left as it is.
@@ -65,11 +70,19 @@ def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
     heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
     inside, outside = socket.socketpair()
     outside.setblocking(False)
-    ended = threading.Event()
-    watcher = threading.Thread(target=_watch, args=(inside, ended, say), name="stopping", daemon=True)
+    ended, due = threading.Event(), threading.Event()
+    due.set()
+
+    def interrupt(number: int, _: object) -> None:
+        if due.is_set():
+            due.clear()
+            request(number)
+            raise KeyboardInterrupt
+
+    watcher = threading.Thread(target=_watch, args=(inside, ended, due, say), name="stopping", daemon=True)
     watcher.start()
     waking = signal.set_wakeup_fd(outside.fileno(), warn_on_full_buffer=False)
-    handlers = {number: signal.signal(number, _interrupt) for number in heard}
+    handlers = {number: signal.signal(number, interrupt) for number in heard}
     said, sys.unraisablehook = sys.unraisablehook, _without_stops(sys.unraisablehook)
     try:
         yield
@@ -114,12 +127,6 @@ def in_a_worker() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
-def _interrupt(number: int, _: object) -> None:
-    ignore()
-    request(number)
-    raise KeyboardInterrupt
-
-
 def _without_stops(hook: Callable[["sys.UnraisableHookArgs"], object]) -> Callable[["sys.UnraisableHookArgs"], object]:
     """What says nothing of a KeyboardInterrupt that Python drops, in a finaliser or while it forks: the flag stays."""
 
@@ -130,15 +137,30 @@ def _without_stops(hook: Callable[["sys.UnraisableHookArgs"], object]) -> Callab
     return say
 
 
-def _watch(inside: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:
+def _watch(inside: socket.socket, ended: threading.Event, due: threading.Event, say: Callable[[], None]) -> None:
     """Wait for a signal, or for the end of the block, which closes the other socket."""
     while received := inside.recv(1):
-        if received[0] not in SIGNALS:
+        number = received[0]
+        if number not in SIGNALS:
             continue
-        request(received[0])
+        request(number)
         if "multiprocessing" in sys.modules:
             for worker in sys.modules["multiprocessing"].active_children():
                 worker.terminate()
-        if not ended.wait(GRACE):
-            say()
-            os._exit(exit_code())
+        latest = time.monotonic() + GRACE
+        while not ended.wait(min(AGAIN, GRACE)):
+            if time.monotonic() > latest:
+                say()
+                os._exit(exit_code())
+            if not due.is_set() and not _is_unwinding():
+                due.set()
+                signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def _is_unwinding() -> bool:
+    """Whether the main thread is handling a KeyboardInterrupt, or what became of one: else it has been dropped."""
+    handled = sys._current_exceptions().get(threading.main_thread().ident or 0)
+    error = handled[1] if isinstance(handled, tuple) else handled
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__context__
+    return error is not None

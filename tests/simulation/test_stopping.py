@@ -59,6 +59,25 @@ with stopping.stopping_on_signals(lambda: print("said", file=sys.stderr, flush=T
 """A process that is told and does not end."""
 
 
+DROPS = """\
+import os, signal, time
+from workbench.cli.progress import say_stopped, stoppable
+from workbench.stopping import stopping_on_signals
+with stopping_on_signals(say_stopped), stoppable("all is well"):
+    try:
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(600.0)
+        except BaseException:
+            pass
+        time.sleep(600.0)
+    finally:
+        time.sleep(0.5)
+        print("tidied", flush=True)
+"""
+"""A process in which something drops the interruption, and which takes its time to tidy up after the next."""
+
+
 LATE = """\
 import atexit, os, signal, sys
 from workbench.cli import main
@@ -161,6 +180,12 @@ def test_a_worker_that_is_ended_before_it_has_begun_stops_nothing_else() -> None
 def test_what_holds_on_ends_with_the_process() -> None:
     done = subprocess.run([sys.executable, "-c", HOLDS_ON], capture_output=True, text=True, timeout=60.0)
     assert (done.returncode, done.stdout, done.stderr) == (143, "", "said\n")
+
+
+def test_what_is_dropped_is_raised_again_and_what_tidies_up_is_left_alone() -> None:
+    """An import of a library drops every exception; the next one comes at once, and no other while it is handled."""
+    done = subprocess.run([sys.executable, "-c", DROPS], capture_output=True, text=True, timeout=60.0)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "tidied\n", "stopped; all is well\n")
 
 
 def test_handlers_are_as_before() -> None:
