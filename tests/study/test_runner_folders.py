@@ -62,9 +62,25 @@ def test_another_study_cannot_be_resumed(tmp_path: Path) -> None:
     out = ran(tmp_path, STUDY)
     before = (out / "results.csv").read_bytes()
     said = complaint(tmp_path, "--out", out, "--resume", study=changed("5 mm", "6 mm"))
-    assert said == "@/results: its results are of another study; start anew with --overwrite, or choose another --out"
+    assert said == (
+        "@/results: its results are of another study (references.sine.amplitude: '5 mm' there, '6 mm' here); start "
+        "anew with --overwrite, or choose another --out"
+    )
     assert (out / "results.csv").read_bytes() == before
     assert (out / "study.toml").read_text(encoding="utf-8") == STUDY
+
+
+@pytest.mark.parametrize(
+    ("study", "said"),
+    [
+        (changed("rpm = [0, 460]", "rpm = [0, 120]"), "(axes.rpm: [0, 460] there, [0, 120] here)"),
+        (f"{STUDY}seed = 3\n", "(simulation.seed: nothing there, 3 here)"),
+        (changed("duration", "sample_time = 0.002\nduration"), "(simulation.sample_time: nothing there, 0.002 here)"),
+    ],
+)
+def test_what_makes_it_another_study_is_said(tmp_path: Path, study: str, said: str) -> None:
+    out = ran(tmp_path, STUDY)
+    assert said in complaint(tmp_path, "--out", out, "--resume", study=study)
 
 
 @pytest.mark.parametrize("left", ["no folder", "an empty folder", "an empty database"])
@@ -101,6 +117,7 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path, place: str) -> None:
     said = complaint(tmp_path, "--out", folder)
     assert "cannot be written (" in said
     assert said.endswith("choose another folder with --out")
+    assert ("(it is a file, or lies in one)" in said) == place.startswith("file")
     assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
 
 

@@ -83,6 +83,10 @@ def test_all_missing_and_unknown_keys_of_a_case_come_at_once(tmp_path: Path) -> 
     [
         (changed('"5 mm"', "20"), "@:13: references.sine: reaches 20 m, the stroke ends at +-0.03 m"),
         (
+            changed('"2 Hz"', '"900 Hz"'),
+            '@:13: references.sine: "sine" has 900 Hz, and a controller sampled at 1000 Hz sees half of that',
+        ),
+        (
             changed('"0.4 s"', '"0.6 s"'),
             '@:19: simulation.duration: "sine" has a period of 0.5 s, and after the transient only 0.4 s are left',
         ),

@@ -30,7 +30,7 @@ def identity_of(plan: Plan) -> dict[str, str]:
     uncertainty, study = plan.study.file.uncertainty, plan.study
     cases = [case for own in plan.cases.values() for case in own.values()]
     return {
-        "study": study.fingerprint,
+        "study": study.computed,
         "[decide]": plan.table.model_dump_json(exclude=OF_THE_ANSWER),
         "[uncertainty]": "" if uncertainty is None else uncertainty.model_dump_json(exclude={"draws"}),
         **led_to_when_drawn(cases),

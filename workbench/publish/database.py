@@ -1,13 +1,14 @@
 """Finished work in SQLite, committed a little while after it is written: what a killed command does not lose."""
 
+import json
 import sqlite3
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from workbench.errors import UserError
+from workbench.errors import UserError, spelled
 
 COMMIT_INTERVAL = 0.25
 """Seconds between two commits, each of which waits for the disk: with that, less than half a second is at stake."""
@@ -129,6 +130,22 @@ def check_identity(database: Database, identity: Mapping[str, str], folder: Path
     for key, value in identity.items():
         if known and known.get(key) != value:
             what = "other parameters or draws" if key == "parameters" else f"another {key}"
+            if key == "study":
+                with suppress(json.JSONDecodeError):  # of an earlier version, which kept a hash
+                    what += _first_difference(json.loads(known[key]), json.loads(value))
             raise UserError(
                 f"{folder}: its results are of {what}; start anew with --overwrite, or choose another --out"
             )
+
+
+def _first_difference(there: object, here: object, place: str = "") -> str:
+    """Where the tables of two studies first differ, in brackets; "" where nothing does."""
+    if isinstance(there, dict) and isinstance(here, dict):
+        keys = dict.fromkeys((*there, *here))
+        found = (_first_difference(there.get(key), here.get(key), f"{place}.{key}".lstrip(".")) for key in keys)
+        return next(filter(None, found), "")
+    return f" ({place}: {_said(there)} there, {_said(here)} here)" if there != here else ""
+
+
+def _said(value: object) -> str:
+    return "nothing" if value is None else spelled(value)

@@ -63,7 +63,9 @@ def held(folder: Path, names: Sequence[str]) -> str:
 
 def unwritable(folder: Path, error: Exception) -> UserError:
     """The error for a folder in which nothing can be made."""
-    return UserError(f"{folder}: cannot be written ({error}); choose another folder with --out")
+    is_file = isinstance(error, FileExistsError | NotADirectoryError)
+    why = "it is a file, or lies in one" if is_file else str(error)
+    return UserError(f"{folder}: cannot be written ({why}); choose another folder with --out")
 
 
 @contextmanager

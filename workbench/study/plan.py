@@ -67,7 +67,7 @@ class Plan:
         led = led_to(self.checked, self.declared)
         drawn = "" if self.cases.draws is None else spreads(self.study, self.checked, self.cases.draws)
         return {
-            "study": self.study.fingerprint,
+            "study": self.study.computed,
             **led,
             "parameters": hashlib.sha256((led["parameters"] + drawn).encode()).hexdigest(),
             "content of its gain files": self._gain_files(),

@@ -93,6 +93,7 @@ def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) 
     return {
         "title": planned.study.file.title,
         **planned.identity,
+        "study": planned.study.fingerprint,
         "cases": len(planned.cases),
         "simulated_seconds": planned.simulated_seconds,
         "seeds": planned.seeds,

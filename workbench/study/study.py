@@ -34,7 +34,7 @@ INDEX = "case_index"
 
 
 REPORTED = {"title", "source", "question", "tables", "figures", "uncertainty"}
-"""What of a study's own tables `fingerprint` leaves out: its report, and machines, which the numbers of a plan tell."""
+"""What of a study's own tables `computed` leaves out: its report, and machines, which the numbers of a plan tell."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,15 @@ class Study:
         return replace(self, file=self.file.model_copy(update={name: table}))
 
     @property
-    def fingerprint(self) -> str:
-        """A hash of what the study computes: of all but its report, and the tables of other questions."""
+    def computed(self) -> str:
+        """What the study computes, as JSON: all but its report, and the tables of other questions."""
         content = self.file.model_dump(exclude=REPORTED | {*type(self.file).model_fields} - {*StudyFile.model_fields})
-        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+        return json.dumps(content, sort_keys=True, default=str)
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of what it computes."""
+        return hashlib.sha256(self.computed.encode()).hexdigest()
 
 
 @dataclass(frozen=True)

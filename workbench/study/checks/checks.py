@@ -193,6 +193,10 @@ class Checks:
             if item.setup.reference is not None and period is not None and whole_periods(left, period) == 0:
                 message = f'"{name}" has a period of {period:g} s, and after the transient only {left:g} s are left'
                 found[str(located(self.study, case, ("simulation", "duration"), message))] = None
+            if item.setup.reference is not None and period is not None and period < 2.0 * item.setup.sample_time:
+                rate = 1.0 / item.setup.sample_time
+                message = f'"{name}" has {1.0 / period:g} Hz, and a controller sampled at {rate:g} Hz sees half of that'
+                found[str(located(self.study, case, ("references", name), message))] = None
             if self._errors_are_asked_for and (jump := _last_jump(item)) is not None and jump < item.transient:
                 message = (
                     f'"{name}" jumps for the last time at {jump:g} s, and the transient of {item.transient:g} s leaves '

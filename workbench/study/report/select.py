@@ -33,13 +33,22 @@ def rows(frame: pd.DataFrame, where: Mapping[str, object]) -> pd.DataFrame:
     Raises:
         UserError: no such axis.
     """
+    return frame[which(frame, where)]
+
+
+def which(frame: pd.DataFrame, where: Mapping[str, object]) -> np.ndarray:
+    """Whether each row is one of them.
+
+    Raises:
+        UserError: no such axis.
+    """
     for key in where:
         if key not in frame.columns:
             raise UserError(f'the results have no column "{key}"; {nearest(key, map(str, frame.columns))}')
     keep = np.ones(len(frame), dtype=bool)
     for key, value in where.items():
         keep &= _equal(frame[key], comparable(value))
-    return frame[keep]
+    return keep
 
 
 def _equal(column: pd.Series, asked: float | str) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
 import pandas as pd
 
 from workbench.errors import UserError
@@ -20,7 +21,7 @@ from workbench.publish.tables import (
 from workbench.publish.words import listed
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import SHARES, Column, Row, TableSpec
-from workbench.study.report.select import alike, axes_of, rows
+from workbench.study.report.select import OUTCOME, alike, axes_of, rows, which
 from workbench.study.report.summary import in_words, summary_unit, taken
 from workbench.study.report.table_layout import Heading, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
@@ -247,6 +248,7 @@ def write_table(spec: TableSpec, frame: pd.DataFrame, folder: Path) -> list[Path
 def _notes(spec: TableSpec, frame: pd.DataFrame, taken_of: Sequence[str]) -> list[str]:
     has_places = spec.across is not None and spec.places is not False
     conditions = [*(column.where for column in spec.columns), *(row.where for row in spec.rows)]
-    shown = pd.concat([rows(frame, {**spec.where, **where}) for where in conditions])
-    lines = [f"{line}." for line in unusual(shown[~shown.index.duplicated()], frame)]
+    shown = np.logical_or.reduce([which(frame, {**spec.where, **where}) for where in conditions])
+    told = [name for name in frame.columns if name in (*axes_of(frame.columns), OUTCOME, *SOLVER_ERRORS)]
+    lines = [f"{line}." for line in unusual(frame.loc[shown, told], frame)]
     return [text for text in (PLACES if has_places else "", spec.note, *taken_of, *lines) if text]
