@@ -37,6 +37,9 @@ BEGUN = "begun\n"
 BEGIN = f"import sys; print({BEGUN.strip()!r}, file=sys.stderr, flush=True)\n"
 """What a process says first: before, it is Python that starts, and a signal to it is not the command's to answer."""
 
+LONG = 1.0
+"""Seconds to stop from which on it is told when."""
+
 CODES = {signal.SIGKILL: -signal.SIGKILL, signal.SIGINT: 130, signal.SIGTERM: 143}
 """Exit codes by signal. A shell shows the same where all is written and Python itself, which is ending, is stopped."""
 
@@ -156,6 +159,8 @@ def play(
             tally.wrong.append(f"{place}: exit code {life.code}, expected {CODES[stop]}: {life.complaints}")
         if stop is not signal.SIGKILL:
             tally.longest_stop = max(tally.longest_stop, life.seconds)
+            if life.seconds > LONG:
+                print(f"  {place}: took {life.seconds:.2f} s to stop", flush=True)
         kept = rows(command, out)
         least = max(before, life.surely_kept if command.database and not number else 0)
         if kept < least:
@@ -203,6 +208,7 @@ def main() -> int:
     parser.add_argument("--signal", nargs="+", default=[each.name for each in CODES], choices=[s.name for s in CODES])
     given = parser.parse_args()
     signals = [signal.Signals[name] for name in given.signal]
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it, and theirs too
     tallies = rounds(given.command, given.rounds, given.seed, given.jobs, signals)
     counts = sum((tally.signals for tally in tallies), Counter[str]())
     wrong = sum(bool(tally.wrong) for tally in tallies)
