@@ -12,9 +12,11 @@ from pydantic import ValidationError
 from workbench.errors import UserError
 from workbench.study.reading import read_study
 from workbench.study.report.figures import draw
+from workbench.study.report.folder import shown_columns, write_figures, write_pages, write_tables
 from workbench.study.report.schema import FigureSpec, Summary, TableSpec
 from workbench.study.report.summary import taken
 from workbench.study.report.tables import make_table, write_table
+from workbench.study.store import read_results
 from workbench.study.unfold import unfold
 
 DRAWS = 21
@@ -250,3 +252,21 @@ def test_columns_of_cases_are_those_of_each(tmp_path: Path) -> None:
     for i, place in enumerate(places):
         own = {name: values[i] for name, values in found.items() if values[i] is not None}
         assert own == cases.columns(int(place))
+
+
+def test_a_report_reads_what_it_shows_alone(tmp_path: Path) -> None:
+    """Tables, figures and page are the same from all columns as from those chosen."""
+    asked = (
+        f'{TABLE}over = ["draw"]\nwhere = {{ limit_cycle = "none" }}\n'
+        'columns = [{ result = "friction_slope_N_s_per_m", label = "e", take = "mean" }]\n'
+        f'{FIGURE}over = ["draw"]\ncurves = [{{ y = "jerk_rms_m_per_s3", take = "median" }}]'
+    )
+    out = ran(tmp_path, MONTE_CARLO + asked)
+    study, frame = read_study(out / "study.toml"), read_results(out)
+    chosen = read_results(out, shown_columns(study, "m"))
+    assert {"friction_slope_N_s_per_m", "limit_cycle", "jerk_rms_m_per_s3", "draw"} <= {*chosen} < {*frame}
+    before = {path: path.read_bytes() for path in sorted(out.rglob("*.*")) if path.suffix != ".sqlite"}
+    write_tables(study, frame, out)
+    write_figures(study, frame, out)
+    write_pages(study, frame, out)
+    assert {path: path.read_bytes() for path in before} == before

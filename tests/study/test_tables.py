@@ -346,3 +346,14 @@ def test_no_table_of_limit_cycles_without_a_size(tmp_path: Path) -> None:
     planned: Any = SimpleNamespace(axis="m")
     frame = pd.DataFrame({"limit_cycle": ["too_short", "none"], "limit_cycle_amplitude_m": [None, 1e-6]})
     assert write_cycles(planned, frame, tmp_path) == []
+
+
+def test_a_table_of_no_case_has_its_headings_and_says_so(tmp_path: Path) -> None:
+    """Which cases have a verdict is known when they have run."""
+    column = {"result": "rms_error_m", "label": "rms", "unit": "mm", "where": {"limit_cycle": "sustained"}}
+    spec = TableSpec(name="t", title="a title", index="rpm", columns=[column])
+    paths = write_table(spec, FRAME, tmp_path)
+    assert paths[0].read_text(encoding="utf-8").splitlines() == ["rpm,rms (mm)"]
+    assert "No case has what this table shows." in paths[1].read_text(encoding="utf-8")
+    across = TableSpec(name="t", title="a title", index="outcome", across="rpm", columns=[column])
+    assert make_table(across, FRAME).columns.tolist() == ["outcome"]

@@ -89,12 +89,13 @@ def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all:
 
 def _report(planned: "Plan", folder: Path) -> "Made":
     """Make tables, figures and pages of finished results, and say which cases did not simply complete."""
-    from workbench.study.report.folder import write_cycles, write_figures, write_pages, write_tables
+    from workbench.study.report.folder import shown_columns, write_cycles, write_figures, write_pages, write_tables
     from workbench.study.report.unusual import unusual
     from workbench.study.standing import Made
     from workbench.study.store import read_results
 
-    frame, study = read_results(folder), planned.study
+    study = planned.study
+    frame = read_results(folder, shown_columns(study, planned.axis))
     tables = write_tables(study, frame, folder) + write_cycles(planned, frame, folder)
     print_tables(tables)
     write_figures(study, frame, folder)

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from workbench.errors import UserError
+from workbench.metrics.registry import OUTCOME
 from workbench.publish.database import Database, check_identity, database_at
 from workbench.publish.folders import GrowingFolder, anew, made, write_whole
 from workbench.simulation.run import Run
@@ -290,8 +291,8 @@ def finished_in(folder: Path) -> int:
         return 0  # no table yet, or damaged: the run tells
 
 
-def read_results(folder: Path) -> "pd.DataFrame":
-    """The results of a finished study.
+def read_results(folder: Path, only: Collection[str] | None = None) -> "pd.DataFrame":
+    """The results of a finished study: all columns, or the axes, the outcome, and `only` these of the others.
 
     Raises:
         UserError: there are none, or the file is damaged.
@@ -305,7 +306,10 @@ def read_results(folder: Path) -> "pd.DataFrame":
     if not path.exists():
         raise UserError(f"{folder}: holds no finished results; run a study with --out {folder} first")
     try:
-        table = pq.read_table(path, use_threads=False, pre_buffer=False)  # one column after another
+        names = pq.read_schema(path).names
+        first = names.index(OUTCOME.name) + 1
+        chosen = names if only is None else [*names[:first], *(name for name in names[first:] if name in only)]
+        table = pq.read_table(path, columns=chosen, use_threads=False, pre_buffer=False)  # one after another
         pa.default_memory_pool().release_unused()
         return table.to_pandas(split_blocks=True, self_destruct=True)  # not twice in memory
     except (OSError, ValueError) as error:

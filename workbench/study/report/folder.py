@@ -4,13 +4,42 @@ from pathlib import Path
 
 import pandas as pd
 
+from workbench.metrics.registry import names_along
 from workbench.study.plan import Plan
 from workbench.study.report.figures import write_figure
 from workbench.study.report.page import write_results_page
-from workbench.study.report.select import with_cycles
+from workbench.study.report.schema import Column, Curve, Row, TableSpec
+from workbench.study.report.select import CYCLE, with_cycles
+from workbench.study.report.shown_figures import FIGURES
 from workbench.study.report.tables import write_table
+from workbench.study.report.unusual import SOLVER_ERRORS
 from workbench.study.sections import overlays_of, sections_of
 from workbench.study.study import Study
+
+
+def shown_columns(study: Study, axis: str) -> set[str] | None:
+    """The columns of results that tables, figures and the page of a study show; None where it has other questions,
+    which may look at all.
+    """
+    if sections_of(study):
+        return None
+    called = names_along(axis)
+    standard = [called[name] for name in (*(name for name, _ in FIGURES), *CYCLE)]
+    columns = [column for table in study.file.tables for column in table.columns]
+    rows = [row for table in study.file.tables for row in table.rows]
+    panels = [panel for figure in study.file.figures for panel in figure.panels]
+    curves = [curve for panel in panels for curve in panel.curves]
+    asked: list[TableSpec | Column | Row | Curve] = [*study.file.tables, *columns, *rows, *curves]
+    return {
+        *standard,
+        *SOLVER_ERRORS,
+        *(column.result for column in columns),
+        *(row.result for row in rows),
+        *(str(table.index) for table in study.file.tables),
+        *(panel.x for panel in panels),
+        *(curve.y for curve in curves),
+        *(name for each in asked for name in each.where),
+    }
 
 
 def write_tables(study: Study, frame: pd.DataFrame, folder: Path) -> list[Path]:

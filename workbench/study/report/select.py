@@ -16,6 +16,10 @@ OUTCOME = "outcome"
 """The first column of results behind those that tell the cases apart."""
 
 
+CYCLE = ("limit_cycle", "limit_cycle_amplitude_m", "limit_cycle_period_s")
+"""What a cycle is called, and its size and period, as they are named along an axis that goes straight."""
+
+
 def axes_of(columns: Iterable[object]) -> list[str]:
     """Those columns of results that tell the cases apart."""
     return list(takewhile(lambda name: name != OUTCOME, map(str, columns)))

@@ -29,6 +29,7 @@ from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
 PLACES = "In brackets the place in the column."
+NO_CASE = "No case has what this table shows."
 
 Values: TypeAlias = Mapping[str, Sequence[Any]]
 """Columns of the results by name, a value for each case: a number or words, NaN or None without."""
@@ -134,6 +135,9 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list
     table = pd.DataFrame(
         [{headed.get(name, name): _label(value) for name, value in line.values.items()} for line in layout.lines]
     )
+    if not layout.lines:
+        titles = [with_unit(_heading(heading), _unit(heading.column)) for heading in layout.headings]
+        return pd.DataFrame(columns=[*headed.values(), *titles]), []
     taken_of = []
     for number, heading in enumerate(layout.headings):
         cells = [_cell(columns, line.cases[number], heading.column) for line in layout.lines]
@@ -251,4 +255,5 @@ def _notes(spec: TableSpec, frame: pd.DataFrame, taken_of: Sequence[str]) -> lis
     shown = np.logical_or.reduce([which(frame, {**spec.where, **where}) for where in conditions])
     told = [name for name in frame.columns if name in (*axes_of(frame.columns), OUTCOME, *SOLVER_ERRORS)]
     lines = [f"{line}." for line in unusual(frame.loc[shown, told], frame)]
-    return [text for text in (PLACES if has_places else "", spec.note, *taken_of, *lines) if text]
+    empty = "" if shown.any() else NO_CASE
+    return [text for text in (PLACES if has_places else "", spec.note, empty, *taken_of, *lines) if text]
