@@ -26,8 +26,13 @@ LIKELY = 1.0 - SURE
 
 def paragraph(decision: Decision) -> str:
     """The answer in words."""
+    return " ".join(sentences(decision))
+
+
+def sentences(decision: Decision) -> list[str]:
+    """The answer, point by point: what suffices, what else would and what not, what is told apart, what changes it."""
     given = decision.asked.answer()
-    return " ".join([*_verdict(decision, given), *_others(decision, given), *_apart(decision), *_changes(decision)])
+    return [*_verdict(decision, given), *_others(decision, given), *_apart(decision), *_changes(decision)]
 
 
 def _does(decision: Decision, row: CandidateResult) -> str:

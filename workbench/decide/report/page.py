@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.decide.report.answer import paragraph
+from workbench.decide.report.answer import sentences
 from workbench.decide.report.map import fields, heads, key
 from workbench.decide.report.words import assumptions, price, question
 from workbench.decide.result import Decision
@@ -17,7 +17,7 @@ _HTML = """\
 {% from "parts.html" import cells, draw with context %}
 {% block kind %}decision{% endblock %}
 {% block picture %}{{ pictures | first }}{% endblock %}
-{% block summary %}{{ answer }}{% endblock %}
+{% block summary %}{{ answer | join(" ") }}{% endblock %}
 {% block style -%}
 .matrix td { color: #1c2126; text-align: left; border: 1px solid var(--line); padding: 0.4em 0.6em; min-width: 10em; }
 .matrix td.asked { outline: 3px solid #000; outline-offset: -3px; }
@@ -28,7 +28,9 @@ _HTML = """\
 <h1>{{ title }}</h1>
 {% if question %}<p>{{ question }}</p>
 {% endif %}<p>{{ asked }}</p>
-<p class="answer">{{ answer }}</p>
+<ul class="answer">
+{% for line in answer %}<li>{{ line }}</li>
+{% endfor %}</ul>
 <div class="wide"><table class="matrix">
 <caption>What suffices, over speed and spread of friction{% if boxed %} (framed: what was asked){% endif %}</caption>
 <tr><th>spread</th>{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr>
@@ -67,7 +69,7 @@ def page(
             title=decision.plan.study.file.title,
             question=decision.plan.study.file.question,
             asked=question(decision),
-            answer=paragraph(decision),
+            answer=sentences(decision),
             matrix=fields(decision),
             heads=heads(decision),
             boxed=len(decision.cells) > 1,
