@@ -267,7 +267,7 @@ def _under(setup: Setup, gains: PidGains) -> Setup:
 
 
 def _words(reached: Margins, believed: Setup) -> str:
-    speed = f"{reached.speed:g} {believed.plant.axis}/s"
+    speed = f"{reached.speed:.3g} {believed.plant.axis}/s"
     if not reached.stable:
         return f"not stable at {speed} on the believed plant: {reached.note}"
     return f"{reached.gain_dB:.1f} dB and {reached.phase_deg:.0f} degrees at {speed} on the believed plant"

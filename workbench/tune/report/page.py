@@ -17,8 +17,7 @@ _HTML = """\
 {% block picture %}{{ (shared + own) | first }}{% endblock %}
 {% block summary %}{{ words[:2] | join(' ') }}{% endblock %}
 {% block style -%}
-td { white-space: nowrap; }
-td.words:last-child { white-space: normal; min-width: 16em; }
+td:not(.words) { white-space: nowrap; }
 .pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(26em, 1fr)); gap: 0 1em; }
 {% endblock %}
 {% block body %}
