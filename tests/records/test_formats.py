@@ -1,6 +1,7 @@
 """Files of records as loggers write them: each format, and texts under headers of several rows."""
 
 import gzip
+import math
 import re
 import sys
 from pathlib import Path
@@ -15,7 +16,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import read_experiment
 from workbench.records.formats.interface import UNITS
 from workbench.records.reading import Record, read_records
-from workbench.records.tables import read_table, seconds
+from workbench.records.tables import numbers_of, read_table, seconds
 
 TIME = 0.01 * np.arange(300)
 POSITION = 40.0 * np.sin(2.0 * TIME)
@@ -256,6 +257,11 @@ def test_a_field_of_very_many_digits_takes_no_time(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("time,position\n0,1\n1,2\n" + "9" * 200_000 + "x,3\n", encoding="utf-8")
     assert list(read_table(path).columns) == ["time", "position"]
+
+
+def test_whole_numbers_that_no_float_can_hold_are_infinite() -> None:
+    column = pd.Series([1, 10**400, -3, "x"], dtype=object)
+    assert numbers_of(column).tolist() == pytest.approx([1.0, math.inf, -3.0, math.nan], nan_ok=True)
 
 
 @pytest.mark.parametrize("zones", [("+01:00", "+01:00"), ("+01:00", "+02:00"), ("Z", "Z")])

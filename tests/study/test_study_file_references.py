@@ -54,6 +54,7 @@ ROWS = "t,x\n0,0\n0.1,1\n0.2,2\n0.3,3\n"
         ("t,x_\n0,0\n1,1\n", 'no column "x"; did you mean "x_"?'),
         (ROWS + "0.4,four\n", "row 6 holds no finite number"),
         (ROWS + "0.4,inf\n", "row 6 holds no finite number"),
+        (ROWS + f"0.4,1{400 * '0'}\n", "row 6 holds no finite number"),
         (ROWS + "0.3,4\n", "row 6: expected a time after that of the row before"),
         ("t,x\n0,0\n1,1\n", "holds 2 rows, expected at least 4"),
         ("", "cannot be read as a table with a header ("),

@@ -18,7 +18,7 @@ from workbench.records.experiment import Experiment, RecordSpec
 from workbench.records.sampling.clock import stamps_of
 from workbench.records.sampling.pieces import Piece, Series, pieces_of
 from workbench.records.sampling.sight import sight_note
-from workbench.records.tables import read_column, read_table
+from workbench.records.tables import numbers_of, read_column, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +138,7 @@ def _rpm(spec: RecordSpec, table: pd.DataFrame) -> float:
         return spec.rpm
     if spec.rpm not in table:
         raise UserError(f'{spec.path}: no column "{spec.rpm}" for rpm; {nearest(spec.rpm, map(str, table.columns))}')
-    values = pd.to_numeric(table[spec.rpm], errors="coerce").unique()
-    if values.size != 1 or not values[0] >= 0.0:
+    values = np.unique(numbers_of(table[spec.rpm]))
+    if values.size != 1 or not 0.0 <= values[0] < np.inf:
         raise UserError(f'{spec.path}: column "{spec.rpm}" holds no one speed of rotation; give rpm as a number')
     return float(values[0])

@@ -1,5 +1,6 @@
 """Files of records: a table out of a file of any format, and its columns in SI."""
 
+import math
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,23 @@ def read_table(path: Path) -> pd.DataFrame:
         raise UserError(f"{path}: cannot be read as a table ({reason_of(error)})") from None
 
 
+def numbers_of(column: "pd.Series[Any]") -> np.ndarray:
+    """The numbers in a column; NaN in the place of what is none, infinity of a whole number that no float can hold."""
+    try:
+        return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    except OverflowError:
+        return np.array([_number(value) for value in column])
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+    except (TypeError, ValueError):
+        return math.nan
+
+
 def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> np.ndarray:
     """A channel in SI; text that is no number becomes NaN.
 
@@ -46,7 +64,7 @@ def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec
         UserError: no such column, or no numbers in it.
     """
     column = table.iloc[:, _place(path, table, name, channel)]
-    numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    numbers = numbers_of(column)
     if name == "time" and (column.dtype.kind in "mM" or not np.any(np.isfinite(numbers))):
         channel, numbers = replace(channel, factor=1.0), seconds(column)
     if not np.any(np.isfinite(numbers)):

@@ -7,14 +7,13 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
 from workbench.errors import UserError, visible
 from workbench.records.formats.interface import UNITS
 from workbench.records.sampling.sight import window_points
 from workbench.records.spelled import unit_named, without_unit
-from workbench.records.tables import LARGEST, read_table, seconds
+from workbench.records.tables import LARGEST, numbers_of, read_table, seconds
 
 LINE = 0.99
 """Correlation below which no column is another one in other units."""
@@ -91,7 +90,7 @@ def columns_of(path: Path) -> list[Column]:
     found = []
     for place in range(table.shape[1]):
         header, column = table.columns[place], table.iloc[:, place]
-        values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+        values = numbers_of(column)
         dated = column.dtype.kind in "mM" or (not np.isfinite(values).any() and column.dtype.kind == "O")
         values = seconds(column) if dated else values
         values = np.where(np.abs(values) <= LARGEST, values, np.nan)
