@@ -48,8 +48,8 @@ class Mutant:
 
 @cache
 def originals() -> Sequence[Original]:
-    """The project's files, and two small studies that use much; studies oftener than the rest."""
-    found = [_original(text, "mutant.toml") for text in (STUDY, DRIVE, RICH, RICH)]
+    """The project's files, and small studies that use much; studies oftener than the rest."""
+    found = [_original(text, "mutant.toml") for text in (STUDY, DRIVE, RICH, RICH, DRAWN)]
     for path in sorted(STUDIES.rglob("*.toml")):
         folder, text = path.relative_to(STUDIES).parts[0], path.read_text(encoding="utf-8")
         if path.name in ("comparison_full.toml", "owen2001_friction.toml"):
@@ -181,6 +181,37 @@ y_label = "error"
 curves = [{ y = "rms_error_m", where = { case = "plain", controller = "p" }, label = "P" }]
 """
 """A study with a bit of everything."""
+
+
+DRAWN = f"""{STUDY}
+[uncertainty]
+draws = 2
+scale.mass = {{ min = 0.8, max = 1.5 }}
+noise.position = {{ max = "5 um" }}
+
+[[tables]]
+name = "spread"
+title = "Errors over the draws"
+index = "rpm"
+over = ["draw"]
+columns = [
+  {{ result = "rms_error_m", label = "median", unit = "mm", take = "median" }},
+  {{ result = "rms_error_m", label = "most below", unit = "mm", take = "quantile", level = 0.95 }},
+  {{ result = "max_error_m", label = "small", unit = "%", take = "share_below", level = "1 mm" }},
+  {{ result = "outcome", label = "completed", take = "share", of = ["completed"] }},
+]
+
+[[figures]]
+name = "spread"
+title = "Errors over the draws"
+[[figures.panels]]
+x = "rpm"
+x_label = "rotation"
+y_label = "error"
+over = ["draw"]
+curves = [{{ y = "rms_error_m", label = "P", take = "mean", band = [0.1, 0.9] }}]
+"""
+"""A study of drawn machines, and what it takes of them."""
 
 
 def folder_of(place: str) -> Path:
