@@ -5,10 +5,12 @@ def main() -> None:
     """Run the command line. A signal that stops it, while it imports too, is one line; one that comes late is none."""
     import atexit
     import gc
+    import os
 
     from workbench.cli.progress import AGAIN, say_stopped, stoppable
     from workbench.stopping import ignore, stopping_on_signals
 
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # what columns took is free again once they are read
     atexit.register(ignore)
     atexit.register(gc.freeze)  # else a million objects are looked through for garbage before the prompt is back
     with stopping_on_signals(say_stopped), stoppable(AGAIN):

@@ -297,7 +297,6 @@ def read_results(folder: Path, only: Collection[str] | None = None) -> "pd.DataF
     Raises:
         UserError: there are none, or the file is damaged.
     """
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     path = folder / "results.parquet"
@@ -310,7 +309,6 @@ def read_results(folder: Path, only: Collection[str] | None = None) -> "pd.DataF
         first = names.index(OUTCOME.name) + 1
         chosen = names if only is None else [*names[:first], *(name for name in names[first:] if name in only)]
         table = pq.read_table(path, columns=chosen, use_threads=False, pre_buffer=False)  # one after another
-        pa.default_memory_pool().release_unused()
         return table.to_pandas(split_blocks=True, self_destruct=True)  # not twice in memory
     except (OSError, ValueError) as error:
         raise UserError(f"{path}: cannot be read ({error}); run the study again with --resume") from None
