@@ -1,6 +1,7 @@
 """Decisions of studies: machines that are the same for all, answers that must be, words that hold the numbers."""
 
 import json
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -209,6 +210,7 @@ def test_the_number_of_draws_is_told_before_and_a_machine_is_chosen(tmp_path: Pa
     assert "machine: thesis_rig" in told.out
     assert "of 60 fresh draws 60 or more show a probability above 0.9" in told.out
     assert "The least number that can show it is 42" in told.out
+    assert re.search(r"about [\d.]+ s for the search on this machine, and [\d.]+ s for the fresh draws", told.out)
     assert not (tmp_path / "out").exists()
     few = workbench("check", write(tmp_path, changed("fresh_draws = 60", "fresh_draws = 41", STUDY)))
     assert "41 fresh draws cannot show a probability above 0.9, not even 41 of 41: at least 42 are needed" in few.out

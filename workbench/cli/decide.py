@@ -33,7 +33,10 @@ def command(
     with stoppable(kept if resume else AGAIN):
         began, planned = time.time(), plan_decision(read_study(study), machine)
         if dry_run:
+            from workbench.decide.estimate import estimate
+
             say("\n".join(description(planned)))
+            say(f"  {estimate(planned, jobs)}")
             return
         check_answer(cluster)
     with (

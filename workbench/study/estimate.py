@@ -40,7 +40,7 @@ class Estimate:
 
     def __str__(self) -> str:
         cases = "one case" if self.sampled == 1 else f"{self.sampled} cases"
-        return f"about {_duration(self.seconds)} on this machine and {_size(self.disk)} on the disk, told from {cases}"
+        return f"about {in_words(self.seconds)} on this machine and {_size(self.disk)} on the disk, told from {cases}"
 
 
 def estimate(planned: Plan, jobs: int | None = None, *, keep_all: bool = False, count: int | None = None) -> Estimate:
@@ -97,7 +97,8 @@ def _bytes(row: Row) -> float:
     return sum(3.0 * len(value) if isinstance(value, str) else COPIES for value in found)
 
 
-def _duration(seconds: float) -> str:
+def in_words(seconds: float) -> str:
+    """A duration with two digits."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{shown_number(seconds / size, DIGITS)} {unit}"
