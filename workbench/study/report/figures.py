@@ -26,7 +26,7 @@ from workbench.study.axis_values import are_names, numbers, shown_unit
 from workbench.study.names import shown_factor, signal_units
 from workbench.study.report.schema import Curve, FigureSpec, Panel
 from workbench.study.report.select import rows, trajectory
-from workbench.study.report.summary import in_words, summary_unit, taken
+from workbench.study.report.summary import counted, in_words, summary_unit, taken
 from workbench.study.sections import Overlay
 
 BAND: dict[str, Any] = {"alpha": 0.2, "linewidth": 0.0}
@@ -260,11 +260,7 @@ def _points(found: pd.DataFrame, panel: Panel, curve: Curve) -> list[_Point]:
 
 def _said(panel: Panel, counts: Sequence[int]) -> str:
     """What the points of a panel over several cases are."""
-    takes = list(dict.fromkeys(in_words(curve, curve.y) for curve in panel.curves))
-    said = (
-        takes[0]
-        if len(takes) == 1
-        else "; ".join(f"{curve.label}: {in_words(curve, curve.y)}" for curve in panel.curves)
-    )
-    number = " to ".join(str(count) for count in dict.fromkeys((min(counts, default=0), max(counts, default=0))))
-    return f"Over {listed(panel.over)}, {number} cases a point: {said}"
+    takes = {curve.label: in_words(curve, curve.y) for curve in panel.curves}
+    alike = len({*takes.values()}) == 1
+    said = next(iter(takes.values())) if alike else "; ".join(f"{label}: {take}" for label, take in takes.items())
+    return f"Over {listed(panel.over)}, {counted(counts)} a point: {said}"

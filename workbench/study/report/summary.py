@@ -70,3 +70,9 @@ def in_words(summary: Summary, column: str) -> str:
         unit, level = unit_of_column(column), summary.level
         return f"share of magnitudes below {level if isinstance(level, str) else f'{level:g} {unit}'}"
     return WORDS[str(summary.take)]
+
+
+def counted(counts: Sequence[int]) -> str:
+    """Of how many cases figures are taken, in words."""
+    ends = dict.fromkeys((min(counts, default=0), max(counts, default=0)))
+    return f"{' to '.join(map(str, ends))} case{'' if [*ends] == [1] else 's'}"

@@ -22,7 +22,7 @@ from workbench.publish.words import listed
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import SHARES, Column, Row, TableSpec
 from workbench.study.report.select import OUTCOME, alike, axes_of, rows, which
-from workbench.study.report.summary import in_words, summary_unit, taken
+from workbench.study.report.summary import counted, in_words, summary_unit, taken
 from workbench.study.report.table_layout import Heading, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 
@@ -150,9 +150,8 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list
 
 def _taken_of(figure: Column | Row, label: str, cells: Sequence[Cell]) -> str:
     """What a figure is of how many cases, in words."""
-    counts = sorted({cell.taken_of for cell in cells if cell.taken_of})
-    number = " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1]))) if counts else "no"
-    return f'"{label}" is the {in_words(figure, figure.result)} of {number} case{"" if number == "1" else "s"}'
+    counts = [cell.taken_of for cell in cells if cell.taken_of]
+    return f'"{label}" is the {in_words(figure, figure.result)} of {counted(counts)}'
 
 
 def _unit(figure: Column | Row) -> str:
