@@ -56,16 +56,20 @@ def over_draws(**content: Any) -> TableSpec:
         ({"take": "maximum"}, [21.0, 10.0]),
         ({"take": "standard_deviation"}, [np.std(ERRORS[0][1:], ddof=1), np.std(ERRORS[460][1:], ddof=1)]),
         ({"take": "quantile", "level": 0.9}, [np.quantile(ERRORS[0][1:], 0.9), np.quantile(ERRORS[460][1:], 0.9)]),
-        ({"take": "share_below", "level": "5.1 mm", "unit": "%"}, [100.0 * 4 / 20, 100.0 * 10 / 20]),
-        ({"take": "share_below", "level": 5.1e-3, "unit": "1"}, [4 / 20, 10 / 20]),
+        ({"take": "share_below", "level": "5.1 mm", "unit": "%"}, [100.0 * 4 / 21, 100.0 * 10 / 21]),
+        ({"take": "share_below", "level": 5.1e-3, "unit": "1"}, [4 / 21, 10 / 21]),
     ],
 )
 def test_a_figure_of_all_draws(take: dict[str, Any], expected: list[float]) -> None:
-    """Cases without the figure, as the first draw of each speed here, are left out."""
+    """Cases without the figure, as the first draw of each speed here, are left out, which the cell says; of shares they
+    are part.
+    """
     column = {**RMS, **take}
     table = make_table(over_draws(index="rpm", columns=[column]), FRAME)
     assert table["rpm"].tolist() == ["0", "460"]
-    assert table.iloc[:, 1].astype(float).tolist() == pytest.approx(expected, rel=1e-3)
+    shown = [cell.removesuffix(" [20 of 21]") for cell in table.iloc[:, 1]]
+    assert (shown == table.iloc[:, 1].tolist()) == take["take"].startswith("share")
+    assert [float(cell) for cell in shown] == pytest.approx(expected, rel=1e-3)
     rows = [{**column, "where": {"rpm": rpm}} for rpm in ERRORS]
     single = make_table(over_draws(rows=rows), FRAME)
     assert single["this program"].tolist() == table.iloc[:, 1].tolist()
@@ -76,8 +80,9 @@ def test_words_are_counted_and_a_note_says_what_is_taken_of_how_many(tmp_path: P
     spec = over_draws(index="rpm", columns=[{**RMS, "take": "median"}, hunts])
     assert make_table(spec, FRAME)["hunts (%)"].tolist() == [f"{100.0 * 6 / 21:.1f}", "0"]
     _, markdown, _ = write_table(spec, FRAME, tmp_path)
-    said = 'Over draw: "rms" is the median of 20 cases; "hunts" is the share of sustained of 21 cases.'
+    said = 'Over draw: "rms" is the median of 20 of 21 cases; "hunts" is the share of sustained of 21 cases.'
     assert said in markdown.read_text(encoding="utf-8")
+    assert "In square brackets how many of the cases have the figure" in markdown.read_text(encoding="utf-8")
 
 
 def test_side_by_side_and_below_what_the_solver_tells() -> None:
@@ -150,13 +155,13 @@ def test_a_curve_of_medians_with_a_band_between_quantiles(tmp_path: Path) -> Non
     assert (at_rest.min(), at_rest.max()) == (pytest.approx(lowest), pytest.approx(highest))
     legend = [text.get_text() for text in axes.get_legend().get_texts()]
     assert legend == ["P", "5 to 95 % of the cases", "end stop"]
-    assert [text.get_text() for text in axes.texts] == ["Over draw, 20 cases a point: median"]
+    assert [text.get_text() for text in axes.texts] == ["Over draw, 20 of 21 cases a point: median"]
 
 
 def test_a_share_is_drawn_without_the_unit_of_its_column(tmp_path: Path) -> None:
     curve = {"take": "share_below", "level": "5.1 mm"}
     (axes,) = draw(panel(curve, over=["draw"], y_unit="%"), FRAME, tmp_path).axes
-    assert list(axes.lines[0].get_ydata()) == pytest.approx([20.0, 50.0])
+    assert list(axes.lines[0].get_ydata()) == pytest.approx([100.0 * 4 / 21, 100.0 * 10 / 21])
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from workbench.study.axis_values import are_names, numbers, shown_unit
 from workbench.study.names import shown_factor, signal_units
 from workbench.study.report.schema import Curve, FigureSpec, Panel
 from workbench.study.report.select import rows, trajectory
-from workbench.study.report.summary import counted, in_words, summary_unit, taken
+from workbench.study.report.summary import count_of, counted, in_words, summary_unit, taken
 from workbench.study.sections import Overlay
 
 BAND: dict[str, Any] = {"alpha": 0.2, "linewidth": 0.0}
@@ -62,7 +62,7 @@ def _draw_panel(
     axes: Axes, panel: Panel, frame: pd.DataFrame, folder: Path, name: str, measured: Sequence[Overlay]
 ) -> None:
     number, x_unit, y_unit = -1, _x_unit(panel, frame), _y_unit(panel, frame)
-    counts = list[int]()
+    counts = list[tuple[int, int]]()
     first_dash = int(any(curve.style == "reference" for curve in panel.curves))
     if panel.measured_rpm is not None:
         _draw_measured(axes, panel, x_unit, y_unit, measured)
@@ -187,9 +187,9 @@ def _draw_column(
     frame: pd.DataFrame,
     number: int,
     style: LineStyle,
-) -> list[int]:
-    """Draw a curve over a column of the results; returns of how many cases each of its points is."""
-    found = rows(frame, curve.where).dropna(subset=[panel.x, curve.y])
+) -> list[tuple[int, int]]:
+    """Draw a curve over a column of the results; returns of how many of how many cases each of its points is."""
+    found = rows(frame, curve.where).dropna(subset=[panel.x] if panel.over else [panel.x, curve.y])
     scale = shown_factor(summary_unit(curve, curve.y), y_unit)
     names = are_names(frame[panel.x].dropna().tolist())
 
@@ -234,7 +234,7 @@ class _Point:
     y: float
     band: tuple[float, float]
     outcomes: Sequence[str]
-    cases: int = 1
+    cases: tuple[int, int] = (1, 1)
 
 
 def _points(found: pd.DataFrame, panel: Panel, curve: Curve) -> list[_Point]:
@@ -250,15 +250,17 @@ def _points(found: pd.DataFrame, panel: Panel, curve: Curve) -> list[_Point]:
         ]
     points = []
     for x, cases in found.groupby(panel.x, sort=False):
-        y, unlike = taken(cases[curve.y].tolist(), curve, curve.y), outcomes[cases.index]
+        values, unlike = cases[curve.y].tolist(), outcomes[cases.index]
+        y = taken(values, curve, curve.y)
         if y is None or isinstance(y, str):
-            continue  # a standard deviation of one
-        low, high = np.quantile(cases[curve.y].to_numpy(dtype=float), curve.band).tolist() if curve.band else (y, y)
-        points.append(_Point(x, y, (low, high), [*dict.fromkeys(unlike[unlike != COMPLETED])], len(cases)))
+            continue  # no case has it, or one alone a standard deviation
+        there = cases[curve.y].dropna()
+        low, high = np.quantile(there.to_numpy(dtype=float), curve.band).tolist() if curve.band else (y, y)
+        points.append(_Point(x, y, (low, high), [*dict.fromkeys(unlike[unlike != COMPLETED])], count_of(values, curve)))
     return points
 
 
-def _said(panel: Panel, counts: Sequence[int]) -> str:
+def _said(panel: Panel, counts: Sequence[tuple[int, int]]) -> str:
     """What the points of a panel over several cases are."""
     takes = {curve.label: in_words(curve, curve.y) for curve in panel.curves}
     alike = len({*takes.values()}) == 1

@@ -24,7 +24,8 @@ def summary_unit(summary: Summary, column: str) -> str:
 
 
 def taken(values: Sequence[object], summary: Summary, column: str) -> float | str | None:
-    """What `summary` takes of the values that a column has in some cases: of those that there are.
+    """What `summary` takes of the values that a column has in some cases: of those that there are, but shares of all,
+    since a case without a value has none that counts.
 
     A single value where nothing is to be taken; None where there is none, or of one alone a standard deviation.
 
@@ -32,20 +33,20 @@ def taken(values: Sequence[object], summary: Summary, column: str) -> float | st
         ValueError: words where numbers are needed.
         QuantityError: a level that is no quantity of the column.
     """
-    present = [value for value in values if value is not None and value == value]
+    present = [value for value in values if is_there(value)]
     if not present:
         return None
     if summary.take is None:
         value = present[0]
         return value if isinstance(value, str) else float(np.float64(value))  # type: ignore[arg-type]
     if summary.take == "share":
-        return sum(str(value) in summary.of for value in present) / len(present)
+        return sum(str(value) in summary.of for value in present) / len(values)
     if any(isinstance(value, str) for value in present):
         raise ValueError(f'take = "{summary.take}" of {column}, whose values are words: expected "share"')
     numbers = np.array(present, dtype=float)
     match summary.take:
         case "share_below":
-            return float(np.mean(np.abs(numbers) < si(summary.level, unit_of_column(column))))
+            return float(np.sum(np.abs(numbers) < si(summary.level, unit_of_column(column)))) / len(values)
         case "quantile":
             return float(np.quantile(numbers, si(summary.level, "1")))
         case "standard_deviation":
@@ -72,7 +73,23 @@ def in_words(summary: Summary, column: str) -> str:
     return WORDS[str(summary.take)]
 
 
-def counted(counts: Sequence[int]) -> str:
-    """Of how many cases figures are taken, in words."""
-    ends = dict.fromkeys((min(counts, default=0), max(counts, default=0)))
-    return f"{' to '.join(map(str, ends))} case{'' if [*ends] == [1] else 's'}"
+def is_there(value: object) -> bool:
+    """Whether a case has a value in a column."""
+    return value is not None and value == value
+
+
+def count_of(values: Sequence[object], summary: Summary) -> tuple[int, int]:
+    """Of how many of these cases something is taken, and how many they are."""
+    own = len(values) if summary.take in SHARES else sum(map(is_there, values))
+    return own, len(values)
+
+
+def counted(counts: Sequence[tuple[int, int]]) -> str:
+    """Of how many cases figures are taken, in words: "20 cases", or "5 to 18 of 20 cases" where some have none."""
+    own, every = ([count[i] for count in counts] for i in (0, 1))
+    all_of_them = f"{_span(every)} case{'' if {*every} == {1} else 's'}"
+    return all_of_them if own == every else f"{_span(own)} of {all_of_them}"
+
+
+def _span(counts: Sequence[int]) -> str:
+    return " to ".join(map(str, dict.fromkeys((min(counts, default=0), max(counts, default=0)))))

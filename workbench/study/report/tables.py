@@ -22,13 +22,14 @@ from workbench.publish.words import listed
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import SHARES, Column, Row, TableSpec
 from workbench.study.report.select import OUTCOME, alike, axes_of, rows, which
-from workbench.study.report.summary import counted, in_words, summary_unit, taken
+from workbench.study.report.summary import count_of, counted, in_words, summary_unit, taken
 from workbench.study.report.table_layout import Heading, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
 
 OURS, DIFFERENCE, PERCENT = "this program", "difference", "difference (%)"
 
 PLACES = "In brackets the place in the column."
+BRACKETS = "In square brackets how many of the cases have the figure; the others are left out of it."
 NO_CASE = "No case has what this table shows."
 
 Values: TypeAlias = Mapping[str, Sequence[Any]]
@@ -50,12 +51,13 @@ def _made(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]
         table, taken_of = _of_rows(spec, frame) if spec.rows else _over_axis(spec, frame)
     except ValueError as error:
         raise UserError(f"table {spec.name}: {error}") from None
-    return table, [f"Over {listed(spec.over)}: {'; '.join(taken_of)}."] if taken_of else []
+    notes = [f"Over {listed(spec.over)}: {'; '.join(taken_of)}."] if taken_of else []
+    return table, [*notes, BRACKETS] if taken_of and any("[" in str(cell) for cell in table.to_numpy().flat) else notes
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A figure as text in the unit shown, as a number in it if it is one, and of how many cases it is taken.
+    """A figure as text in the unit shown, as a number in it if it is one, and of how many of how many cases it is.
 
     A magnitude below `floor` says nothing.
     """
@@ -63,7 +65,7 @@ class Cell:
     text: str = ""
     number: float | None = None
     floor: float = 0.0
-    taken_of: int = 0
+    taken_of: tuple[int, int] = (0, 0)
 
 
 EMPTY = Cell()
@@ -72,16 +74,16 @@ EMPTY = Cell()
 def _cell(columns: Values, places: Sequence[int], figure: Column | Row) -> Cell:
     """The figure of the cases at these places: of one, or what is taken of all."""
     values = [columns[figure.result][place] for place in places]
-    value = taken(values, figure, figure.result)
+    value, count = taken(values, figure, figure.result), count_of(values, figure)
     if value is None:
-        return EMPTY
-    count = sum(each is not None and each == each for each in values)
+        return EMPTY if figure.take is None else Cell(taken_of=count)
     if isinstance(value, str):
         return Cell(value, taken_of=count)
     factor = shown_factor(summary_unit(figure, figure.result), figure.unit)
     number, floor = value * factor, _floor(columns, places, figure, factor)
     text = f"< {shown_number(floor, 1)}" if abs(number) < floor else shown_number(number, figure.digits)
-    return Cell(text, number, floor, count)
+    some = "" if figure.take is None or count[0] == count[1] else f" [{count[0]} of {count[1]}]"
+    return Cell(f"{text}{some}", number, floor, count)
 
 
 def _floor(columns: Values, places: Sequence[int], figure: Column | Row, factor: float) -> float:
@@ -150,7 +152,7 @@ def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list
 
 def _taken_of(figure: Column | Row, label: str, cells: Sequence[Cell]) -> str:
     """What a figure is of how many cases, in words."""
-    counts = [cell.taken_of for cell in cells if cell.taken_of]
+    counts = [cell.taken_of for cell in cells if cell.taken_of[1]]
     return f'"{label}" is the {in_words(figure, figure.result)} of {counted(counts)}'
 
 
