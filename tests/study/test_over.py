@@ -188,6 +188,11 @@ FIGURE = '[[figures]]\nname = "f"\ntitle = "f"\n[[figures.panels]]\nx = "rpm"\nx
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
+        (
+            f'{TABLE}over = ["draw"]\n'
+            'columns = [{ result = "limit_cycle", label = "e", take = "share", of = ["hunting"] }]',
+            'of: unknown word "hunting"; expected one of none, decaying, too_short, sustained',
+        ),
         (f'{TABLE}over = ["drawn"]\ncolumns = [{{ result = "rms_error_m", label = "e", take = "mean" }}]', '"drawn"'),
         (
             f'{TABLE}over = ["draw"]\ncolumns = [{{ result = "limit_cycle", label = "e", take = "mean" }}]',
@@ -218,6 +223,13 @@ def test_check_says_what_cannot_be_taken(tmp_path: Path, asked: str, said: str) 
     fails(workbench("check", write(tmp_path, MONTE_CARLO + asked)), said)
 
 
+@pytest.mark.parametrize("drawn", ["", "[uncertainty]\n"])
+def test_without_draws_there_is_no_such_axis(tmp_path: Path, drawn: str) -> None:
+    asked = f'{TABLE}over = ["draw"]\ncolumns = [{{ result = "rms_error_m", label = "e", take = "mean" }}]'
+    said = 'over: no axis "draw": draw machines first, with draws = 100 in [uncertainty]'
+    fails(workbench("check", write(tmp_path, f"{STUDY}\n{drawn}{asked}")), said)
+
+
 def test_a_line_through_all_draws_is_warned_of(tmp_path: Path) -> None:
     joined = f'{FIGURE}curves = [{{ y = "rms_error_m" }}]'
     said = "a line joins two cases for rpm 0: draw 1 and draw 2; take a figure of all draws with over"
@@ -241,6 +253,18 @@ def test_a_study_of_draws_from_end_to_end(tmp_path: Path) -> None:
     largest = 1e3 * results.groupby("rpm")["rms_error_m"].max()
     assert pd.read_csv(out / "tables" / "t.csv")["e (mm)"].tolist() == pytest.approx(largest.tolist(), rel=1e-3)
     assert (out / "figures" / "f.pdf").exists()
+
+
+def test_limit_cycles_of_draws_are_one_line_a_case(tmp_path: Path) -> None:
+    relay = 'type = "relay"\namplitude = "2 V"\nhysteresis = "0.1 mm"'
+    steps = 'kind = "steps"\nlevels = ["1 mm"]\ndwell = "2 s"'
+    text = MONTE_CARLO.replace('type = "pid"\nkp = "500 V/m"', relay).replace('duration = "1 s"', 'duration = "2 s"')
+    text = text.replace('kind = "sine"\namplitude = "5 mm"\nfrequency = "2 Hz"', steps).replace(
+        'transient = "0.4 s"', 'transient = "0 s"'
+    )
+    cycles = pd.read_csv(ran(tmp_path, text) / "tables" / "limit_cycles.csv")
+    assert cycles["rpm"].tolist() == [0, 460]
+    assert cycles["draws with a cycle"].tolist() == ["3 of 3"] * 2
 
 
 def test_columns_of_cases_are_those_of_each(tmp_path: Path) -> None:

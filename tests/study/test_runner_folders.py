@@ -83,6 +83,17 @@ def test_what_makes_it_another_study_is_said(tmp_path: Path, study: str, said: s
     assert said in complaint(tmp_path, "--out", out, "--resume", study=study)
 
 
+def test_other_draws_are_told_from_other_parameters(tmp_path: Path) -> None:
+    drawn = f"{STUDY}\n[uncertainty]\ndraws = 2\nscale.mass = {{ min = 0.8, max = 1.5 }}\n"
+    out = ran(tmp_path, drawn)
+    for old, new, said in (
+        ("draws = 2", "draws = 3", "(uncertainty.draws: 2 there, 3 here)"),
+        ("max = 1.5", "max = 1.6", "(uncertainty.scale.mass.max: 1.5 there, 1.6 here)"),
+    ):
+        answer = complaint(tmp_path, "--out", out, "--resume", study=drawn.replace(old, new))
+        assert answer.startswith(f"@/results: its results are of other draws {said}; start anew with --overwrite")
+
+
 @pytest.mark.parametrize("left", ["no folder", "an empty folder", "an empty database"])
 def test_resuming_begins_where_nothing_is_there_yet(tmp_path: Path, left: str) -> None:
     """A script repeats its command, whenever it was stopped."""

@@ -22,16 +22,14 @@ for what it does there.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from workbench.metrics.envelope import dies
 from workbench.metrics.half_waves import FEW_CYCLES, HalfWaves, find_half_waves
 from workbench.metrics.swings import last_swings
+from workbench.metrics.verdicts import Verdict
 from workbench.simulation.run import STUCK_SPEED
-
-Verdict = Literal["none", "decaying", "too_short", "sustained"]
 
 HUNTING: tuple[Verdict, ...] = ("too_short", "sustained")
 """Verdicts of a loop that hunts, or of which the longest record cannot say that it does not."""

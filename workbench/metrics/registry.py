@@ -1,19 +1,22 @@
 """The metrics by name, in the order of their columns: ours, and those that other packages bring by entry point."""
 
 import functools
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from typing import get_args
 
 from plants.axis import LINEAR, ROTARY
 from plants.plugins import Registry
 from workbench.metrics.groups import COST, ERRORS, FRICTION, LAG, LIMIT_CYCLE, SETTLING, STEADY_STATE
 from workbench.metrics.interface import Column, Metric, ending
+from workbench.metrics.verdicts import Verdict
+from workbench.simulation.run import OUTCOMES
 
 _OURS = (LAG, STEADY_STATE, ERRORS, SETTLING, LIMIT_CYCLE, COST, FRICTION)
 
 OUTCOME = Column("outcome", "1", "the run in words; one that diverged has no other figure")
 
-WORDS = (OUTCOME.name, "limit_cycle")
-"""Columns of ours that hold words."""
+WORDS: Mapping[str, Sequence[str]] = {OUTCOME.name: OUTCOMES, "limit_cycle": get_args(Verdict)}
+"""Columns of ours that hold words, and which they are."""
 
 SOLVER = (
     Column(

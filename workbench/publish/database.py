@@ -118,6 +118,11 @@ def damaged(path: Path, why: object) -> UserError:
     return UserError(f"{path}: is damaged ({why}); start anew with --overwrite, or choose another --out")
 
 
+OTHERS = {"parameters": "other parameters or draws", "draws": "other draws"}
+COMPARED = ("study", "draws")
+"""Of what an identity holds: what is more than one, and what is kept as JSON, so that the first difference is told."""
+
+
 def check_identity(database: Database, identity: Mapping[str, str], folder: Path) -> None:
     """Keep in a new database of what its rows are; hold the `identity` against that of one that is known.
 
@@ -129,8 +134,8 @@ def check_identity(database: Database, identity: Mapping[str, str], folder: Path
         database.write("INSERT INTO identity VALUES (?, ?)", *identity.items())
     for key, value in identity.items():
         if known and known.get(key) != value:
-            what = "other parameters or draws" if key == "parameters" else f"another {key}"
-            if key == "study":
+            what = OTHERS.get(key, f"another {key}")
+            if key in COMPARED:
                 with suppress(json.JSONDecodeError):  # of an earlier version, which kept a hash
                     what += _first_difference(json.loads(known[key]), json.loads(value))
             raise UserError(

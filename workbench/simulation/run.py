@@ -21,6 +21,20 @@ MACHINE_FAILED = "FMU failed"
 TORQUE_LIMITED = "torque-limited"
 """The outcome of a run whose motor cannot give what holding the speed of rotation takes."""
 
+OUTCOMES = (
+    COMPLETED,
+    "diverged",
+    "step too small",
+    "end stop",
+    "saturated throughout",
+    "stuck",
+    "hardly moves",
+    "cavitates",
+    TORQUE_LIMITED,
+    MACHINE_FAILED,
+)
+"""All that a run may come to, in words; what fails of a foreign machine follows its last."""
+
 FRICTION_ERROR = "friction_estimate_error"
 """The signal of a friction estimate less the friction along the rod, where a run has both."""
 

@@ -74,11 +74,15 @@ def _recorded(signal: ReferenceSignal) -> Iterator[bytes]:
 
 
 def spreads(study: Study, cases: Sequence[Case], draws: Draws) -> str:
-    """All that the machines come from which a study draws, beside what it declares."""
+    """All that the machines come from which a study draws, beside what it declares, as JSON."""
     sets = sorted({str(case.tables["plant"]["parameters"]) for case in cases})
     folder = study.path.parent
     deviations = {name: dict(read_deviations(parameter_path(name, folder), draws.axis)) for name in sets}
-    return json.dumps([draws.table.model_dump(), [*draws.numbers], deviations], default=str)
+    first, count = draws.numbers[0], len(draws.numbers)
+    in_a_row = [*draws.numbers] == [*range(first, first + count)]
+    numbers = {"first": first, "draws": count} if in_a_row else {"numbers": [*draws.numbers]}
+    table = draws.table.model_dump(exclude={"draws"})
+    return json.dumps({"uncertainty": {**numbers, **table}, "standard deviations": deviations}, default=str)
 
 
 def _plugins(cases: Sequence[Case], resolved: Sequence[Resolved]) -> str:

@@ -64,12 +64,10 @@ class Plan:
     @cached_property
     def identity(self) -> dict[str, str]:
         """What results must agree in to be of the same study: the file, the numbers it leads to, all code."""
-        led = led_to(self.checked, self.declared)
-        drawn = "" if self.cases.draws is None else spreads(self.study, self.checked, self.cases.draws)
         return {
             "study": self.study.computed,
-            **led,
-            "parameters": hashlib.sha256((led["parameters"] + drawn).encode()).hexdigest(),
+            **led_to(self.checked, self.declared),
+            "draws": "{}" if self.cases.draws is None else spreads(self.study, self.checked, self.cases.draws),
             "content of its gain files": self._gain_files(),
             "version of the program": source_hash(PROGRAM_FOLDERS),
         }

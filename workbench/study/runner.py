@@ -1,5 +1,6 @@
 """Running a study: its cases in chunks, each chunk's results kept the moment they are there."""
 
+import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
@@ -94,6 +95,7 @@ def _record(planned: Plan, began: float, jobs: int | None, cluster: str | None) 
         "title": planned.study.file.title,
         **planned.identity,
         "study": planned.study.fingerprint,
+        "draws": json.loads(planned.identity["draws"]),
         "cases": len(planned.cases),
         "simulated_seconds": planned.simulated_seconds,
         "seeds": planned.seeds,

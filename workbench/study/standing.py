@@ -12,11 +12,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from plants.plugins import OURS
-from workbench.publish.folders import LOCK
 from workbench.publish.run_record import PACKAGES, versions
 from workbench.study.plan import Plan
 from workbench.study.sections import sections_of
-from workbench.study.store import DATABASE, finished_in, open_store
+from workbench.study.store import DATABASE, FOLDER, finished_in, open_store
 
 DRAWING = ("bokeh", "jinja2", "matplotlib", "pyarrow")
 """Packages on whose version, beside those of results, tables and pages may depend."""
@@ -72,10 +71,13 @@ def _origin(planned: Plan, keep_all: bool) -> str:
 
 
 def _files(folder: Path) -> dict[str, list[int]]:
-    """Size and time of each file of results, by its place; not of the database, in which they are kept."""
+    """Size and time of each file of results, by its place; not of the database, in which they are kept, nor of what
+    else the folder holds, which may be much.
+    """
     found = {}
-    for path in sorted(folder.rglob("*")):
-        if path.name != LOCK and not path.name.startswith(DATABASE) and not path.is_dir():
+    own = [folder / name for name in (*FOLDER.names, *FOLDER.kept) if name != DATABASE]
+    for path in sorted(path for each in own for path in (each, *each.rglob("*"))):
+        if path.exists() and not path.is_dir():
             status = path.lstat()
             found[path.relative_to(folder).as_posix()] = [status.st_size, status.st_mtime_ns]
     return found

@@ -55,8 +55,7 @@ class Shown:
             self.chosen(key, table.where, one=False)
         if table.across is not None:
             check_name(self.study, (*key, "across"), "axis", table.across, self.axes)
-        for axis in table.over:
-            check_name(self.study, (*key, "over"), "axis", axis, self.axes)
+        self._over((*key, "over"), table.over)
         forms: dict[str, Sequence[Column | Row]] = {"columns": table.columns, "rows": table.rows}
         for form, items in forms.items():
             for i, item in enumerate(items):
@@ -132,11 +131,20 @@ class Shown:
         if column in WORDS and summary.take not in (None, "share"):
             message = f'got "{summary.take}" of {column}, which is words; expected "share"'
             raise self.study.error((*key, "take"), message)
+        for word in summary.of if column in WORDS else ():
+            check_name(self.study, (*key, "of"), "word", word, WORDS[column])
         if summary.take == "share_below":
             try:
                 si(summary.level, unit_of_column(column))
             except QuantityError as error:
                 raise self.study.error((*key, "level"), str(error)) from None
+
+    def _over(self, key: Key, axes: Sequence[str]) -> None:
+        """Raise UserError for an axis that there is not."""
+        for axis in axes:
+            if axis == DRAW and DRAW not in self.axes:
+                raise self.study.error(key, f'no axis "{DRAW}": draw machines first, with draws = 100 in [uncertainty]')
+            check_name(self.study, key, "axis", axis, self.axes)
 
     def _differ_over(self, key: Key, over: Sequence[str], cases: Sequence[int]) -> None:
         """Cases of which one figure is taken may differ in the axes that it is over, and in no other."""
@@ -179,8 +187,7 @@ class Shown:
         except QuantityError as error:
             raise self.study.error((*key[:4], "x" if panel.x_unit is None else "x_unit"), str(error)) from None
         self._published(key, curve.published, panel.x)
-        for axis in panel.over:
-            check_name(self.study, (*key[:4], "over"), "axis", axis, self.axes)
+        self._over((*key[:4], "over"), panel.over)
         if panel.over and (two := self._two_at_one_x(panel, curve, found)):
             raise self.study.error((*key, "where"), f"has {two}; say which in its where, or name that axis in over")
 

@@ -15,6 +15,7 @@ from workbench.publish.tables import Table, shown_number, write_frame
 from workbench.simulation.setup import Setup
 from workbench.study.plan import Plan
 from workbench.study.report.select import with_cycles
+from workbench.study.study import DRAW
 
 NAME = "limit_cycles"
 TITLE = "Limit cycles: simulated against describing function"
@@ -24,25 +25,35 @@ NOTE = (
     "cycles. It knows neither sticking nor presliding: the simulation decides. It does not apply to other controllers "
     "than a PID."
 )
+DRAWS = "draws with a cycle"
 FOUND, NOT_FOUND, NOT_ASKED = "predicted", "none predicted", "does not apply"
 DIGITS = 4
 
 
 def limit_cycle_table(planned: Plan, frame: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case of `frame` with a limit cycle, as text; empty without any.
+    """One row for each case of `frame` with a limit cycle, as text; empty without any. Of the draws of a case the first
+    that has one stands for all, beside how many have.
 
     `frame` holds the results of `planned`, its index that of the cases.
     """
     shown, size = SHOWN[planned.axis], names_along(planned.axis)["limit_cycle_amplitude_m"]
+    apart = [name for name in planned.axes if name != DRAW]
+    found = with_cycles(frame, planned.axis)
+    repeats = planned.cases.repeats
+    groups = found.groupby(found.index // repeats)
+    cycling = groups.size() if DRAW in found else None
     lines = []
-    for index, row in with_cycles(frame, planned.axis).iterrows():
+    for index, row in groups.head(1).iterrows():
         number = int(str(index))
         setup = planned.resolved[number].setup
         asked = _applies(setup)
         prediction, lasting = _predicted(setup) if asked else None, row["limit_cycle"] == "sustained"
+        of_draws = "" if cycling is None else f"{cycling[number // repeats]} of {repeats}"
+        drawn = {DRAW: _cell(row[DRAW]), DRAWS: of_draws} if of_draws else {}
         lines.append(
             {
-                **{name: _cell(row[name]) for name in planned.axes},
+                **{name: _cell(row[name]) for name in apart},
+                **drawn,
                 "verdict": row["limit_cycle"],
                 "describing function": FOUND if prediction else NOT_FOUND if asked else NOT_ASKED,
                 **_beside(
