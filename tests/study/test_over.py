@@ -255,6 +255,20 @@ def test_a_study_of_draws_from_end_to_end(tmp_path: Path) -> None:
     assert (out / "figures" / "f.pdf").exists()
 
 
+def test_what_was_drawn_is_told_and_kept(tmp_path: Path) -> None:
+    out = ran(tmp_path, f'{MONTE_CARLO}scale.mass = {{ min = 0.8, max = 1.5 }}\nnoise.position = {{ max = "5 um" }}\n')
+    drawn = pd.read_csv(out / "draws.csv")
+    assert drawn["draw"].tolist() == [1, 2, 3]
+    assert drawn["mass (kg)"].between(0.8 * 34.0, 1.5 * 34.0).all()
+    assert drawn["mass (kg)"].nunique() == drawn["seed"].nunique() == 3
+    assert drawn["noise of position (m)"].between(0.0, 5e-6).all()
+    assert {"coulomb (N)", "coulomb_negative (N)"} <= {*drawn}
+    assert "supply_pressure (Pa)" not in drawn, "it is the same on all"
+    page = (out / "results.html").read_text(encoding="utf-8")
+    assert "friction by 1 times its standard deviations; mass times 0.8 to 1.5; noise of position 0.0 to 5 um." in page
+    assert not (ran(tmp_path, STUDY, "--overwrite") / "draws.csv").exists()
+
+
 def test_limit_cycles_of_draws_are_one_line_a_case(tmp_path: Path) -> None:
     relay = 'type = "relay"\namplitude = "2 V"\nhysteresis = "0.1 mm"'
     steps = 'kind = "steps"\nlevels = ["1 mm"]\ndwell = "2 s"'

@@ -89,6 +89,7 @@ def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all:
 
 def _report(planned: "Plan", folder: Path) -> "Made":
     """Make tables, figures and pages of finished results, and say which cases did not simply complete."""
+    from workbench.study.report.drawn import write_draws
     from workbench.study.report.folder import shown_columns, write_cycles, write_figures, write_pages, write_tables
     from workbench.study.report.unusual import unusual
     from workbench.study.standing import Made
@@ -96,6 +97,7 @@ def _report(planned: "Plan", folder: Path) -> "Made":
 
     study = planned.study
     frame = read_results(folder, shown_columns(study, planned.axis))
+    write_draws(planned, folder)
     tables = write_tables(study, frame, folder) + write_cycles(planned, frame, folder)
     print_tables(tables)
     write_figures(study, frame, folder)

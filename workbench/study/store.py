@@ -38,11 +38,15 @@ DATABASE = "results.sqlite"
 
 STUDY_COPY = "study.toml"
 FRESH = "fresh"
+DRAWS = "draws.csv"
+"""The machines that were drawn."""
+
 REPLACED = (
     STUDY_COPY,
     "results.csv",
     "results.parquet",
     "results.html",
+    DRAWS,
     "run.json",
     "trajectories",
     "records",

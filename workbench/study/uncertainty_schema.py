@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from workbench.publish.words import plain_name
 from workbench.toml.quantities import Raw
 from workbench.toml.reading import Strict
 
@@ -52,3 +53,12 @@ class UncertaintyTable(Strict):
     """Whether offsets and gain errors are bounds, of which a draw has any share, and calibration curves are drawn."""
     seed: int = Field(1, ge=0)
     """Of the draws."""
+
+
+def drawn_from(table: UncertaintyTable) -> list[str]:
+    """From what machines are drawn beside their friction, in words."""
+    parts = []
+    for name, factor in table.scale.items():
+        even = " (evenly in the logarithm)" if factor.scale == "log" else ""
+        parts.append(f"{plain_name(name)} times {factor.min:g} to {factor.max:g}{even}")
+    return parts + [f"noise of {plain_name(name)} {noise.min} to {noise.max}" for name, noise in table.noise.items()]

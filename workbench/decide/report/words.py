@@ -17,6 +17,7 @@ from workbench.decide.run import enough
 from workbench.decide.schema import MOTOR, PUMP
 from workbench.publish.words import plain_name
 from workbench.simulation.simulate import COMPLETED
+from workbench.study.uncertainty_schema import drawn_from
 from workbench.toml.gain_file import KEY
 
 
@@ -110,11 +111,8 @@ def _machines(decision: Decision) -> str:
     uncertainty, plant = decision.plan.study.file.uncertainty, decision.plan.plant
     if uncertainty is None:
         return "One machine, the declared one: the study has no [uncertainty]."
-    parts = [f'friction by the standard deviations of "{plant.get("parameters")}" times the spread']
-    for name, factor in uncertainty.scale.items():
-        even = " (evenly in the logarithm)" if factor.scale == "log" else ""
-        parts.append(f"{plain_name(name)} times {factor.min:g} to {factor.max:g}{even}")
-    parts += [f"noise of {plain_name(name)} {noise.min} to {noise.max}" for name, noise in uncertainty.noise.items()]
+    friction = f'friction by the standard deviations of "{plant.get("parameters")}" times the spread'
+    parts = [friction, *drawn_from(uncertainty)]
     return (
         f"Machines are drawn (seed {uncertainty.seed}), the same for every candidate, speed and spread: "
         f"{'; '.join(parts)}."

@@ -19,7 +19,9 @@ from workbench.study.report.select import axes_of
 from workbench.study.report.shown_figures import FIGURES, column_along, shown_figure, shown_unit
 from workbench.study.report.unusual import unusual
 from workbench.study.sections import overlays_of
+from workbench.study.store import DRAWS
 from workbench.study.study import Study
+from workbench.study.uncertainty_schema import drawn_from
 
 PAGE = "results.html"
 
@@ -44,7 +46,8 @@ _HTML = """\
 {% endif %}<ul class="answer">
 {% for line in lines %}<li>{{ line }}</li>
 {% endfor %}</ul>
-{% if tables %}<h2>Tables</h2>
+{% if drawn %}<p class="note">{{ drawn }} What differs between them is in <a href="draws.csv">draws.csv</a>.</p>
+{% endif %}{% if tables %}<h2>Tables</h2>
 {% for table in tables %}{{ show(table) }}
 {% endfor %}{% endif %}
 {% if pictures or others %}<h2>Figures</h2>
@@ -74,6 +77,7 @@ def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
             title=study.file.title,
             question=study.file.question,
             lines=first_lines(frame),
+            drawn=_drawn(study) if (folder / DRAWS).exists() else "",
             tables=[
                 stored_table(path) for path in _ordered(folder / "tables", [spec.name for spec in study.file.tables])
             ],
@@ -88,6 +92,17 @@ def write_results_page(study: Study, frame: pd.DataFrame, folder: Path) -> Path:
         .dump(str(anew(path)), encoding="utf-8")  # piece by piece: sketches are large
     )
     return path
+
+
+def _drawn(study: Study) -> str:
+    """From what the machines of a study are drawn, in a sentence."""
+    table = study.file.uncertainty
+    if table is None:
+        return ""
+    friction = f"friction by {table.friction:g} times its standard deviations" if table.friction else ""
+    return (
+        f"Machines are drawn (seed {table.seed}): {'; '.join(part for part in (friction, *drawn_from(table)) if part)}."
+    )
 
 
 def _ordered(folder: Path, first: Sequence[str]) -> list[Path]:
