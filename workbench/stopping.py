@@ -55,13 +55,14 @@ def exit_code() -> int:
 
 
 @contextmanager
-def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
+def stopping_on_signals(say: Callable[[], None], *, to_the_end: bool = False) -> Iterator[None]:
     """While inside, the first of `SIGNALS` stops every compiled loop and the worker processes at once, and raises
     KeyboardInterrupt in the main thread, again where it is dropped there; later ones are ignored, and so are those that
     the process ignores already.
 
     Where the block is not left within `GRACE`, `say` writes what there is to say and the process exits. Outside the
-    main thread, which alone is told of signals, the block is left as it is.
+    main thread, which alone is told of signals, the block is left as it is. Where the process ends behind it
+    (`to_the_end`) signals stay ignored.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -95,7 +96,7 @@ def stopping_on_signals(say: Callable[[], None]) -> Iterator[None]:
         watcher.join()
         inside.close()
         clear()
-        for number, handler in handlers.items():
+        for number, handler in handlers.items() if not to_the_end else ():
             signal.signal(number, handler)
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from unittest import mock
 
 from workbench.cli import main
+from workbench.stopping import SIGNALS
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "studies"
@@ -80,8 +81,9 @@ class Answer(NamedTuple):
 
 
 def workbench(*arguments: str | Path) -> Answer:
-    """Run the command in this process."""
+    """Run the command in this process, which hears signals as before when it has ended."""
     out, err, code = io.StringIO(), io.StringIO(), 0
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
     with (
         mock.patch.object(sys, "argv", ["workbench", *map(str, arguments)]),
         contextlib.redirect_stdout(out),
@@ -91,6 +93,9 @@ def workbench(*arguments: str | Path) -> Answer:
             main()
         except SystemExit as ended:
             code = int(ended.code or 0)
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
     return Answer(code, out.getvalue(), err.getvalue())
 
 

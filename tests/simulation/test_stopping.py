@@ -89,6 +89,16 @@ main()
 """A command that is asked to stop while Python ends."""
 
 
+ENDING = """\
+import os, signal, sys, threading
+from workbench.cli import main
+threading._register_atexit(os.kill, os.getpid(), signal.SIGINT)
+sys.argv = ["workbench", "list"]
+main()
+"""
+"""A command that is asked to stop while Python waits for threads, before anything that is registered to be done."""
+
+
 @pytest.fixture(autouse=True)
 def _clear() -> Iterator[None]:
     yield
@@ -260,3 +270,8 @@ with stopping_on_signals(lambda: None):
 def test_an_interrupt_that_python_drops_is_no_noise_and_stops_nevertheless() -> None:
     done = subprocess.run([sys.executable, "-c", DROPPED], capture_output=True, text=True, timeout=60.0)
     assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
+
+
+def test_a_signal_while_python_ends_says_nothing() -> None:
+    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True, timeout=60.0)
+    assert (done.returncode, done.stderr) == (0, "")

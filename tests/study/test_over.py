@@ -75,6 +75,36 @@ def test_a_figure_of_all_draws(take: dict[str, Any], expected: list[float]) -> N
     assert single["this program"].tolist() == table.iloc[:, 1].tolist()
 
 
+def test_a_level_in_a_unit_that_is_not_si() -> None:
+    """Lags are stored in degrees, speeds of rotation in rpm."""
+    lags = FRAME.assign(phase_lag_deg=30.0 + FRAME["rms_error_m"].to_numpy() * 1e3, rotation_speed_mean_rpm=100.0)
+    for column, level, expected in (
+        ("phase_lag_deg", "60 deg", 20 / 21),
+        ("phase_lag_deg", 35.5, 4 / 21),
+        ("rotation_speed_mean_rpm", "90 rpm", 0.0),
+        ("rotation_speed_mean_rpm", "110 rpm", 1.0),
+    ):
+        share = {"result": column, "label": "s", "digits": 9, "take": "share_below", "level": level}
+        table = make_table(over_draws(index="rpm", where={"rpm": 0}, columns=[share]), lags)
+        assert float(table["s"].iloc[0]) == pytest.approx(expected)
+
+
+def test_a_column_may_pick_other_cases_than_its_table() -> None:
+    """Its where is laid over the table's."""
+    spec = over_draws(
+        index="rpm",
+        where={"rpm": 0},
+        columns=[{**RMS, "take": "maximum"}, {**RMS, "label": "turned", "take": "maximum", "where": {"rpm": 460}}],
+    )
+    table = make_table(spec, FRAME)
+    assert table["turned (mm)"].tolist() == ["", "10.00 [20 of 21]"]
+
+
+def test_a_row_of_no_case_is_empty() -> None:
+    row = {**RMS, "take": "mean", "where": {"rpm": 0, "outcome": "diverged"}}
+    assert make_table(over_draws(rows=[row, {**row, "where": {"rpm": 0}}]), FRAME)["this program"][0] == ""
+
+
 def test_words_are_counted_and_a_note_says_what_is_taken_of_how_many(tmp_path: Path) -> None:
     hunts = {"result": "limit_cycle", "label": "hunts", "unit": "%", "digits": 3, "take": "share", "of": ["sustained"]}
     spec = over_draws(index="rpm", columns=[{**RMS, "take": "median"}, hunts])
@@ -156,6 +186,13 @@ def test_a_curve_of_medians_with_a_band_between_quantiles(tmp_path: Path) -> Non
     legend = [text.get_text() for text in axes.get_legend().get_texts()]
     assert legend == ["P", "5 to 95 % of the cases", "end stop"]
     assert [text.get_text() for text in axes.texts] == ["Over draw, 20 of 21 cases a point: median"]
+
+
+@pytest.mark.parametrize("over", [["draw"], []])
+def test_a_figure_that_no_case_has_is_an_empty_panel(tmp_path: Path, over: list[str]) -> None:
+    empty = FRAME.assign(rms_error_m=pd.Series([None] * len(FRAME), dtype=object))
+    (axes,) = draw(panel({"take": "mean"} if over else {}, over=over), empty, tmp_path).axes
+    assert list(axes.lines[0].get_ydata()) == []
 
 
 def test_a_share_is_drawn_without_the_unit_of_its_column(tmp_path: Path) -> None:

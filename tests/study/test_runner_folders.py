@@ -83,6 +83,44 @@ def test_what_makes_it_another_study_is_said(tmp_path: Path, study: str, said: s
     assert said in complaint(tmp_path, "--out", out, "--resume", study=study)
 
 
+def test_the_order_of_axes_and_cases_counts(tmp_path: Path) -> None:
+    """They number the rows and columns of results; the order of other tables is nothing."""
+    axes = '"simulation.tolerance" = [1e-6, 1e-7]\n"simulation.transient" = ["0.2 s", "0.3 s"]\n'
+    first, second = axes.splitlines()
+    study = changed("rpm = [0, 460]\n", axes) + "[cases.a]\n[cases.b.plant.scale]\nmass = 2\n"
+    out = ran(tmp_path, study)
+    swapped = study.replace(axes, f"{second}\n{first}\n")
+    said = complaint(tmp_path, "--out", out, "--resume", study=swapped)
+    assert "of another study (order.axes: ['simulation.tolerance', 'simulation.transient'] there" in said
+    cases = study.replace("[cases.a]\n", "") + "[cases.a]\n"
+    assert "(order.cases: ['a', 'b'] there, ['b', 'a'] here)" in complaint(
+        tmp_path, "--out", out, "--resume", study=cases
+    )
+    turned = study.replace('kind = "sine"\namplitude = "5 mm"', 'amplitude = "5 mm"\nkind = "sine"')
+    assert workbench("run", write(tmp_path, turned), "--out", out, "--resume").code == 0
+
+
+def test_another_controller_of_the_same_gains_is_another(tmp_path: Path) -> None:
+    """What a gain file says of the controller's type counts beside its numbers."""
+    gains = 'type = "{}"\n[[at]]\nsettings = {{ position_rate = "34 1/s" }}\n'
+    study = changed('type = "pid"\nkp = "500 V/m"', 'gains = "gains.toml"')
+    write(tmp_path, gains.format("static_map"), "gains.toml")
+    out = ran(tmp_path, study)
+    write(tmp_path, gains.format("uncompensated"), "gains.toml")
+    assert "its results are of other parameters" in complaint(tmp_path, "--out", out, "--resume", study=study)
+
+
+@pytest.mark.parametrize("name", ["results.csv", "results.parquet"])
+def test_damaged_exports_are_written_again(tmp_path: Path, name: str) -> None:
+    out = ran(tmp_path, STUDY)
+    whole = (out / name).read_bytes()
+    (out / name).write_bytes(whole[:500] if name.endswith("csv") else whole[:60] + bytes(20) + whole[80:])
+    if name.endswith("parquet"):
+        assert "cannot be read" in workbench("table", out, "--column", "rms_error_m").err
+    assert workbench("run", write(tmp_path, STUDY), "--out", out, "--resume").code == 0
+    assert (out / name).read_bytes() == whole
+
+
 def test_other_draws_are_told_from_other_parameters(tmp_path: Path) -> None:
     drawn = f"{STUDY}\n[uncertainty]\ndraws = 2\nscale.mass = {{ min = 0.8, max = 1.5 }}\n"
     out = ran(tmp_path, drawn)

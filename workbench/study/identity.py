@@ -28,6 +28,7 @@ def led_to(cases: Sequence[Case], resolved: Sequence[Resolved]) -> dict[str, str
     """What the tables and files of a study lead to in these cases: hashes of all numbers, and the plug-ins."""
     numbers, signals = hashlib.sha256(), hashlib.sha256()
     for item in resolved:
+        numbers.update(_controller(item))
         for part in _numbers(item.setup):
             numbers.update(part)
         for part in _signals(item.setup):
@@ -46,6 +47,12 @@ def led_to_when_drawn(cases: Sequence[ParsedCase]) -> dict[str, str]:
         **led_to([each.case for each in cases], [each.resolve() for each in cases]),
         "spread of parameters": hashlib.sha256(deviations.encode()).hexdigest(),
     }
+
+
+def _controller(item: Resolved) -> bytes:
+    """Which controller runs, and its settings: words among them, and what another gives the same numbers."""
+    loop = item.setup.loop
+    return repr((loop.controller.name, loop.drives, item.settings, [feed.input for feed in item.setup.feeds])).encode()
 
 
 def _numbers(setup: Setup) -> Iterator[bytes]:

@@ -204,13 +204,13 @@ def _write_parquet(frames: "Iterable[pd.DataFrame]", text: Collection[str], path
             schema = pa.Schema.from_pandas(frame, preserve_index=False)
             for name in text:
                 schema = schema.set(schema.get_field_index(name), pa.field(name, pa.string()))
-            writer = pq.ParquetWriter(path, schema)
+            writer = pq.ParquetWriter(path, schema, write_page_checksum=True)
         writer.write_table(pa.Table.from_pandas(frame, schema=schema, preserve_index=False))
     writer.close()
 
 
 def is_exported(folder: Path, count: int) -> bool:
-    """Whether the folder holds the exports of so many cases."""
+    """Whether the folder holds the exports of so many cases, undamaged as far as reading them tells."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -218,7 +218,8 @@ def is_exported(folder: Path, count: int) -> bool:
     if not (table.exists() and results.exists()):
         return False
     try:
-        return int(pq.read_metadata(results).num_rows) == count
+        with table.open("rb") as lines, pq.ParquetFile(results, page_checksum_verification=True) as read:
+            return sum(1 for _ in lines) == count + 1 and sum(batch.num_rows for batch in read.iter_batches()) == count
     except (OSError, pa.ArrowInvalid):
         return False  # damaged: they are written again
 
@@ -312,7 +313,8 @@ def read_results(folder: Path, only: Collection[str] | None = None) -> "pd.DataF
         names = pq.read_schema(path).names
         first = names.index(OUTCOME.name) + 1
         chosen = names if only is None else [*names[:first], *(name for name in names[first:] if name in only)]
-        table = pq.read_table(path, columns=chosen, use_threads=False, pre_buffer=False)  # one after another
+        checked = {"pre_buffer": False, "page_checksum_verification": True}
+        table = pq.read_table(path, columns=chosen, use_threads=False, **checked)  # one after another
         return table.to_pandas(split_blocks=True, self_destruct=True)  # not twice in memory
     except (OSError, ValueError) as error:
         raise UserError(f"{path}: cannot be read ({error}); run the study again with --resume") from None

@@ -66,8 +66,14 @@ class Study:
 
     @property
     def computed(self) -> str:
-        """What the study computes, as JSON: all but its report, and the tables of other questions."""
-        content = self.file.model_dump(exclude=REPORTED | {*type(self.file).model_fields} - {*StudyFile.model_fields})
+        """What the study computes, as JSON: all but its report, and the tables of other questions. Tables may stand in
+        any order but cases and axes, which number the rows and columns of the results.
+        """
+        others = {*type(self.file).model_fields} - {*StudyFile.model_fields}
+        content: dict[str, Any] = self.file.model_dump(exclude=REPORTED | others)
+        parts = {name: case["axes"] for name, case in self.file.cases.items() if isinstance(case.get("axes"), dict)}
+        axes_of_parts = {name: [*axes] for name, axes in parts.items()}
+        content["order"] = {"axes": [*self.file.axes], "cases": [*self.file.cases], "axes of cases": axes_of_parts}
         return json.dumps(content, sort_keys=True, default=str)
 
     @property

@@ -13,12 +13,12 @@ from workbench.study.axis_values import are_names, shown_unit
 from workbench.study.cases import Cases
 from workbench.study.names import comparable, in_words, shown_factor, signal_units, unit_of_column
 from workbench.study.report.schema import Column, Curve, FigureSpec, Panel, Row, Summary, TableSpec
-from workbench.study.report.summary import summary_unit
+from workbench.study.report.summary import level_of, summary_unit
 from workbench.study.report.table_layout import LayoutError, lay_out
 from workbench.study.sections import Overlay, overlays_of
 from workbench.study.study import DRAW, Study, check_name
 from workbench.toml.reading import Key
-from workbench.toml.units import QuantityError, si
+from workbench.toml.units import QuantityError
 
 PLAIN = re.compile(r"(?:[^\\{}_^]|[_^]\w(?![_^]))*")
 """Mathematics that can always be set: symbols, with an index or a power of one letter or digit."""
@@ -52,7 +52,6 @@ class Shown:
         """Raise UserError for the first mistake of a table."""
         if table.index is not None:
             check_name(self.study, (*key, "index"), "axis", table.index, self.columns)
-            self.chosen(key, table.where, one=False)
         if table.across is not None:
             check_name(self.study, (*key, "across"), "axis", table.across, self.axes)
         self._over((*key, "over"), table.over)
@@ -78,7 +77,8 @@ class Shown:
                 self._published((*place, "against", name), values, str(table.index))
         if table.index in self.axes and {*table.where, *(k for c in table.columns for k in c.where)} <= {*self.axes}:
             try:
-                lay_out(table, self.every.columns_of(self.every.where(table.where)), [*self.axes])
+                places = [self.every.where({**table.where, **column.where}) for column in table.columns]
+                lay_out(table, self.every.columns_of(np.unique(np.concatenate(places))), [*self.axes])
             except LayoutError as error:
                 raise self.study.error((*key, *error.key), str(error)) from None
 
@@ -135,7 +135,7 @@ class Shown:
             check_name(self.study, (*key, "of"), "word", word, WORDS[column])
         if summary.take == "share_below":
             try:
-                si(summary.level, unit_of_column(column))
+                level_of(summary, column)
             except QuantityError as error:
                 raise self.study.error((*key, "level"), str(error)) from None
 
@@ -201,6 +201,8 @@ class Shown:
         others = [axis for axis in columns if axis not in (panel.x, *panel.over)]
         seen: dict[object, int] = {}
         for i, x in enumerate(columns[panel.x]):
+            if x is None:
+                continue  # it is not drawn
             first = seen.setdefault(comparable(x), i)
             for axis in others:
                 one, other = (columns[axis][case] for case in (first, i))

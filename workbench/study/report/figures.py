@@ -239,7 +239,7 @@ class _Point:
 
 def _points(found: pd.DataFrame, panel: Panel, curve: Curve) -> list[_Point]:
     """The points of a curve over a column of the results: one for each case, or for each x where it is over several."""
-    if pd.api.types.is_string_dtype(found[curve.y]) and curve.take != "share":
+    if curve.take != "share" and any(isinstance(value, str) for value in found[curve.y]):
         raise UserError(f'curve of "{curve.y}": its values are words; a share of them can be drawn with over')
     outcomes = found["outcome"].astype(str)
     if not panel.over:

@@ -73,14 +73,16 @@ def one_row(frame: pd.DataFrame, where: Mapping[str, object], purpose: str) -> p
 
 
 def alike(frame: pd.DataFrame, where: Mapping[str, object], over: Collection[str], purpose: str) -> pd.DataFrame:
-    """The rows that `where` picks, which only the axes in `over` tell apart: a single one without any.
+    """The rows that `where` picks, which only the axes in `over` tell apart: without any a single one, else perhaps
+    none, where it asks for what is known afterwards.
 
     Raises:
         UserError: none, or others too.
     """
     found = rows(frame, where)
     apart = [name for name in axes_of(frame.columns) if name not in over and found[name].nunique(dropna=False) > 1]
-    if found.empty or apart or (not over and len(found) > 1):
+    known_before = {*where} <= {*axes_of(frame.columns)}
+    if apart or (len(found) != 1 and not over) or (found.empty and known_before):
         number = f"{len(found) or 'no'} case{'s' * (len(found) > 1)}"
         wanted = f"expected those of one {', '.join(apart)}" if over and apart else "expected one"
         raise UserError(f"{purpose}: {number} for {in_words(where) or 'no condition'}, {wanted}")

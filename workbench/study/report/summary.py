@@ -46,7 +46,7 @@ def taken(values: Sequence[object], summary: Summary, column: str) -> float | st
     numbers = np.array(present, dtype=float)
     match summary.take:
         case "share_below":
-            return float(np.sum(np.abs(numbers) < si(summary.level, unit_of_column(column)))) / len(values)
+            return float(np.sum(np.abs(numbers) < level_of(summary, column))) / len(values)
         case "quantile":
             return float(np.quantile(numbers, si(summary.level, "1")))
         case "standard_deviation":
@@ -59,6 +59,18 @@ def taken(values: Sequence[object], summary: Summary, column: str) -> float | st
             return float(np.min(numbers))
         case "maximum":
             return float(np.max(numbers))
+
+
+def level_of(summary: Summary, column: str) -> float:
+    """The level of a share as a column's values are stored: some are in degrees, or in rpm.
+
+    Raises:
+        QuantityError: a level that is no quantity of the column.
+    """
+    unit, level = unit_of_column(column), summary.level
+    if unit == "1" or not isinstance(level, str):
+        return si(level, unit)
+    return si(level, unit) / si(f"1 {unit}", unit)
 
 
 def in_words(summary: Summary, column: str) -> str:

@@ -21,7 +21,7 @@ from workbench.publish.tables import (
 from workbench.publish.words import listed
 from workbench.study.names import matches, shown_factor, unit_of_column
 from workbench.study.report.schema import SHARES, Column, Row, TableSpec
-from workbench.study.report.select import OUTCOME, alike, axes_of, rows, which
+from workbench.study.report.select import OUTCOME, alike, axes_of, which
 from workbench.study.report.summary import count_of, counted, in_words, summary_unit, taken
 from workbench.study.report.table_layout import Heading, lay_out
 from workbench.study.report.unusual import SOLVER_ERRORS, unusual
@@ -127,10 +127,9 @@ def _beside(
 
 def _over_axis(spec: TableSpec, frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     conditions = [{**spec.where, **column.where} for column in spec.columns]
-    for where in conditions:
-        rows(frame.head(0), where)  # names that the results lack are told
     axes = axes_of(frame.columns)
-    columns = _values(rows(frame, spec.where), spec.columns, [*axes, str(spec.index), *itertools.chain(*conditions)])
+    asked = np.logical_or.reduce([which(frame, where) for where in conditions])
+    columns = _values(frame[asked], spec.columns, [*axes, str(spec.index), *itertools.chain(*conditions)])
     layout = lay_out(spec, columns, axes)
     several = sum(bool(column.published or column.against) for column in spec.columns) > 1
     headed = {spec.index: spec.index_label or str(spec.index)}
