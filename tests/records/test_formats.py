@@ -264,6 +264,12 @@ def test_whole_numbers_that_no_float_can_hold_are_infinite() -> None:
     assert numbers_of(column).tolist() == pytest.approx([1.0, math.inf, -3.0, math.nan], nan_ok=True)
 
 
+def test_no_date_is_looked_for_in_very_long_text() -> None:
+    """It would take minutes."""
+    found = seconds(pd.Series(["10:00:00", "3" * 1_000_000 + " a", "10:00:02"]))
+    assert found.tolist() == pytest.approx([0.0, math.nan, 2.0], nan_ok=True)
+
+
 @pytest.mark.parametrize("zones", [("+01:00", "+01:00"), ("+01:00", "+02:00"), ("Z", "Z")])
 def test_dates_of_one_time_zone_or_several(zones: tuple[str, str]) -> None:
     first, second = zones

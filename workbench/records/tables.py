@@ -19,6 +19,10 @@ LARGEST = 1e30
 """What no channel measures, in whatever unit."""
 
 
+LONGEST_DATE = 80
+"""Characters of a date or a time of day; what looks for one in more takes very long."""
+
+
 def read_table(path: Path) -> pd.DataFrame:
     """The table in a file, as it stands there.
 
@@ -78,6 +82,8 @@ def read_column(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec
 
 def seconds(column: "pd.Series[Any]") -> np.ndarray:
     """Seconds from the first of a column's dates or times of day; NaN where there is none."""
+    if column.dtype.kind not in "mM":
+        column = column.where(column.astype(str).str.len() <= LONGEST_DATE)
     with warnings.catch_warnings(), np.errstate(invalid="ignore"):
         warnings.simplefilter("ignore", UserWarning)  # of dates whose order of day and month is a guess
         stamps = (
