@@ -19,9 +19,8 @@ def estimate(plan: Plan, jobs: int | None = None) -> str:
     Compiling is not counted: it is done once.
     """
     compiled(plan)
-    wanted = [
-        batch for candidate in plan.candidates for batch in batches("search", [(candidate, *_asked(plan))], range(1))
-    ]
+    asked = plan.table.speed, plan.table.spread
+    wanted = [batch for candidate in plan.candidates for batch in batches("search", [(candidate, *asked)], range(1))]
     work, took = BatchRuns(plan, wanted, {}), list[float]()
     for place in range(len(wanted)):
         began = time.perf_counter()
@@ -39,8 +38,3 @@ def estimate(plan: Plan, jobs: int | None = None) -> str:
         f"about {in_words(each * plan.runs)} for the search on this machine, and {fresh} for the fresh draws of each "
         f"candidate, {told}"
     )
-
-
-def _asked(plan: Plan) -> tuple[float, float]:
-    """The speed and the spread that were asked for."""
-    return plan.table.speed, plan.table.spread

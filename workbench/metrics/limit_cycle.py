@@ -22,6 +22,7 @@ for what it does there.
 """
 
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
@@ -34,7 +35,7 @@ from workbench.simulation.run import STUCK_SPEED
 HUNTING: tuple[Verdict, ...] = ("too_short", "sustained")
 """Verdicts of a loop that hunts, or of which the longest record cannot say that it does not."""
 
-ORDER: tuple[Verdict, ...] = ("none", "decaying", "too_short", "sustained")
+ORDER: tuple[Verdict, ...] = get_args(Verdict)
 """From the best to the worst."""
 
 FLOOR = 1e-8

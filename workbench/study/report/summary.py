@@ -8,7 +8,7 @@ from workbench.study.names import unit_of_column
 from workbench.study.report.schema import SHARES, Summary
 from workbench.toml.units import si
 
-WORDS = {
+TAKES = {
     "mean": "mean",
     "median": "median",
     "minimum": "least",
@@ -82,7 +82,7 @@ def in_words(summary: Summary, column: str) -> str:
     if summary.take == "share_below":
         unit, level = unit_of_column(column), summary.level
         return f"share of magnitudes below {level if isinstance(level, str) else f'{level:g} {unit}'}"
-    return WORDS[str(summary.take)]
+    return TAKES[str(summary.take)]
 
 
 def is_there(value: object) -> bool:
