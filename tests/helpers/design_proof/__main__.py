@@ -21,7 +21,7 @@ from family.limits import with_all
 from family.records import FIT, record
 
 from design_proof.cases import Pair, cases, pair_of, steered, write
-from design_proof.choice import difference
+from design_proof.choice import difference, expected
 from design_proof.repetitions import share_found
 from workbench.design.design import design
 from workbench.design.result import Design
@@ -33,6 +33,9 @@ POWERS = 5
 
 RESULT = "result.json"
 """Of a case in its folder: null of one that its first record decides."""
+
+CHOICES = "designed", "repeat"
+"""Second records."""
 
 Result = dict[str, Any]
 
@@ -66,7 +69,8 @@ def run_case(case: Case, pair: Pair, folder: Path) -> Result:
     designed = record(steered(rig), machine, "designed", asked)
     repeat = record(rig, machine, FIT, scattered="repeat")
     share = share_found(found)
-    gains = {name: difference(pair, [first, second]) for name, second in (("designed", designed), ("repeat", repeat))}
+    both = {"designed": [first, designed], "repeat": [first, repeat]}
+    gains = {name: difference(pair, records) for name, records in both.items()}
     one = found.told[0]
     return {
         **about,
@@ -76,6 +80,7 @@ def run_case(case: Case, pair: Pair, folder: Path) -> Result:
         "share": share,
         "design_s": seconds,
         **{f"{name}_gain": gain for name, gain in gains.items()},
+        **{f"{name}_expected": expected(pair, records) for name, records in both.items()},
         **{name: told(gain) for name, gain in gains.items()},
     }
 
@@ -127,15 +132,19 @@ def line(result: Result) -> str:
     return (
         f"{result['case']} ({result['machine']}): {result['true']} or {result['rival']}, {result['first']:.1f} apart "
         f"first; {result['distance']:.1f} in the design ({result['pieces']}); power {power:.2f} ({low:.2f} to "
-        f"{high:.2f}), found {result['share']:.2f}; designed {result['designed']} ({result['designed_gain']:.1f}), "
-        f"repeat {result['repeat']} ({result['repeat_gain']:.1f}); {result['design_s'][0]:.0f} s, "
-        f"{result['design_s'][1]:.0f} s of a processor"
+        f"{high:.2f}), found {result['share']:.2f}; {'; '.join(_chosen(result, name) for name in CHOICES)}; "
+        f"{result['design_s'][0]:.0f} s, {result['design_s'][1]:.0f} s of a processor"
     )
+
+
+def _chosen(result: Result, name: str) -> str:
+    """What one of the second records says, and what is to be expected of it."""
+    return f"{name} {result[name]} ({result[f'{name}_gain']:.1f}, on the average {result[f'{name}_expected']:.1f})"
 
 
 def summary(results: list[Result]) -> str:
     """The figures."""
-    right = {name: sum(one[name] == "right" for one in results) for name in ("designed", "repeat")}
+    right = {name: sum(one[name] == "right" for one in results) for name in CHOICES}
     unsure = sorted((one for one in results if "power" in one), key=lambda one: one["power"][0])[:POWERS]
     inside = sum(one["power"][1] <= one["share"] <= one["power"][2] for one in unsure)
     return (

@@ -27,6 +27,11 @@ HIDDEN, NEAR = 0.5, 0.1
 FACTORS, TRIES = (0.05, 100.0), 12
 """By which a strength is changed at a time to find it, and how often."""
 
+OF_STROKE, FASTER = 0.45, 1.5
+"""What a designed motion may use of a machine: nine tenths of its stroke, and so many times the largest speed that its
+first motion was asked for, which is what the weakest valve of the generator reaches.
+"""
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -126,6 +131,6 @@ def _with_design(text: str, rig: Rig) -> str:
             "velocity_time_constant": f"{float(loop[FILTER])!r} s",
         }
     table = ", ".join(f"{name} = {json.dumps(value)}" for name, value in settings.items())
-    travel = 1.2 * rig.travel
-    limits = f'low = "{-travel} {axis}", high = "{travel} {axis}", speed = "{1.3 * rig.speed} {axis}/s"'
+    travel = OF_STROKE * rig.machine.stroke
+    limits = f'low = "{-travel} {axis}", high = "{travel} {axis}", speed = "{FASTER * rig.speed} {axis}/s"'
     return f"{text}[design]\ncontroller = {{ {table} }}\nlimits = {{ {limits} }}\n"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from family.forms import Form
-from family.limits import LINEAR_SIZE, drawn_form, free_parameters
+from family.limits import LINEAR_SIZE, drawn_form, free_parameters, left
 from family.machines import Rig, resting
 from family.parameters import Machine
 from family.physics import P1, P2, SHOWN, SPOOL, X, Z
@@ -125,23 +125,29 @@ def linear(of: Record, model: Model, x: np.ndarray) -> Linear:
     return Linear(base, np.column_stack(columns), np.column_stack(starts))
 
 
+def _side_by_side(about: Sequence[Linear]) -> np.ndarray:
+    """The columns along several records: those of unknowns, which all share, then of where each starts."""
+    starts = [np.zeros((one.base.size, other.starts.shape[1])) for one in about for other in about]
+    count = len(about)
+    blocks = [[one.columns, *starts[k * count : (k + 1) * count]] for k, one in enumerate(about)]
+    for k, one in enumerate(about):
+        blocks[k][1 + k] = one.starts
+    return np.block(blocks)
+
+
 def fitted(
     records: Sequence[Record], seen: Sequence[np.ndarray], model: Model, x: np.ndarray, about: Sequence[Linear]
 ) -> tuple[np.ndarray, float]:
     """The unknowns at their best, and the squares that a model leaves of records that show `seen`, from x on."""
     count, begins = model.count, model.begins
-    rows = np.cumsum([0, *(one.base.size for one in about)])
-    whole = np.zeros((rows[-1], count + begins * len(about)))
-    for k, one in enumerate(about):
-        whole[rows[k] : rows[k + 1], :count] = one.columns
-        whole[rows[k] : rows[k + 1], count + k * begins : count + (k + 1) * begins] = one.starts
+    whole = _side_by_side(about)
     sizes = np.linalg.norm(whole, axis=0)
     used = sizes > 0.0
     unit = whole[:, used] / sizes[used]
     backward = np.zeros((whole.shape[1], whole.shape[0]))
     backward[used] = np.linalg.pinv(unit, rcond=SINGULAR) / sizes[used][:, None]
 
-    def left(place: np.ndarray) -> np.ndarray:
+    def left_at(place: np.ndarray) -> np.ndarray:
         parts = [
             seen[k] - foreseen(of, model, place[:count], place[count + k * begins : count + (k + 1) * begins])
             for k, of in enumerate(records)
@@ -149,12 +155,12 @@ def fitted(
         return np.nan_to_num(np.concatenate(parts), nan=1e6, posinf=1e6, neginf=-1e6)
 
     place = np.concatenate([x, np.zeros(begins * len(about))])
-    residual = left(place)
+    residual = left_at(place)
     least = float(residual @ residual)
     for _ in range(STEPS):
         step, lower = backward @ residual, False
         for share in (1.0, 0.3):
-            other = left(place + share * step)
+            other = left_at(place + share * step)
             squares = float(other @ other)
             if squares < least:
                 lower = least - squares > LEAST_GAIN
@@ -173,6 +179,14 @@ def models_of(pair: Pair, rig: Rig) -> tuple[tuple[Model, np.ndarray], tuple[Mod
     strengths = [acting.strength * acting.form.weights.get(name, 0.0) for name in acting.form.columns]
     rival = Model(rig, None if pair.rival == NONE else drawn_form(rig, pair.rival))
     return (true, np.concatenate([own, strengths])), (rival, np.zeros(rival.count))
+
+
+def expected(pair: Pair, records: Sequence[Record]) -> float:
+    """What `difference` is on the average over the sensors' noise, to first order in the rival's unknowns."""
+    _, (model, x) = models_of(pair, records[0].rig)
+    about = [linear(of, model, x) for of in records]
+    apart = np.concatenate([whitened(of, of.clean) - one.base for of, one in zip(records, about, strict=True)])
+    return left(apart, list(_side_by_side(about).T)) ** 2
 
 
 def difference(pair: Pair, records: Sequence[Record]) -> float:
