@@ -28,7 +28,7 @@ def taken(pieces: Sequence[Tried], left: Sequence[float], monkeypatch: pytest.Mo
     """The kind of the motion that is taken of some, of which so much is left as a whole."""
     answers: Iterator[float] = iter(left)
     monkeypatch.setattr(design, "_whole", lambda rig, wanted, chosen: design.Whole(chosen, [], []))
-    monkeypatch.setattr(design, "distances", lambda *_: ([next(answers)], 0))
+    monkeypatch.setattr(design, "distances", lambda *_: ({(1, 0): next(answers)}, 0))
     return design._best(RIG, Wanted([NONE, OTHER]), [[piece] for piece in pieces], silent).chosen[0].piece.kind
 
 
@@ -44,6 +44,9 @@ def test_no_fit_counts_that_leaves_more_than_first_order(monkeypatch: pytest.Mon
 
 def test_a_rival_that_runs_away_is_told_most_surely(monkeypatch: pytest.MonkeyPatch) -> None:
     assert taken([tried("steps"), tried("sweep")], [100.0, np.inf], monkeypatch) == "sweep"
-    wanted = Wanted([])
-    assert wanted.score_of([np.inf], []) == wanted.score_of([MOST], [])
-    assert wanted.score_of([0.0], []) < wanted.score_of([LEAST], []) < wanted.score_of([10.0], [])
+
+    def score(left: float) -> float:
+        return Wanted([NONE, OTHER]).score_of({(1, 0): left}, [])
+
+    assert score(np.inf) == score(MOST)
+    assert score(0.0) < score(LEAST) < score(10.0)

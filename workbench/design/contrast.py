@@ -14,11 +14,10 @@ lasts of them, such as the place, is the same in each; what does not last tells 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
 
 import numpy as np
 
-from workbench.design.hypotheses import Hypothesis
+from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.pieces import Condition, Piece, sampled
 from workbench.design.rig import Rig
 from workbench.diagnose.residuals.unknowns import Values
@@ -27,7 +26,7 @@ from workbench.fitting.threads import side_by_side
 from workbench.simulation.run import Run
 
 Pair = tuple[int, int]
-"""Of hypotheses by number: the one that is true, and its rival."""
+"""By number: the hypothesis that is true, among `truths_of` all, and its rival."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +69,19 @@ class Tried:
 
 def pairs_of(hypotheses: Sequence[Hypothesis]) -> list[Pair]:
     """All pairs in which the rival cannot do all that the true one does."""
-    return [(i, j) for i, j in permutations(range(len(hypotheses)), 2) if not hypotheses[i].is_part_of(hypotheses[j])]
+    return [
+        (i, j)
+        for i, true in enumerate(truths_of(hypotheses))
+        for j, rival in enumerate(hypotheses)
+        if true.effects != rival.effects and not true.is_part_of(rival)
+    ]
 
 
 def tried(rig: Rig, hypotheses: Sequence[Hypothesis], piece: Piece, *, informs: bool) -> Tried:
-    """A piece under every hypothesis, and what every rival makes of it."""
+    """A piece under all that may be true, and what every rival makes of it."""
     reference, condition = sampled(piece, rig.reach), piece.condition
     size = len(hypotheses[0].unknowns) + len(rig.moves())
-    runs = side_by_side(lambda one: rig.driven(one.values, reference, condition), hypotheses)
+    runs = side_by_side(lambda one: rig.driven(one.values, reference, condition), truths_of(hypotheses))
     steps = sum(run.steps for run in runs)
     nothing = np.zeros((size, size))
     if beyond := next((said for run in runs if (said := rig.beyond(run))), ""):

@@ -1,9 +1,11 @@
 """Hypotheses of an experiment without a diagnosis: the declared plant, and what it may lack at a size that is felt."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from plants.effects.interface import Effect
 from plants.effects.registry import effects as registered
 from plants.equation import NEGATIVE
 from workbench.design.asked import Asked
@@ -52,17 +54,25 @@ def hypotheses_of(
             found.append(Hypothesis((), values, base, np.diag(known)))
             continue
         effect = registered(experiment.plant.axis)[name]
-        sized: dict[str, float] = {}
-        for key in effect.variants[-1]:
-            number = effect.numbers[key]
-            unit = number.scale(scales)
-            size = number.size or (number.grid[len(number.grid) // 2] if number.grid else 0.0)
-            sized[key] = NEUTRAL.get(key, 0.0) + size * unit if size else _other_direction(key, values)
-        sized |= _asked_sizes(asked.sizes, effect.numbers)
-        there = {**values, **sized}
-        free = [unknown(key, there, experiment.bounds, scales) for key in sized if not effect.numbers[key].shapes]
-        precision = np.diag([*known, *([1.0 / SIZES**2] * len(free))])
-        found.append(Hypothesis((name,), there, [*base, *free], precision))
+        said = _asked_sizes(asked.sizes, effect.numbers)
+
+        def shaped(share: float, of: Effect = effect, said: Mapping[str, float] = said) -> Hypothesis:
+            """The effect with the values so far along the grids of what shapes it."""
+            sized: dict[str, float] = {}
+            for key in of.variants[-1]:
+                number = of.numbers[key]
+                size = number.size or (
+                    number.grid[min(int(share * len(number.grid)), len(number.grid) - 1)] if number.grid else 0.0
+                )
+                sized[key] = NEUTRAL.get(key, 0.0) + size * number.scale(scales) if size else _other(key, values)
+            sized |= said
+            there = {**values, **sized}
+            free = [unknown(key, there, experiment.bounds, scales) for key in sized if not of.numbers[key].shapes]
+            precision = np.diag([*known, *([1.0 / SIZES**2] * len(free))])
+            return Hypothesis((of.name,), there, [*base, *free], precision)
+
+        middle, ends = shaped(0.5), [shaped(0.0), shaped(1.0)]
+        found.append(replace(middle, others=tuple(one for one in ends if one.values != middle.values)))
     return found
 
 
@@ -72,7 +82,7 @@ def _asked_sizes(sizes: Mapping[str, float], known: Collection[str]) -> dict[str
     return {name: value for name, value in {**other, **sizes}.items() if name in known}
 
 
-def _other_direction(name: str, values: Mapping[str, float]) -> float:
+def _other(name: str, values: Mapping[str, float]) -> float:
     """A parameter of the other direction that is felt: half more than that of the first."""
     return 1.5 * values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)
 

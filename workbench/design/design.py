@@ -10,7 +10,7 @@ from plants.interface import SENSORS
 from workbench.design import declared, diagnosed, open_questions
 from workbench.design.asked import Asked, asked_of, limits_of
 from workbench.design.contrast import Tried, pairs_of
-from workbench.design.hypotheses import Hypothesis
+from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.pieces import Condition, Reach, sampled
 from workbench.design.power import distances, told_apart
 from workbench.design.refit import Leg
@@ -90,7 +90,8 @@ def design(
     progress("how often a record of it decides", 0.8)
     told = told_apart(rig, hypotheses, motion.legs, motion.runs) if len(hypotheses) > 1 else []
     pieces, known = [one.piece for one in motion.chosen], _known(wanted, motion.chosen)
-    return Design(experiment, str(source), rig, hypotheses, pieces, motion.legs, motion.runs, told, known)
+    runs = motion.runs[: len(hypotheses)]
+    return Design(experiment, str(source), rig, hypotheses, pieces, motion.legs, runs, told, known)
 
 
 def _of_experiment(
@@ -261,7 +262,7 @@ def _place(hypothesis: Hypothesis, name: str) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Whole:
-    """The pieces that were chosen as a whole motion, in legs, with what each hypothesis does in them."""
+    """The pieces that were chosen as a whole motion, in legs, with what all that may be true does in them."""
 
     chosen: Sequence[Tried]
     legs: Sequence[Leg]
@@ -280,7 +281,7 @@ def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: 
         motion = _whole(rig, wanted, chosen)
         whole, taken = distances(rig, wanted.hypotheses, motion.legs, motion.runs)
         steps += taken
-        score = wanted.score_of([min(pair) for pair in zip(whole, wanted.left(chosen), strict=True)], chosen)
+        score = wanted.score_of({pair: min(whole[pair], one) for pair, one in wanted.left(chosen).items()}, chosen)
         if best is None or score > most:
             best, most = motion, score
     assert best is not None
@@ -296,7 +297,7 @@ def _whole(rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Whole:
     ]
     runs = [
         side_by_side(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs)
-        for one in wanted.hypotheses
+        for one in truths_of(wanted.hypotheses)
     ]
     return Whole(chosen, legs, runs)
 

@@ -25,13 +25,15 @@ NOTHING = "nothing missing"
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
     """A plant with some `effects`: its `values` (SI), the `unknowns` that a fit to further records moves, and the
-    `precision` with which they are known by now, shape (unknowns, unknowns), as a search sees them.
+    `precision` with which they are known by now, shape (unknowns, unknowns), as a search sees them. `others` are the
+    same effects in other shapes that are as likely by now, such as with another period.
     """
 
     effects: tuple[str, ...]
     values: Values
     unknowns: Sequence[Unknown]
     precision: np.ndarray
+    others: tuple["Hypothesis", ...] = ()
 
     @property
     def name(self) -> str:
@@ -81,3 +83,8 @@ class Hypothesis:
     def is_part_of(self, other: "Hypothesis") -> bool:
         """Whether another one can do all that it does: a plant without an effect, which the other has beside."""
         return set(self.effects) < set(other.effects)
+
+
+def truths_of(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """What may be true: the hypotheses, and behind them all of their other shapes."""
+    return [*hypotheses, *(other for one in hypotheses for other in one.others)]

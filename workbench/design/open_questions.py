@@ -1,13 +1,18 @@
 """Hypotheses that a diagnosis left open, with what its records tell of them.
 
-An effect that the records show is as they show it. One that they do not show is as large as they allow: two standard
-deviations of what they tell of its size, once the plant's parameters are fitted to it anew.
+An effect that the records show, among as many shapes as it may have, is as they show it. One that they do not show is
+as large as they allow: two standard deviations of what they tell of its size, once the plant's parameters are fitted to
+it anew; and where it has a shape, such as a period, it may be of others too, of which those are taken that would look
+most unlike in the records.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
+from plants.effects.registry import effects as registered
 from workbench.design.diagnosed import Evidence, Reported
 from workbench.design.hypotheses import Hypothesis
 from workbench.diagnose.readiness import declared_values
@@ -17,7 +22,7 @@ from workbench.diagnose.selection.likelihood import Outlook, Proposal
 from workbench.diagnose.selection.search import away_of
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import Asked, fitted_with, is_estimated
-from workbench.diagnose.selection.trials import Columns, Trial, columns_of, trials_of
+from workbench.diagnose.selection.trials import Columns, Shape, Trial, columns_of, looks, trials_of
 from workbench.errors import UserError, nearest
 from workbench.fitting.covariance import inverse
 from workbench.parameters.sets import NEUTRAL
@@ -37,6 +42,11 @@ taken up where it reaches farther.
 
 MOST = 4
 """Hypotheses of a diagnosis that names none, at most."""
+
+OTHERS, ALIKE = 2, 0.9
+"""Further shapes of an effect that the records do not show, at most, and the cosine between what two shapes change of
+the records up to which they are not one.
+"""
 
 
 def hypotheses_of(
@@ -109,11 +119,17 @@ def _hypothesis(current: Fit, taken: Effects, effects: tuple[str, ...], ask: Ask
     if away:
         return _fitted(fitted_with(current, taken, proposal, ask), effects)
     shapes = dict(shape for trial in chosen for shape in trial.shapes)
-    if proposal.gain > 0.5 * SHOWN**2:
+    chance = sum(np.log(looks(current.balance, trial.effect, trial.names)) for trial in chosen)
+    if proposal.gain > 0.5 * SHOWN**2 + chance:
         fitted = fitted_with(current, taken, proposal, ask)
         if fitted.squares < current.squares and is_estimated(fitted, current.balance):
             return _known(fitted, [*fitted.names, *shapes], effects, ask.bounds)
-    return _allowed(current, [outlook.columns[_hidden(outlook, name)] for name in added], effects, ask.bounds)
+    further = trials_of(current, list(taken), {name: _grid(current, name) for name in added})
+    trials += [trial for trial in further if trial.effect in added and trial not in trials]
+    outlook = Outlook(current, columns_of(current, trials, ask.bounds))
+    hidden = [outlook.columns[_hidden(outlook, name)] for name in added]
+    first = _allowed(current, hidden, effects, ask.bounds)
+    return replace(first, others=_others(outlook, hidden, effects, ask.bounds))
 
 
 def _fitted(of: Fit, effects: tuple[str, ...]) -> Hypothesis:
@@ -155,6 +171,48 @@ def _hidden(outlook: Outlook, effect: str) -> Trial:
         return float(np.linalg.norm(columns.block @ np.clip(size, columns.low, columns.high)))
 
     return max((offer.added[0] for offer in _offers(outlook, {}, effect)), key=shows)
+
+
+def _grid(current: Fit, effect: str) -> list[Shape]:
+    """The shapes of an effect from which searches begin by themselves: a period that no record shows stands out of
+    none.
+    """
+    numbers = registered(current.balance.axis)[effect].numbers
+    grids = {
+        name: [number.scale(current.balance.scales) * value for value in number.grid]
+        for name, number in numbers.items()
+        if number.shapes
+    }
+    return [tuple(zip(grids, values, strict=True)) for values in product(*grids.values())] if grids else []
+
+
+def _others(
+    outlook: Outlook, hidden: Sequence[Columns], effects: tuple[str, ...], bounds: Bounds
+) -> tuple[Hypothesis, ...]:
+    """The same with a single hidden effect in its other shapes; none of several effects at once."""
+    if len(hidden) != 1:
+        return ()
+    (of,) = hidden
+    same = [
+        one
+        for one in outlook.columns.values()
+        if (one.trial.effect, one.trial.sized) == (of.trial.effect, of.trial.sized)
+    ]
+    ways = {one.trial: np.linalg.qr(one.block)[0] for one in same}
+    chosen, found = [of.trial], list[Hypothesis]()
+    while len(chosen) <= OTHERS:
+        cosines = {
+            trial: max(float(np.linalg.norm(ways[other].T @ way, 2)) for other in chosen) for trial, way in ways.items()
+        }
+        unlike = min(cosines, key=lambda trial: cosines[trial])
+        if cosines[unlike] > ALIKE:
+            break
+        chosen.append(unlike)
+        try:
+            found.append(_allowed(outlook.fitted, [outlook.columns[unlike]], effects, bounds))
+        except UserError:  # the records speak against this shape
+            continue
+    return tuple(found)
 
 
 def _reaches(current: Fit, columns: Sequence[Columns]) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 Both are fitted to the record of the motion with noise, beside what is known of them already; S is then what one leaves,
 and the true one is told from its rival where S_rival - S_true exceeds what odds of 20 to 1 ask for. Where the rival can
-do all that the true one does, it must not gain so much. Machines are drawn from what is known of the parameters.
+do all that the true one does, it must not gain so much. Machines are drawn from what is known of the parameters, and
+there is one of each further shape that an effect may have.
 
 Both fits are searched for in simulations of each machine, the true one's from a little beside it: where contacts stick
 and nothing leads the plant, the least change may grow to another motion, to which the truth itself cannot be fitted.
@@ -16,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.design.contrast import Pair, pairs_of
-from workbench.design.hypotheses import Hypothesis
+from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.refit import FOUND, Leg, Refit, Shown, can_search, refitted, shown_along, started
 from workbench.design.rig import Rig
 from workbench.design.search import ODDS
@@ -70,39 +71,41 @@ class Machine:
 def told_apart(
     rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
 ) -> list[Told]:
-    """Every ordered pair of hypotheses; `runs` are those of each hypothesis over the legs."""
-    found = []
-    for i, true in enumerate(hypotheses):
-        nowhere = np.zeros(len(true.unknowns))
-        machines = [one for one in (_machine(rig, true, nowhere, runs[i]), *_drawn(rig, true, legs)) if one is not None]
-        if not machines or (shown := shown_along(rig, true, legs, runs[i])) is None:
+    """Every ordered pair of hypotheses; `runs` are those of all that may be true over the legs."""
+    truths, found = truths_of(hypotheses), []
+    for i, hypothesis in enumerate(hypotheses):
+        shapes = [
+            shape
+            for k, true in enumerate(truths)
+            if true.effects == hypothesis.effects
+            and (shape := _shape(rig, true, legs, runs[k], is_drawn=true is hypothesis)) is not None
+        ]
+        if not shapes or shapes[0].true is not hypothesis:
             continue
-        own = side_by_side(lambda machine, of=true, near=shown: _itself(rig, of, near, legs, machine), machines)
         for j, rival in enumerate(hypotheses):
             if j != i:
-                other = shown_along(rig, rival, legs, runs[i])
-                theirs = None if other is None else _refits(rig, (true, rival), other, legs, machines)
-                found.append(_told((i, j), (true, rival), own, theirs))
+                fits = [_against(rig, shape, rival, legs) for shape in shapes]
+                found.append(_told((i, j), rival, shapes, fits))
     return found
 
 
 def distances(
     rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
-) -> tuple[list[float], int]:
+) -> tuple[dict[Pair, float], int]:
     """T of every pair that a motion may tell apart, by refits of both to records without noise; and the steps that the
     solver took.
     """
-    pairs = pairs_of(hypotheses)
-    trues = sorted({i for i, _ in pairs})
+    pairs, truths = pairs_of(hypotheses), truths_of(hypotheses)
+    tested = sorted({i for i, _ in pairs})
 
     def itself(i: int) -> tuple[Machine, Refit] | None:
-        machine = _machine(rig, hypotheses[i], np.zeros(len(hypotheses[i].unknowns)), runs[i])
-        near = shown_along(rig, hypotheses[i], legs, runs[i])
+        machine = _machine(rig, truths[i], np.zeros(len(truths[i].unknowns)), runs[i])
+        near = shown_along(rig, truths[i], legs, runs[i])
         if machine is None or near is None:
             return None
-        return machine, _found_back(rig, hypotheses[i], near, legs, machine)
+        return machine, _found_back(rig, truths[i], near, legs, machine)
 
-    own = dict(zip(trues, side_by_side(itself, trues), strict=True))
+    own = dict(zip(tested, side_by_side(itself, tested), strict=True))
 
     def distance(pair: Pair) -> tuple[float, int]:
         i, j = pair
@@ -112,12 +115,12 @@ def distances(
         shown = shown_along(rig, hypotheses[j], legs, runs[i])
         if shown is None:  # its plant runs away where the true one does not
             return np.inf, back.steps
-        start = started(hypotheses[j], hypotheses[i], machine.away)
+        start = started(hypotheses[j], truths[i], machine.away)
         fitted = refitted(rig, hypotheses[j], machine.record, shown, legs, runs[i], start)
         return max(fitted.squares - back.squares, 0.0), back.steps + fitted.steps
 
     each = side_by_side(distance, pairs)
-    return [left for left, _ in each], sum(steps for _, steps in each)
+    return {pair: left for pair, (left, _) in zip(pairs, each, strict=True)}, sum(steps for _, steps in each)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +132,32 @@ class Fitted:
     moved: np.ndarray
     left: np.ndarray
     shown: Shown
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A hypothesis in one of its shapes, the runs of its motion, its machines, and its own fit to each of them."""
+
+    true: Hypothesis
+    runs: Sequence[Run]
+    machines: Sequence[Machine]
+    own: Sequence[Fitted]
+
+
+def _shape(rig: Rig, true: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run], *, is_drawn: bool) -> Shape | None:
+    """A shape on its own machine and, if `is_drawn`, on others that it may be; None where it diverges on all."""
+    nominal = _machine(rig, true, np.zeros(len(true.unknowns)), runs)
+    machines = [one for one in (nominal, *(_drawn(rig, true, legs) if is_drawn else ())) if one is not None]
+    if not machines or (shown := shown_along(rig, true, legs, runs)) is None:
+        return None
+    own = side_by_side(lambda machine: _itself(rig, true, shown, legs, machine), machines)
+    return Shape(true, runs, machines, own)
+
+
+def _against(rig: Rig, shape: Shape, rival: Hypothesis, legs: Sequence[Leg]) -> list[Fitted] | None:
+    """A rival on the machines of a shape; None where its plant runs away and the true one does not."""
+    shown = shown_along(rig, rival, legs, shape.runs)
+    return None if shown is None else _refits(rig, (shape.true, rival), shown, legs, shape.machines)
 
 
 def _itself(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Fitted:
@@ -188,24 +217,26 @@ def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg]) -> list[Machine | No
     return side_by_side(driven, places)
 
 
-def _told(
-    pair: tuple[int, int],
-    of: tuple[Hypothesis, Hypothesis],
-    own: Sequence[Fitted],
-    theirs: Sequence[Fitted] | None,
-) -> Told:
-    true, rival = of
-    if theirs is None:  # its plant runs away where the true one does not
-        return Told(*pair, np.inf, np.zeros(len(rival.unknowns)), 1.0, 1.0, 1.0, np.zeros(own[0].left.size))
+def _told(pair: Pair, rival: Hypothesis, shapes: Sequence[Shape], fits: Sequence[list[Fitted] | None]) -> Told:
+    """A pair by the shapes of the true one, and by the rival's fits to the machines of each."""
+    true = shapes[0].true
     asked = -ODDS if true.is_part_of(rival) else ODDS
     draw = np.random.default_rng(SEED)
-    repeated = [_repeated(of, both, asked, draw) for both in zip(own, theirs, strict=True)]
-    shares = np.concatenate([each for each, _ in repeated])
-    low, high = np.percentile(shares, INTERVAL)
-    first = theirs[0]
-    deviations = np.sqrt(np.maximum(np.diag(rival.covariance), 1e-300))
-    power, distance = float(np.mean(shares)), repeated[0][1]
-    return Told(*pair, distance, first.moved / deviations, power, float(low), float(high), first.left)
+    shares, distances = list[np.ndarray](), list[float]()
+    for shape, theirs in zip(shapes, fits, strict=True):
+        if theirs is None:
+            shares.append(np.ones(SHARES))
+            distances.append(np.inf)
+            continue
+        repeated = [_repeated((shape.true, rival), both, asked, draw) for both in zip(shape.own, theirs, strict=True)]
+        shares += [each for each, _ in repeated]
+        distances.append(repeated[0][1])
+    low, high = np.percentile(np.concatenate(shares), INTERVAL)
+    power = float(np.mean(np.concatenate(shares)))
+    first, deviations = fits[0], np.sqrt(np.maximum(np.diag(rival.covariance), 1e-300))
+    moved = np.zeros(len(rival.unknowns)) if first is None else first[0].moved / deviations
+    left = np.zeros(shapes[0].own[0].left.size) if first is None else first[0].left
+    return Told(*pair, distances[0], moved, power, float(low), float(high), left)
 
 
 def _repeated(

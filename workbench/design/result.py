@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plants.effects.registry import effects
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition, Piece, shaped
 from workbench.design.power import Told
@@ -55,6 +56,15 @@ class Design:
         """The pairs that it hardly tells apart."""
         return [one for one in self.told if one.power < HARDLY]
 
+    def other_shapes(self, of: Hypothesis) -> list[Mapping[str, float]]:
+        """Of each further shape of a hypothesis those numbers (SI) that shape the effect and differ there."""
+        known = effects(self.rig.axis)
+        shaping = {name for effect in of.effects for name, number in known[effect].numbers.items() if number.shapes}
+        return [
+            {name: other.values[name] for name in sorted(shaping) if other.values[name] != of.values[name]}
+            for other in of.others
+        ]
+
     def taken_up_by(self, one: Told) -> list[str]:
         """The parameters of a rival that move most to make up for the difference."""
         rival = self.hypotheses[one.rival]
@@ -76,6 +86,7 @@ class Design:
                     "name": one.name,
                     "effects": list(one.effects),
                     "parameters": {u.name: one.values[u.name] for u in one.unknowns},
+                    "other_shapes": [dict(shape) for shape in self.other_shapes(one)],
                 }
                 for one in self.hypotheses
             ],

@@ -7,15 +7,16 @@ It adds up to first order, and as if each piece were the first. So several motio
 all pieces and from those of one kind, for the whole of each to be looked at.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from cobyqa import minimize
-from scipy.stats import norm, qmc
+from scipy.special import log_ndtr, logsumexp
+from scipy.stats import qmc
 
 from workbench.design.contrast import Contrast, Pair, Tried, pairs_of, tried
-from workbench.design.hypotheses import Hypothesis
+from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.pieces import KINDS, Piece
 from workbench.design.rig import Rig
 from workbench.errors import UserError
@@ -75,23 +76,26 @@ class Wanted:
     parameters: Sequence[int] = ()
 
     def score(self, chosen: Sequence[Tried]) -> float:
-        """Logarithm of the power to tell every pair apart, and half that of the determinant of the parameters'
-        precision (D-optimal: Kiefer and Wolfowitz 1960).
+        """Logarithm of the power to tell every pair apart, which of an effect of several shapes is the mean over these,
+        and half that of the determinant of the parameters' precision (D-optimal: Kiefer and Wolfowitz 1960).
         """
         return self.score_of(self.left(chosen), chosen)
 
-    def left(self, chosen: Sequence[Tried]) -> list[float]:
+    def left(self, chosen: Sequence[Tried]) -> dict[Pair, float]:
         """T of every pair, to first order."""
-        return [one.refitted(self.hypotheses[rival])[0] for (_, rival), one in summed(chosen).items()]
+        return {pair: one.refitted(self.hypotheses[pair[1]])[0] for pair, one in summed(chosen).items()}
 
-    def score_of(self, left: Sequence[float], chosen: Sequence[Tried]) -> float:
+    def score_of(self, left: Mapping[Pair, float], chosen: Sequence[Tried]) -> float:
         """The same of pieces whose motion leaves that much of each pair, T."""
-        total = 0.0
-        for one in left:
-            sure = min(max(one, LEAST), MOST)
-            total += float(norm.logcdf((sure - ODDS) / (2.0 * np.sqrt(sure)))) + BESIDE * float(
-                np.log1p(min(one, MOST))
-            )
+        total, truths = 0.0, truths_of(self.hypotheses)
+        asked = dict[tuple[tuple[str, ...], int], list[float]]()
+        for (true, rival), one in left.items():
+            asked.setdefault((truths[true].effects, rival), []).append(one)
+        for each in asked.values():
+            distances = np.clip(each, LEAST, MOST)
+            powers = log_ndtr((distances - ODDS) / (2.0 * np.sqrt(distances)))
+            total += float(logsumexp(powers)) - np.log(len(each))
+            total += BESIDE * float(np.mean(np.log1p(np.minimum(each, MOST))))
         if self.parameters:
             block = known_by(self.hypotheses[0], chosen)[np.ix_(self.parameters, self.parameters)]
             total -= 0.5 * float(np.linalg.slogdet(block)[1])

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from workbench.design.report.words import answer, how_run, undecided, verdicts
+from workbench.design.report.words import answer, how_run, shapes, undecided, verdicts
 from workbench.design.result import Design
 from workbench.publish.page.environment import page_environment
 from workbench.publish.pictures import Picture
@@ -41,6 +41,8 @@ td { white-space: nowrap; }
 of 20 to 1. Its interval holds the shares of machines that are drawn from what is known of the parameters.</p>
 <h2>What is held against each other</h2>
 {{ show(tables["hypotheses"]) }}
+{% for line in shapes %}<p>{{ line }}</p>
+{% endfor %}
 <p>Files: {% for name in files %}<a href="{{ name }}">{{ name }}</a>, {% endfor %}<a href="design.json">design.json</a>
 (SI, for programs), tables/, figures/.</p>
 {% endblock %}
@@ -57,6 +59,7 @@ def page(
         answer=answer(design),
         verdicts=verdicts(design),
         undecided=undecided(design),
+        shapes=shapes(design),
         how=how_run(design),
         pictures=pictures,
         tables=tables,

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.design.pieces import Piece, shaped
 from workbench.design.power import Told
 from workbench.design.result import HARDLY, SURE, Design
+from workbench.parameters.sets import known_units
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
@@ -103,6 +104,25 @@ def _share(std: float, value: float) -> str:
     if not math.isfinite(std) or value == 0.0:
         return "an unknown share"
     return f"{shown_number(100.0 * std / abs(value), 2)} %"
+
+
+def shapes(design: Design) -> list[str]:
+    """The further shapes of effects over which shares are means."""
+    units, said = known_units(design.rig.axis), []
+    for one in design.hypotheses:
+        shapes = [
+            " and ".join(
+                f"a {plain_name(name)} of {shown_number(value, 3)} {units.get(name, '1')}".removesuffix(" 1")
+                for name, value in shape.items()
+            )
+            for shape in design.other_shapes(one)
+        ]
+        if shapes:
+            said.append(
+                f"The records would not show {one.name} in other shapes either: {listed(shapes, 'or')}. The motion is "
+                "for these too, and so are the shares of records."
+            )
+    return said
 
 
 def undecided(design: Design) -> list[str]:
