@@ -1,10 +1,12 @@
 """What a rival's refit leaves of a difference, held against least squares; and which pairs may be told at all."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from workbench.design.contrast import Contrast, pairs_of
-from workbench.design.hypotheses import NOTHING, Hypothesis
+from workbench.design.hypotheses import NOTHING, Hypothesis, truths_of
 from workbench.diagnose.residuals.unknowns import Unknown
 
 DRAW = np.random.default_rng(4)
@@ -64,6 +66,14 @@ def test_a_plant_without_an_effect_is_never_told_from_one_that_may_have_it() -> 
     assert pairs_of([none, backlash, other]) == [(1, 0), (1, 2), (2, 0), (2, 1)]
     assert none.name == NOTHING
     assert backlash.name == "backlash"
+
+
+def test_every_shape_of_an_effect_may_be_true_and_no_shape_is_told_from_another() -> None:
+    none, other = hypothesis(), hypothesis(("backlash",))
+    cogging = replace(hypothesis(("cogging",)), others=(hypothesis(("cogging",)), hypothesis(("cogging",))))
+    hypotheses = [none, cogging, other]
+    assert truths_of(hypotheses) == [*hypotheses, *cogging.others]
+    assert pairs_of(hypotheses) == [(1, 0), (1, 2), (2, 0), (2, 1), (3, 0), (3, 2), (4, 0), (4, 2)]
 
 
 def test_values_move_as_a_search_sees_them_and_no_farther_than_there_is_room() -> None:

@@ -1,14 +1,20 @@
 """A design for a drive, which no fluid moves: its plain loop, and what its parameters make up for."""
 
+import json
 from pathlib import Path
 from unittest import mock
 
+import pytest
 from command import workbench, write
 from declared_parameters import write_declared
 
+from plants.effects.scales import PITCHES
 from plants.registry import plants
-from workbench.design import search
-from workbench.design.declared import _asked_sizes
+from workbench.design import power, search
+from workbench.design.asked import asked_of
+from workbench.design.declared import _asked_sizes, hypotheses_of
+from workbench.design.design import SPARE
+from workbench.records.experiment import read_experiment
 
 EXPERIMENT = """\
 title = "A drive, before its first record"
@@ -29,6 +35,8 @@ sample_time = "4 ms"
 noise = { position = "20 um" }
 limits = { low = "-30 mm", high = "30 mm", speed = "120 mm/s" }
 """
+
+SIZES = 'cogging_cosine = "20 mN"'
 
 VALUES = {
     "mass": 0.83,
@@ -61,3 +69,27 @@ def test_a_size_by_a_plain_name_is_that_of_both_directions() -> None:
     assert _asked_sizes({"valve_overlap": 1e-6}, known) == dict.fromkeys(known, 1e-6)
     both = {"valve_overlap": 1e-6, "valve_overlap_negative": 2e-6}
     assert _asked_sizes(both, known) == both
+
+
+def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path) -> None:
+    """The power is told for all of them, and the page says which; a pitch that is said is the only one."""
+    write_declared(tmp_path / "drive.toml", plants()["drive_force"], VALUES)
+    text = EXPERIMENT.replace('"quadratic_drag"', '"cogging"').replace('drag_coefficient = "0.05 N s^2/m^2"', SIZES)
+    path = write(tmp_path, text.replace('sample_time = "4 ms"', 'sample_time = "10 ms"'), "experiment.toml")
+    with mock.patch.object(search, "TRIALS", (4, 4)), mock.patch.object(power, "MACHINES", 1):
+        assert workbench("design", path, "--out", tmp_path / "out").code == 0
+    none, cogging = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))["hypotheses"]
+    reach = 2.0 * 30e-3 * SPARE
+    assert [shape["cogging_pitch"] for shape in cogging["shapes"]] == pytest.approx(
+        [reach * PITCHES[2], reach * PITCHES[0], reach * PITCHES[-1]]
+    )
+    assert none["shapes"] == []
+    page = (tmp_path / "out" / "design.html").read_text(encoding="utf-8")
+    assert "mean over them: cogging pitch 5.70 mm, cogging pitch 0.570 mm or cogging pitch 57.0 mm." in page
+
+    said = write(tmp_path, text.replace(SIZES, f'{SIZES}, cogging_pitch = "10 mm"'), "said.toml")
+    experiment = read_experiment(said)
+    moved = (reach, 0.1, 4e-3)
+    _, alone = hypotheses_of(experiment, asked_of(experiment, (), (), None), ("time", "force", "position"), moved)
+    assert alone.values["cogging_pitch"] == pytest.approx(0.01)
+    assert alone.others == ()

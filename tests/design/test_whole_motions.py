@@ -1,6 +1,7 @@
 """First order finds motions; which of them is taken is told by the whole of each."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -50,3 +51,16 @@ def test_a_rival_that_runs_away_is_told_most_surely(monkeypatch: pytest.MonkeyPa
 
     assert score(np.inf) == score(MOST)
     assert score(0.0) < score(LEAST) < score(10.0)
+
+
+def test_the_power_for_an_effect_is_the_mean_over_its_shapes() -> None:
+    """What tells every shape hardly is worth more than what tells none but one surely, once that is one of three."""
+    shaped = replace(OTHER, others=(OTHER, OTHER))
+    wanted = Wanted([NONE, shaped])
+
+    def power(*left: float) -> float:
+        return float(np.exp(wanted.score_of(dict(zip([(1, 0), (2, 0), (3, 0)], left, strict=True)), [])))
+
+    assert power(1e3, LEAST, LEAST) == pytest.approx(1.0 / 3.0, rel=0.01)
+    assert power(6.0, 6.0, 6.0) == pytest.approx(0.5, rel=0.01)
+    assert power(6.0, 6.0, 6.0) == pytest.approx(np.exp(Wanted([NONE, OTHER]).score_of({(1, 0): 6.0}, [])))

@@ -61,10 +61,13 @@ def hypotheses_of(
             sized: dict[str, float] = {}
             for key in of.variants[-1]:
                 number = of.numbers[key]
-                size = number.size or (
-                    number.grid[min(int(share * len(number.grid)), len(number.grid) - 1)] if number.grid else 0.0
-                )
-                sized[key] = NEUTRAL.get(key, 0.0) + size * number.scale(scales) if size else _other(key, values)
+                if number.shapes:
+                    place = min(int(share * len(number.grid)), len(number.grid) - 1)
+                    sized[key] = number.grid[place] * number.scale(scales)
+                elif number.size:
+                    sized[key] = NEUTRAL.get(key, 0.0) + number.size * number.scale(scales)
+                else:
+                    sized[key] = _other_direction(key, values)
             sized |= said
             there = {**values, **sized}
             free = [unknown(key, there, experiment.bounds, scales) for key in sized if not of.numbers[key].shapes]
@@ -82,7 +85,7 @@ def _asked_sizes(sizes: Mapping[str, float], known: Collection[str]) -> dict[str
     return {name: value for name, value in {**other, **sizes}.items() if name in known}
 
 
-def _other(name: str, values: Mapping[str, float]) -> float:
+def _other_direction(name: str, values: Mapping[str, float]) -> float:
     """A parameter of the other direction that is felt: half more than that of the first."""
     return 1.5 * values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)
 

@@ -56,14 +56,12 @@ class Design:
         """The pairs that it hardly tells apart."""
         return [one for one in self.told if one.power < HARDLY]
 
-    def other_shapes(self, of: Hypothesis) -> list[Mapping[str, float]]:
-        """Of each further shape of a hypothesis those numbers (SI) that shape the effect and differ there."""
+    def shapes_of(self, hypothesis: Hypothesis) -> list[Mapping[str, float]]:
+        """Of a hypothesis that counts in several shapes what shapes its effects (SI), its own first."""
         known = effects(self.rig.axis)
-        shaping = {name for effect in of.effects for name, number in known[effect].numbers.items() if number.shapes}
-        return [
-            {name: other.values[name] for name in sorted(shaping) if other.values[name] != of.values[name]}
-            for other in of.others
-        ]
+        shaping = [name for effect in hypothesis.effects for name, one in known[effect].numbers.items() if one.shapes]
+        shapes = [hypothesis, *hypothesis.others] if hypothesis.others else []
+        return [{name: shape.values[name] for name in shaping} for shape in shapes]
 
     def taken_up_by(self, one: Told) -> list[str]:
         """The parameters of a rival that move most to make up for the difference."""
@@ -86,7 +84,7 @@ class Design:
                     "name": one.name,
                     "effects": list(one.effects),
                     "parameters": {u.name: one.values[u.name] for u in one.unknowns},
-                    "other_shapes": [dict(shape) for shape in self.other_shapes(one)],
+                    "shapes": [dict(shape) for shape in self.shapes_of(one)],
                 }
                 for one in self.hypotheses
             ],

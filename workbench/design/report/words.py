@@ -107,22 +107,27 @@ def _share(std: float, value: float) -> str:
 
 
 def shapes(design: Design) -> list[str]:
-    """The further shapes of effects over which shares are means."""
-    units, said = known_units(design.rig.axis), []
+    """The shapes of effects over which shares are means."""
+    said = []
     for one in design.hypotheses:
         shapes = [
-            " and ".join(
-                f"a {plain_name(name)} of {shown_number(value, 3)} {units.get(name, '1')}".removesuffix(" 1")
-                for name, value in shape.items()
-            )
-            for shape in design.other_shapes(one)
+            " and ".join(f"{plain_name(name)} {_shown(design, name, value)}" for name, value in shape.items())
+            for shape in design.shapes_of(one)
         ]
         if shapes:
             said.append(
-                f"The records would not show {one.name} in other shapes either: {listed(shapes, 'or')}. The motion is "
-                "for these too, and so are the shares of records."
+                f"Nothing tells yet in which shape {one.name} would be there. The motion is for all of these, and its "
+                f"share of records is the mean over them: {listed(shapes, 'or')}."
             )
     return said
+
+
+def _shown(design: Design, name: str, value: float) -> str:
+    """A parameter's value with its unit."""
+    shown, unit = SHOWN[design.rig.axis], known_units(design.rig.axis).get(name, "1")
+    if unit == design.rig.axis:
+        return shown.length(value)
+    return shown_number(value, 3) + (f" {unit}" if unit != "1" else "")
 
 
 def undecided(design: Design) -> list[str]:
