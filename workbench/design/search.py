@@ -82,8 +82,9 @@ class Wanted:
         return self.score_of(self.left(chosen), chosen)
 
     def left(self, chosen: Sequence[Tried]) -> dict[Pair, float]:
-        """T of every pair, to first order."""
-        return {pair: one.refitted(self.hypotheses[pair[1]])[0] for pair, one in summed(chosen).items()}
+        """T of every pair, to first order; of no piece it is 0."""
+        nothing = dict.fromkeys(pairs_of(self.hypotheses), 0.0)
+        return nothing | {pair: one.refitted(self.hypotheses[pair[1]])[0] for pair, one in summed(chosen).items()}
 
     def score_of(self, left: Mapping[Pair, float], chosen: Sequence[Tried]) -> float:
         """The same of pieces whose motion leaves that much of each pair, T."""
@@ -104,6 +105,8 @@ class Wanted:
 
 def known_by(first: Hypothesis, chosen: Sequence[Tried]) -> np.ndarray:
     """The covariance of the first hypothesis's unknowns after these pieces, and behind them of where it starts."""
+    if not chosen:
+        return first.covariance
     information = sum(one.information for one in chosen[1:]) + chosen[0].information
     return inverse(first.precision_with(len(information) - len(first.unknowns)) + information)
 

@@ -58,8 +58,6 @@ def not_identified(problem: Problem, theta: np.ndarray, jacobian: np.ndarray, co
     own = projected(problem.projector(), jacobian[:, :count])
     size = np.linalg.norm(own, axis=0)
     _, singular, directions = np.linalg.svd(own / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    spread = np.sqrt(np.maximum(np.diag(cov)[:count], 0.0)).tolist()
-    deviations = [problem.relative(*each) for each in zip(problem.free, theta.tolist(), spread, strict=True)]
     if singular[-1] <= SINGULAR * singular[0]:
         parts = np.abs(directions[-1])
         named = [problem.free[i] for i in np.flatnonzero(parts > SHARE)]
@@ -67,10 +65,17 @@ def not_identified(problem: Problem, theta: np.ndarray, jacobian: np.ndarray, co
         others = [name for name in named if name != worst]
         why = f"cannot be told apart from {', '.join(others)}" if others else NO_EFFECT
         return {worst: why}
-    if max(deviations) > UNKNOWN:
-        i = int(np.argmax(deviations))
-        return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
-    return {}
+    return least_known(problem, theta, cov)
+
+
+def least_known(problem: Problem, theta: np.ndarray, cov: np.ndarray) -> dict[str, str]:
+    """The parameter of the largest relative deviation, if that is more than half, and why it is to be fixed."""
+    spread = np.sqrt(np.maximum(np.diag(cov)[: len(problem.free)], 0.0)).tolist()
+    deviations = [problem.relative(*each) for each in zip(problem.free, theta.tolist(), spread, strict=True)]
+    if max(deviations) <= UNKNOWN:
+        return {}
+    i = int(np.argmax(deviations))
+    return {problem.free[i]: f"standard deviation {percent(deviations[i])} of its value"}
 
 
 def percent(ratio: float) -> str:

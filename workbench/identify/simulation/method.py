@@ -2,7 +2,7 @@
 follows the record best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -99,6 +99,7 @@ def identify_by_simulation(
         jacobian = _whole_jacobian(problem, theta)
         cov = _covariance(problem, theta, jacobian, problem.left(theta)[0], length)
         if not problem.free:
+            judged = _judged(problem, theta, jacobian, length, before)
             break
         if refinements < MOST_REFINEMENTS and not is_fine(problem, theta, jacobian, cov):
             problem.refine()
@@ -107,11 +108,51 @@ def identify_by_simulation(
         given, astray = judgement.at_bounds(problem, theta)
         worst = {} if given else astray or judgement.not_identified(problem, theta, jacobian, cov)
         if not given and not worst:
+            judged = _judged(problem, theta, jacobian, length, before)
+            worst = {} if judged.refuted else judgement.least_known(problem, theta, judged.cov)
+        if not given and not worst:
             break
         bounded |= given
         problem.held |= {name: value for name, (value, _) in given.items()}
         unidentified |= worst
         theta = _without(problem, theta, {**given, **worst})
+    notes = (*judgement.remarks(problem, theta), *judgement.held_remarks([] if judged.refuted else judged.held))
+    return result_of(
+        problem,
+        theta,
+        cov if judged.refuted else judged.cov,
+        length,
+        unidentified,
+        bounded,
+        before,
+        judged.rms,
+        judged.noise,
+        judged.refuted,
+        notes,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A fit with what is declared of parameters that it held: the errors that it leaves and those of the noise, by
+    output (SI), by how much these refute it, in words; the covariance of all unknowns if they do not.
+    """
+
+    rms: Mapping[str, float]
+    noise: Mapping[str, float]
+    refuted: str
+    held: Sequence[str]
+    cov: np.ndarray
+
+
+def _judged(
+    problem: Problem, theta: np.ndarray, jacobian: np.ndarray, length: int, before: Mapping[str, float]
+) -> Judged:
+    """Judge a fit.
+
+    Raises:
+        UserError: the plant follows the records not at all, or worse than as declared.
+    """
     judgement.check_followed(problem, theta)
     rms = _rms(problem, theta)
     judgement.check_better(problem, before, rms)
@@ -119,14 +160,13 @@ def identify_by_simulation(
     columns, held = held_columns(problem, theta)
     left = _beyond_held(problem, theta, jacobian, columns, held, noise)
     beyond = rms_of(problem, left)
-    if refuted := judgement.refuted(beyond, noise):
-        refuted = judgement.refuted(rms, noise) or refuted
-    if not refuted:
-        misfit = max(beyond[name] / noise[name] for name in beyond)
-        cov = _covariance(problem, theta, jacobian, left, length, whole=misfit > MISFIT)
-        cov += covariance.of_uncertain(jacobian, columns, np.ones(len(held)), _priors(problem))
-    notes = (*judgement.remarks(problem, theta), *judgement.held_remarks([] if refuted else held))
-    return result_of(problem, theta, cov, length, unidentified, bounded, before, rms, noise, refuted, notes)
+    refuted = judgement.refuted(beyond, noise)
+    if refuted:
+        return Judged(rms, noise, judgement.refuted(rms, noise) or refuted, held, np.zeros((0, 0)))
+    misfit = max(beyond[name] / noise[name] for name in beyond)
+    cov = _covariance(problem, theta, jacobian, left, length, whole=misfit > MISFIT)
+    cov += covariance.of_uncertain(jacobian, columns, np.ones(len(held)), _priors(problem))
+    return Judged(rms, noise, "", held, cov)
 
 
 def _best(problem: Problem, theta: np.ndarray) -> np.ndarray:
