@@ -94,6 +94,15 @@ def test_what_is_refused(tmp_path: Path) -> None:
     refused("open_loop has no feedback", options=("--case", "rpm=0"), path=write(tmp_path, open_loop, "open.toml"))
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_a_title_is_a_comment_and_no_code(tmp_path: Path) -> None:
+    title = r"""title = 'a */ int x; /* b ???/ c \\'"""
+    out = exported(tmp_path, text=changed('title = "a study for tests"', title, SHORT))
+    done = made_and_run(out)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith(": equal\n")
+
+
 def test_a_folder_that_holds_something_else_stays_as_it_is(tmp_path: Path) -> None:
     out = tmp_path / "c"
     out.mkdir()

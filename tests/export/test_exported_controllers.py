@@ -3,7 +3,7 @@
 import ctypes
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -19,9 +19,11 @@ from controllers.rotation_on_demand import SCHEDULED_ROTATION, SWITCHED_ROTATION
 from controllers.speed_servo import SPEED_SERVO
 from plants.equation import from_array, to_array
 from plants.interface import Measurement
+from workbench.errors import UserError
 from workbench.export.controller import exported_loop
 from workbench.export.recorded import recorded
 from workbench.export.statements import SINGLE, statements
+from workbench.export.structs import structs
 from workbench.rehearse.lockstep import loaded
 from workbench.simulation.setup import Loop, Setup
 
@@ -151,3 +153,11 @@ def test_c_of_rotation_on_demand(kind: str, tmp_path: Path) -> None:
     assert np.ptp(own) > 0.1
     found = in_c(setup, setup.rotary, tmp_path / "c", references, readings)
     np.testing.assert_allclose(found, own, rtol=0.0, atol=1e-10 * LIMIT)
+
+
+def test_a_field_that_c_knows_as_its_own_word_is_told() -> None:
+    class Gains(NamedTuple):
+        register: Annotated[float, "V"]
+
+    with pytest.raises(UserError, match=r"Gains\.register: C knows this word as its own; give the field another name"):
+        structs(Gains, [("register",)], "gains", "p", "double", str, set())

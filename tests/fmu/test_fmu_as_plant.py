@@ -98,6 +98,14 @@ def test_an_fmu_that_fails_is_a_row_that_says_why(tmp_path: Path) -> None:
     assert run_of(tmp_path, text).time[-1] == pytest.approx(0.5)
 
 
+def test_a_unit_that_contradicts_the_fmu_s_is_refused(tmp_path: Path) -> None:
+    motor_fmu(tmp_path)
+    text = changed('velocity = "w"', 'velocity = { variable = "w", unit = "rpm" }')
+    fails(workbench("check", write(tmp_path, text)), '"w" is in deg/s, and not in rpm; leave the unit out')
+    text = changed('velocity = "w"', 'velocity = { variable = "w", unit = "deg/s" }')
+    assert workbench("check", write(tmp_path, text)).code == 0
+
+
 def test_what_needs_equations_says_so(tmp_path: Path) -> None:
     motor_fmu(tmp_path)
     axis = '"plant.start_values.coulomb" = ["0 N m", "0.4 N m", "0.8 N m"]'
@@ -106,6 +114,9 @@ def test_what_needs_equations_says_so(tmp_path: Path) -> None:
     fails(workbench("check", tuned), "tune needs a plant's equations")
     one = write(tmp_path, changed("[axes]\n" + axis, ""))
     fails(workbench("export", "plant", one, "--out", tmp_path / "out.fmu"), "an FMU has no equations")
+    for what, out in (("linear", "out.mat"), ("controller", "out.fmu")):
+        fails(workbench("export", what, one, "--out", tmp_path / out), f"export {what} needs a plant's equations")
+    fails(workbench("rehearse", one, "--out", tmp_path / "out.fmu"), "rehearse needs a plant's equations")
     assert not (tmp_path / "out.fmu").exists()
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from workbench.cli.options import Out, Overwrite, StudyFile, print_contents, print_tables, print_warnings, say
-from workbench.cli.planned import planned_study
+from workbench.cli.planned import planned_study, study_at
 
 
 def command(
@@ -20,10 +20,12 @@ def command(
     from workbench.export.compiler import compiler
     from workbench.rehearse.folder import FOLDER, write_rehearsal
     from workbench.study.description import description
+    from workbench.study.fmu_plant import refuse_fmu
 
     with stoppable():
         compiler()
         FOLDER.check(out, overwrite)
+        refuse_fmu(study_at(study), "rehearse")
         planned = planned_study(study, out, draws)
         say("\n".join(description(planned)))
         print_warnings(planned.warnings)

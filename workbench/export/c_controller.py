@@ -22,6 +22,7 @@ from workbench.export.statements import (
     SINGLE,
     WIDTH,
     Precision,
+    comment,
     counts,
     helpers_of,
     statements,
@@ -185,7 +186,7 @@ def c_name(name: str) -> str:
 
 def boxed(text: str, indent: str = "") -> str:
     """A comment of C, on as many lines as it takes."""
-    lines = textwrap.wrap(text, WIDTH - len(indent) - 3, break_long_words=False)
+    lines = textwrap.wrap(comment(text), WIDTH - len(indent) - 3, break_long_words=False)
     return f"\n{indent}   ".join(lines).join((f"{indent}/* ", " */"))
 
 

@@ -161,4 +161,4 @@ def _free(name: str, taken: set[str]) -> str:
 
 def comment(text: str) -> str:
     """Text that may stand in a comment of C."""
-    return text.replace("*/", "* /").replace("/*", "/ *").replace("??", "?").rstrip("\\")
+    return re.sub(r"\?{2,}", "?", text.replace("*/", "* /").replace("/*", "/ *")).rstrip("\\")

@@ -5,6 +5,8 @@ import re
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
+from workbench.errors import UserError
+from workbench.export.c_words import KEYWORDS
 from workbench.export.statements import INDENT, Precision, comment
 from workbench.export.walk import Path, members_of
 
@@ -65,12 +67,15 @@ def _struct(
     number: str,
     unit: Callable[[str], str],
 ) -> Struct:
+    kept_members = [item for item in members_of(cls) if item.name in kept]
+    for item in kept_members:
+        if item.name in KEYWORDS:
+            raise UserError(f"{cls.__name__}.{item.name}: C knows this word as its own; give the field another name")
     members = [
         StructMember(number, item.name, unit(item.unit))
         if item.nested is None
         else StructMember(called[item.nested], item.name, "")
-        for item in members_of(cls)
-        if item.name in kept
+        for item in kept_members
     ]
     return Struct(called[cls], _said(cls), tuple(members) or (StructMember(*EMPTY),))
 

@@ -12,11 +12,12 @@ RADIAN = "radian"
 def factor_to(fmu: Fmu, variable: FmuVariable, unit: str, said: str | None = None) -> float:
     """What to multiply a value of a variable with to have it in SI `unit`.
 
-    The variable's own unit counts, by the FMU's definition of it or, without one, by its name; where a mapping has
-    `said` a unit, that one, which has to measure the same but for the radian, with which FMUs are not strict.
+    The variable's own unit counts, by the FMU's definition of it or, without one, by its name. Where a mapping has
+    `said` a unit, that has to be as large; or, where it measures the same but for the radian, with which FMUs are not
+    strict, it counts in the place of the variable's own.
 
     Raises:
-        QuantityError: another dimension, a zero elsewhere (degC), or no unit at all.
+        QuantityError: another dimension or size, a zero elsewhere (degC), or no unit at all.
     """
     own = _own(fmu, variable)
     _, expected = base_units(unit)
@@ -26,6 +27,8 @@ def factor_to(fmu: Fmu, variable: FmuVariable, unit: str, said: str | None = Non
             raise QuantityError(f'"{variable.name}" is in {variable.unit}, which is no {said}')
         if meant != expected:
             raise QuantityError(f'"{said}" is not a unit of what is in {unit}')
+        if own is not None and own.exponents == meant and not math.isclose(own.factor, scale, rel_tol=1e-6):
+            raise QuantityError(f'"{variable.name}" is in {variable.unit}, and not in {said}; leave the unit out')
         return scale
     if own is None and unit != "1":
         raise QuantityError(

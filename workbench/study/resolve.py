@@ -141,6 +141,8 @@ def _resolve(parsed: ParsedCase, overrides: Overrides) -> Resolved:
     if foreign is not None:
         inputs = foreign.inputs(inputs)
         check_sees(foreign, loop, tables.simulation.sample_time, ("controllers", wanted.name))
+        if rotary is not None:
+            check_sees(foreign, rotary, tables.simulation.sample_time, ("plant", "rotation"))
     plant = _gauged(plant, loop.controller, tables)
     sensors = build_sensors(tables.sensors, plant.axis)
     position = sensors.channels["position"]

@@ -30,9 +30,11 @@ def command(
     """A controller with its gains as C99, and its test."""
     from workbench.export.case import chosen_case
     from workbench.export.controller import controller_export
+    from workbench.study.fmu_plant import refuse_fmu
 
     with stoppable(), ProgressLine() as progress:
         content = study_at(study)
+        refuse_fmu(content, "export controller")
         chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
         setup = resolved.setup
         made = controller_export(

@@ -24,10 +24,12 @@ def command(
     """Linear models of a study's plant, as .mat or .json."""
     from workbench.export.case import chosen_case
     from workbench.export.linear import check_ending, linear_export
+    from workbench.study.fmu_plant import refuse_fmu
 
     check_ending(out)
     with stoppable(), ProgressLine() as progress:
         content = study_at(study)
+        refuse_fmu(content, "export linear")
         chosen, resolved = chosen_case(content, conditions(case, "--case"), controller)
         found = linear_export(content, chosen, resolved.setup, speed, progress)
         found.write(out, overwrite)

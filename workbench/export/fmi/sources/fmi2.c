@@ -12,11 +12,12 @@ typedef struct {
     char name[NAME_LENGTH];
 } Instance;
 
+/* A message is its own format: it has no per cent sign, and few importers fill one in. */
 static fmi2Status failed(Instance *instance, const char *message)
 {
     if (instance->callbacks != NULL && instance->callbacks->logger != NULL)
         instance->callbacks->logger(instance->callbacks->componentEnvironment, instance->name, fmi2Error,
-                                    "logStatusError", "%s", message);
+                                    "logStatusError", message);
     return fmi2Error;
 }
 
