@@ -28,7 +28,7 @@ def tried(kind: str, squares: float = 1e9) -> Tried:
 def taken(pieces: Sequence[Tried], left: Sequence[float], monkeypatch: pytest.MonkeyPatch) -> str:
     """The kind of the motion that is taken of some, of which so much is left as a whole."""
     answers: Iterator[float] = iter(left)
-    monkeypatch.setattr(design, "_whole", lambda rig, wanted, chosen: design.Whole(chosen, [], []))
+    monkeypatch.setattr(design, "_simulated", lambda rig, wanted, _: design.Simulated(rig, wanted.hypotheses, [], []))
     monkeypatch.setattr(design, "distances", lambda *_: ({(1, 0): next(answers)}, 0))
     return design._best(RIG, Wanted([NONE, OTHER]), [[piece] for piece in pieces], silent).chosen[0].piece.kind
 

@@ -71,6 +71,10 @@ def asked_of(
     ):
         if count > most:
             raise UserError(f"{experiment.path}: {count} {what} are held against each other, expected {most} at most")
+    for what, names in (("hypothesis", found.between), ("parameter", found.identify)):
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"{experiment.path}: {what} {name} is asked for more than once")
     for name in found.identify:
         if name not in (known := parameter_names(experiment.plant)):
             said = f'"{name}": unknown parameter; {nearest(name, known)}'

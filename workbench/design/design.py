@@ -12,7 +12,7 @@ from workbench.design.asked import Asked, asked_of, limits_of
 from workbench.design.contrast import Tried, pairs_of
 from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.pieces import Condition, Reach, sampled
-from workbench.design.power import distances, told_apart
+from workbench.design.power import Simulated, distances, told_apart
 from workbench.design.refit import Leg
 from workbench.design.result import Design, Known
 from workbench.design.rig import Limits, Rig
@@ -29,7 +29,6 @@ from workbench.progress import Progress, part_of, silent
 from workbench.publish.words import listed
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
-from workbench.simulation.run import Run
 
 OF_STROKE = 0.9
 """Share of the stroke in which a motion stays."""
@@ -81,17 +80,17 @@ def design(
     rig = _steered(experiment, asked, rig, hypotheses)
     wanted = Wanted(hypotheses, [_place(hypotheses[0], name) for name in asked.identify])
     if len(hypotheses) < 2 and not wanted.parameters:
+        missing = f"{asked.between[0]} is told from nothing" if asked.between else "nothing is asked of a motion"
         raise UserError(
-            f"{source}: nothing is asked of a motion; name hypotheses with --between, such as none,backlash, or "
-            "parameters with --identify"
+            f"{source}: {missing}; name hypotheses with --between, such as none,backlash, or parameters with --identify"
         )
     found = search(rig, wanted, asked.duration, part_of(progress, 0.2, 0.4))
-    motion = _best(rig, wanted, found, part_of(progress, 0.6, 0.2))
+    best = _best(rig, wanted, found, part_of(progress, 0.6, 0.2))
     progress("how often a record of it decides", 0.8)
-    told = told_apart(rig, hypotheses, motion.legs, motion.runs) if len(hypotheses) > 1 else []
-    pieces, known = [one.piece for one in motion.chosen], _known(wanted, motion.chosen)
-    runs = motion.runs[: len(hypotheses)]
-    return Design(experiment, str(source), rig, hypotheses, pieces, motion.legs, runs, told, known)
+    told = told_apart(best.motion) if len(hypotheses) > 1 else []
+    pieces, known = [one.piece for one in best.chosen], _known(wanted, best.chosen)
+    runs = best.motion.runs[: len(hypotheses)]
+    return Design(experiment, str(source), rig, hypotheses, pieces, best.motion.legs, runs, told, known)
 
 
 def _of_experiment(
@@ -262,11 +261,10 @@ def _place(hypothesis: Hypothesis, name: str) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Whole:
-    """The pieces that were chosen as a whole motion, in legs, with what all that may be true does in them."""
+    """The pieces that were chosen, and the motion as a whole of them."""
 
     chosen: Sequence[Tried]
-    legs: Sequence[Leg]
-    runs: Sequence[Sequence[Run]]
+    motion: Simulated
 
 
 def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: Progress) -> Whole:
@@ -278,17 +276,17 @@ def _best(rig: Rig, wanted: Wanted, found: Sequence[Sequence[Tried]], progress: 
         if steps > COMPARED:
             break
         progress("the whole motion under every hypothesis", i / len(found))
-        motion = _whole(rig, wanted, chosen)
-        whole, taken = distances(rig, wanted.hypotheses, motion.legs, motion.runs)
+        motion = _simulated(rig, wanted, chosen)
+        whole, taken = distances(motion)
         steps += taken
         score = wanted.score_of({pair: min(whole[pair], one) for pair, one in wanted.left(chosen).items()}, chosen)
         if best is None or score > most:
-            best, most = motion, score
+            best, most = Whole(chosen, motion), score
     assert best is not None
     return best
 
 
-def _whole(rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Whole:
+def _simulated(rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Simulated:
     pieces = [one.piece for one in chosen]
     conditions = list(dict.fromkeys(piece.condition for piece in pieces))
     legs = [
@@ -299,7 +297,7 @@ def _whole(rig: Rig, wanted: Wanted, chosen: Sequence[Tried]) -> Whole:
         side_by_side(lambda leg, of=one: rig.driven(of.values, leg.reference, leg.condition), legs)
         for one in truths_of(wanted.hypotheses)
     ]
-    return Whole(chosen, legs, runs)
+    return Simulated(rig, wanted.hypotheses, legs, runs)
 
 
 def _leg(rig: Rig, condition: Condition, references: Sequence[np.ndarray]) -> Leg:

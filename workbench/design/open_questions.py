@@ -40,7 +40,7 @@ SMALLER, TIMES, FURTHER = 0.3, 16, 4
 taken up where it reaches farther.
 """
 
-MOST = 4
+MOST = 3
 """Hypotheses of a diagnosis that names none, at most."""
 
 OTHERS, ALIKE = 2, 0.9

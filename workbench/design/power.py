@@ -12,7 +12,9 @@ record, and in their differences.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import permutations
 
 import numpy as np
 
@@ -26,7 +28,12 @@ from workbench.fitting.threads import side_by_side
 from workbench.simulation.run import Run
 
 MACHINES, SHARES, REPETITIONS = 4, 50, 50
-"""Machines that are drawn and simulated, shares of repeated records that are counted on each, and records of each."""
+"""Machines that are drawn and simulated, at most, shares of repeated records that are counted on each, and records of
+each share.
+"""
+
+STEPS = 3e7
+"""Of the solver after which no further machine is drawn, but for one: some twenty seconds on each of two cores."""
 
 INTERVAL = (5.0, 95.0)
 """Percentiles of the share told apart in the repetitions of one machine."""
@@ -68,39 +75,65 @@ class Machine:
     away: Mapping[str, float]
 
 
-def told_apart(
-    rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
-) -> list[Told]:
-    """Every ordered pair of hypotheses; `runs` are those of all that may be true over the legs."""
-    truths, found = truths_of(hypotheses), []
-    for i, hypothesis in enumerate(hypotheses):
-        shapes = [
-            shape
-            for k, true in enumerate(truths)
-            if true.effects == hypothesis.effects
-            and (shape := _shape(rig, true, legs, runs[k], is_drawn=true is hypothesis)) is not None
-        ]
-        if not shapes or shapes[0].true is not hypothesis:
-            continue
-        for j, rival in enumerate(hypotheses):
-            if j != i:
-                fits = [_against(rig, shape, rival, legs) for shape in shapes]
-                found.append(_told((i, j), rival, shapes, fits))
-    return found
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A motion under hypotheses: its legs, the runs of all that may be true over them (`truths_of`), and what each
+    hypothesis shows along the commands of each of these, as far as that was asked for.
+    """
+
+    rig: Rig
+    hypotheses: Sequence[Hypothesis]
+    legs: Sequence[Leg]
+    runs: Sequence[Sequence[Run]]
+    found: dict[tuple[int, int], Shown | None] = field(default_factory=dict)
+
+    @cached_property
+    def truths(self) -> list[Hypothesis]:
+        """What may be true."""
+        return truths_of(self.hypotheses)
+
+    def shown(self, of: int, along: int) -> Shown | None:
+        """What a truth shows along the commands of another, by number; None where it diverges."""
+        if (of, along) not in self.found:
+            self.found[of, along] = shown_along(self.rig, self.truths[of], self.legs, self.runs[along])
+        return self.found[of, along]
 
 
-def distances(
-    rig: Rig, hypotheses: Sequence[Hypothesis], legs: Sequence[Leg], runs: Sequence[Sequence[Run]]
-) -> tuple[dict[Pair, float], int]:
+def told_apart(motion: Simulated) -> list[Told]:
+    """Every ordered pair of hypotheses."""
+    rig, hypotheses, truths, legs, runs = motion.rig, motion.hypotheses, motion.truths, motion.legs, motion.runs
+    nominal = [
+        _shape(motion, k, [_machine(rig, true, np.zeros(len(true.unknowns)), runs[k])]) for k, true in enumerate(truths)
+    ]
+    asked = [(i, j) for i, j in permutations(range(len(hypotheses)), 2) if nominal[i] is not None]
+    shapes = {
+        (i, j): [one for one in nominal if one is not None and one.true.effects == hypotheses[i].effects]
+        for i, j in asked
+    }
+    fits = {(i, j): [_against(motion, one, j) for one in shapes[i, j]] for i, j in asked}
+    taken = sum(one.steps for one in nominal if one is not None)
+    taken += sum(fit.steps for each in fits.values() for theirs in each for fit in theirs or ())
+    count = int(np.clip(STEPS / max(taken, 1) - 1.0, 1, MACHINES))
+    for i in dict.fromkeys(i for i, _ in asked):
+        drawn = _shape(motion, i, _drawn(rig, hypotheses[i], legs, count))
+        if drawn is not None:
+            for j in (rival for true, rival in asked if true == i):
+                shapes[i, j].append(drawn)
+                fits[i, j].append(_against(motion, drawn, j))
+    return [_told(pair, hypotheses[pair[1]], shapes[pair], fits[pair]) for pair in asked]
+
+
+def distances(motion: Simulated) -> tuple[dict[Pair, float], int]:
     """T of every pair that a motion may tell apart, by refits of both to records without noise; and the steps that the
     solver took.
     """
-    pairs, truths = pairs_of(hypotheses), truths_of(hypotheses)
+    rig, hypotheses, truths, legs, runs = motion.rig, motion.hypotheses, motion.truths, motion.legs, motion.runs
+    pairs = pairs_of(hypotheses)
     tested = sorted({i for i, _ in pairs})
 
     def itself(i: int) -> tuple[Machine, Refit] | None:
         machine = _machine(rig, truths[i], np.zeros(len(truths[i].unknowns)), runs[i])
-        near = shown_along(rig, truths[i], legs, runs[i])
+        near = motion.shown(i, i)
         if machine is None or near is None:
             return None
         return machine, _found_back(rig, truths[i], near, legs, machine)
@@ -112,7 +145,7 @@ def distances(
         if (found := own[i]) is None:
             return 0.0, 0
         machine, back = found
-        shown = shown_along(rig, hypotheses[j], legs, runs[i])
+        shown = motion.shown(j, i)
         if shown is None:  # its plant runs away where the true one does not
             return np.inf, back.steps
         start = started(hypotheses[j], truths[i], machine.away)
@@ -126,44 +159,50 @@ def distances(
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """A hypothesis at its best on a record without noise: how far its unknowns have `moved`, what is `left` (rows,),
-    and the columns of its unknowns and its starts there.
+    the columns of its unknowns and its starts there, and the steps that the solver took.
     """
 
     moved: np.ndarray
     left: np.ndarray
     shown: Shown
+    steps: int
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A hypothesis in one of its shapes, the runs of its motion, its machines, and its own fit to each of them."""
+    """What may be true, by its number too, machines that it may be, and its own fit to each."""
 
+    number: int
     true: Hypothesis
-    runs: Sequence[Run]
     machines: Sequence[Machine]
     own: Sequence[Fitted]
 
+    @property
+    def steps(self) -> int:
+        """Of the solver, that the fits took."""
+        return sum(one.steps for one in self.own)
 
-def _shape(rig: Rig, true: Hypothesis, legs: Sequence[Leg], runs: Sequence[Run], *, is_drawn: bool) -> Shape | None:
-    """A shape on its own machine and, if `is_drawn`, on others that it may be; None where it diverges on all."""
-    nominal = _machine(rig, true, np.zeros(len(true.unknowns)), runs)
-    machines = [one for one in (nominal, *(_drawn(rig, true, legs) if is_drawn else ())) if one is not None]
-    if not machines or (shown := shown_along(rig, true, legs, runs)) is None:
+
+def _shape(motion: Simulated, number: int, machines: Sequence[Machine | None]) -> Shape | None:
+    """What may be true, on machines; None where it diverges on all."""
+    true, kept = motion.truths[number], [one for one in machines if one is not None]
+    if not kept or (shown := motion.shown(number, number)) is None:
         return None
-    own = side_by_side(lambda machine: _itself(rig, true, shown, legs, machine), machines)
-    return Shape(true, runs, machines, own)
+    own = side_by_side(lambda machine: _itself(motion.rig, true, shown, motion.legs, machine), kept)
+    return Shape(number, true, kept, own)
 
 
-def _against(rig: Rig, shape: Shape, rival: Hypothesis, legs: Sequence[Leg]) -> list[Fitted] | None:
+def _against(motion: Simulated, shape: Shape, rival: int) -> list[Fitted] | None:
     """A rival on the machines of a shape; None where its plant runs away and the true one does not."""
-    shown = shown_along(rig, rival, legs, shape.runs)
-    return None if shown is None else _refits(rig, (shape.true, rival), shown, legs, shape.machines)
+    shown, pair = motion.shown(rival, shape.number), (shape.true, motion.hypotheses[rival])
+    return None if shown is None else _refits(motion.rig, pair, shown, motion.legs, shape.machines)
 
 
 def _itself(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Fitted:
     """The true hypothesis fitted to its own machine; `shown` are its columns on the nominal one."""
     back = _found_back(rig, true, shown, legs, machine)
-    return Fitted(back.moved, back.left, _columns_at(rig, true, back.moved, shown, legs, machine.runs))
+    columns = _columns_at(rig, true, back.moved, shown, legs, machine.runs)
+    return Fitted(back.moved, back.left, columns, back.steps)
 
 
 def _found_back(rig: Rig, true: Hypothesis, shown: Shown, legs: Sequence[Leg], machine: Machine) -> Refit:
@@ -193,7 +232,8 @@ def _refits(
     def fitted(machine: Machine) -> Fitted:
         start = started(rival, true, machine.away)
         fit = refitted(rig, rival, machine.record, shown, legs, machine.runs, start)
-        return Fitted(fit.moved, fit.left, _columns_at(rig, rival, fit.moved, shown, legs, machine.runs))
+        columns = _columns_at(rig, rival, fit.moved, shown, legs, machine.runs)
+        return Fitted(fit.moved, fit.left, columns, fit.steps)
 
     return side_by_side(fitted, machines)
 
@@ -205,10 +245,10 @@ def _machine(rig: Rig, of: Hypothesis, away: np.ndarray, runs: Sequence[Run]) ->
     return Machine(np.concatenate(seen), runs, by_name) if len(seen) == len(runs) else None
 
 
-def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg]) -> list[Machine | None]:
-    """Machines that a hypothesis may be."""
+def _drawn(rig: Rig, true: Hypothesis, legs: Sequence[Leg], count: int) -> list[Machine | None]:
+    """So many machines that a hypothesis may be."""
     draw = np.random.default_rng(SEED)
-    places = draw.standard_normal((MACHINES, len(true.unknowns))) @ drawn_from(true).T
+    places = draw.standard_normal((count, len(true.unknowns))) @ drawn_from(true).T
 
     def driven(away: np.ndarray) -> Machine | None:
         values = true.moved(away)
@@ -256,6 +296,8 @@ def _repeated(
         off = basis.T @ one.left
         left.append(_least(off + noise, within, known, moved))
         clean.append(float(_least(off, within, known, moved)))
+    if of[0].is_part_of(of[1]):  # a rival that can do all that the true one does leaves no more, wherever its fit ends
+        left[1], clean[1] = np.minimum(left[1], left[0]), min(clean[1], clean[0])
     return np.mean(left[1] - left[0] > asked, axis=-1), max(clean[1] - clean[0], 0.0)
 
 

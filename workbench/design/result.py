@@ -7,16 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.effects.registry import effects
-from workbench.design.hypotheses import Hypothesis
+from workbench.design.hypotheses import NOTHING, Hypothesis
 from workbench.design.pieces import Condition, Piece, shaped
 from workbench.design.power import Told
 from workbench.design.refit import Leg
 from workbench.design.rig import Rig
+from workbench.publish.words import listed, plain_name
 from workbench.records.experiment import Experiment
 from workbench.simulation.run import Run
 
 SURE, HARDLY = 0.9, 0.5
 """Shares of records that tell a pair apart, from which they do so surely, and below which hardly."""
+
+BETTER = 0.8
+"""Times its deviation before, below which a parameter is known better."""
+
+NOTHING_ELSE = "nothing else"
+"""What a hypothesis lacks that has no effect but those that all have."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +57,25 @@ class Design:
     def duration(self) -> float:
         """s."""
         return sum(piece.duration for piece in self.pieces)
+
+    @property
+    def common(self) -> tuple[str, ...]:
+        """The effects that all hypotheses have."""
+        first = self.hypotheses[0].effects
+        return tuple(name for name in first if all(name in one.effects for one in self.hypotheses))
+
+    def name_of(self, number: int) -> str:
+        """What a hypothesis has beside what all have."""
+        own = [plain_name(name) for name in self.hypotheses[number].effects if name not in self.common]
+        if own or len(self.hypotheses) == 1:
+            return listed(own) or self.hypotheses[number].name
+        return NOTHING_ELSE if self.common else NOTHING
+
+    @property
+    def tells(self) -> bool:
+        """Whether it tells any pair at least now and then, or shows any parameter better than it is known."""
+        asked = [one for one in self.told if not self.hypotheses[one.true].is_part_of(self.hypotheses[one.rival])]
+        return any(one.power >= HARDLY for one in asked) or any(one.after < BETTER * one.before for one in self.known)
 
     @property
     def undecided(self) -> list[Told]:

@@ -19,6 +19,12 @@ from workbench.publish.thinning import thinned
 WIDE, HIGH = 9.0, 5.6
 """Inches."""
 
+PAIRS = 4
+"""That are drawn, at most: those that come apart least."""
+
+LEGEND = 0.22
+"""Height, in inches, of a line of the legend below."""
+
 POINTS = 1500
 """Buckets of samples of a curve."""
 
@@ -49,9 +55,9 @@ def motion_data(design: Design) -> MotionData:
         at += samples(piece, rig.reach)
         last = i + 1 == len(design.pieces) or design.pieces[i + 1].condition != piece.condition
         at += last  # a leg ends in the middle once more
+    least = sorted(design.told, key=lambda one: one.distance)[:PAIRS]
     gained = [
-        (f"{design.hypotheses[one.true].name}, not {design.hypotheses[one.rival].name}", _gained(design, one))
-        for one in design.told
+        (f"if it is {design.name_of(one.true)}: not {design.name_of(one.rival)}", _gained(design, one)) for one in least
     ]
     sizes = _sizes(design)
     starts = np.cumsum([0, *(leg.reference.size for leg in design.legs)])[:-1]
@@ -83,7 +89,8 @@ def draw_motion(design: Design, data: MotionData) -> Picture:
     """The figure."""
     shown, closed = SHOWN[design.rig.axis], design.rig.steering is not None
     with figure_style():
-        figure = Figure(figsize=(WIDE, HIGH if data.gained else 0.6 * HIGH))
+        height = HIGH + LEGEND * (len(data.gained) + 1) if data.gained else 0.6 * HIGH
+        figure = Figure(figsize=(WIDE, height))
         FigureCanvasAgg(figure)
         figure.suptitle("The motion" + (", and where the hypotheses come apart in it" if data.gained else ""))
         panels = figure.subplots(2 if data.gained else 1, 1, squeeze=False, sharex=True)[:, 0]
@@ -91,12 +98,12 @@ def draw_motion(design: Design, data: MotionData) -> Picture:
         panels[0].plot(data.time[kept], data.reference[kept], label="reference", **REFERENCE)
         if closed:
             panels[0].plot(
-                data.time[kept], data.position[kept], label=f"position, {design.hypotheses[0].name}", **line_style(0)
+                data.time[kept], data.position[kept], label=f"position, if it is {design.name_of(0)}", **line_style(0)
             )
         panels[0].set_ylabel(
             f"position ({shown.unit})" if closed else f"command ({design.rig.along.plant.command_unit})"
         )
-        panels[0].legend(loc="upper right")
+        panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
         for axes in panels:
             for begin, _ in data.begins[1:]:
                 axes.axvline(begin, color="#dddddd", linewidth=0.8, zorder=1.0)
@@ -118,7 +125,7 @@ def draw_motion(design: Design, data: MotionData) -> Picture:
             panels[1].axhline(0.5 * ODDS, color="#555555", linewidth=0.8, linestyle=":", label="odds of 20 to 1")
             panels[1].set_yscale("log")
             panels[1].set_ylabel("log-likelihood ratio")
-            panels[1].legend(loc="lower right")
+            panels[1].legend(loc="upper left", bbox_to_anchor=(0.0, -0.2), ncols=1, frameon=False)
         panels[-1].set_xlabel("time (s)")
     caption = (
         "Above, the motion. Below, by how much the record up to then makes the true hypothesis likelier than its "

@@ -36,10 +36,14 @@ td { white-space: nowrap; }
 {% for line in how %}<li>{{ line }}</li>
 {% endfor %}</ul>
 <h2>How surely</h2>
-{% for name in ("pairs", "parameters") if name in tables %}{{ show(tables[name]) }}
-{% endfor %}<p>A share is that of repeated records in which a hypothesis, fitted beside its rival, is likelier by odds
-of 20 to 1. Its interval holds the shares of machines that are drawn from what is known of the parameters.</p>
-<h2>What is held against each other</h2>
+{% if "pairs" in tables %}{{ show(tables["pairs"]) }}
+<p>Records tell a hypothesis where it is likelier by odds of 20 to 1 than a rival that is fitted to them beside it. A
+rival that can do all that it does, and more, is always likelier: there it counts that it is not so by these odds. An
+interval holds the shares of machines that are drawn from what is known of the parameters.</p>
+{% endif %}{% if "parameters" in tables %}{{ show(tables["parameters"]) }}
+<p>Before and after, what is declared of all parameters counts: with the deviation that the file gives, or else within
+a factor. A fit to the record alone, as by <code>workbench identify</code>, knows less where that matters.</p>
+{% endif %}<h2>What is held against each other</h2>
 {{ show(tables["hypotheses"]) }}
 {% for line in shapes %}<p>{{ line }}</p>
 {% endfor %}

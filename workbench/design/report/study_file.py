@@ -101,7 +101,7 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
     return {
         "title": f"{experiment.title}: what to record next",
         "source": COMMAND,
-        "question": answer(design),
+        "question": " ".join([answer(design), *_hypotheses(design)]),
         "records": [plant.command, *(f"measured_{name}" for name in rig.channels)],
         "plant": {
             "model": plant.name,
@@ -124,6 +124,11 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
         },
         "cases": cases,
     }
+
+
+def _hypotheses(design: Design) -> list[str]:
+    """What each hypothesis is."""
+    return [f"Hypothesis {number}: {one.name}." for number, one in enumerate(design.hypotheses, 1)]
 
 
 def _duration(design: Design, reference: np.ndarray) -> float:

@@ -8,7 +8,7 @@ from workbench.design.pieces import shaped
 from workbench.design.result import Design
 from workbench.parameters.sets import known_units
 from workbench.publish.along import SHOWN
-from workbench.publish.tables import Table, shown_interval, shown_number
+from workbench.publish.tables import Table, shown_number
 
 
 def tables_of(design: Design) -> dict[str, Table]:
@@ -26,13 +26,16 @@ def _pairs(design: Design) -> pd.DataFrame:
     return pd.DataFrame(
         [
             {
-                "if it is": design.hypotheses[one.true].name,
-                "told from": design.hypotheses[one.rival].name,
+                "if it is": design.name_of(one.true),
+                "the rival is": design.name_of(one.rival),
+                "records": "do not claim the rival"
+                if design.hypotheses[one.true].is_part_of(design.hypotheses[one.rival])
+                else "tell it",
                 "distance (std of noise)": "far"
                 if math.isinf(one.distance)
                 else shown_number(math.sqrt(one.distance), 3),
-                "share of records": shown_number(one.power, 2),
-                "90 % interval": shown_interval(one.low, one.high, 2),
+                "share of records": f"{one.power:.2f}",
+                "90 % interval": f"{one.low:.2f} to {one.high:.2f}",
             }
             for one in design.told
         ]
@@ -89,8 +92,8 @@ def _hypotheses(design: Design) -> pd.DataFrame:
     rows = []
     for name in names:
         row = {"parameter": name, "unit": units.get(name, "1")}
-        for one in design.hypotheses:
+        for number, one in enumerate(design.hypotheses):
             has = any(u.name == name for u in one.unknowns)
-            row[one.name] = shown_number(one.values[name], 4) if has else ""
+            row[design.name_of(number)] = shown_number(one.values[name], 4) if has else ""
         rows.append(row)
     return pd.DataFrame(rows)

@@ -6,9 +6,9 @@ from itertools import groupby
 
 import numpy as np
 
-from workbench.design.pieces import Piece, shaped
+from workbench.design.pieces import Condition, Piece, shaped
 from workbench.design.power import Told
-from workbench.design.result import HARDLY, SURE, Design
+from workbench.design.result import BETTER, HARDLY, SURE, Design
 from workbench.parameters.sets import known_units
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
@@ -23,7 +23,7 @@ def motion_words(design: Design) -> str:
     conditions = len({piece.condition for piece in design.pieces}) > 1
     for _, group in groupby(design.pieces, key=lambda piece: (piece.condition, piece.kind)):
         pieces = list(group)
-        at = f" {_condition(design, pieces[0])}" if conditions or any(pieces[0].condition) else ""
+        at = f" {_at(design, pieces[0].condition)}" if conditions or any(pieces[0].condition) else ""
         said.append(f"{_number(sum(piece.duration for piece in pieces))} s of {_kind(design, pieces)}{at}")
     return ", then ".join(said)
 
@@ -67,23 +67,26 @@ def _number(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def _condition(design: Design, piece: Piece) -> str:
-    rotation, load = piece.condition
+def _at(design: Design, condition: Condition) -> str:
+    rotation, load = condition
     said = [f"{rotation * 30.0 / math.pi:.0f} rpm"] if design.rig.along.plant.rotary_command else []
     said += [f"a load of {load:g} {SHOWN[design.rig.axis].force_unit}"] if load else []
     return f"at {listed(said)}" if said else "without a further load"
 
 
 def answer(design: Design) -> str:
-    """The motion, and what it is for."""
-    return f"Record {_number(design.duration)} s: {motion_words(design)}."
+    """The motion, and whether it is worth it."""
+    motion = f"Record {_number(design.duration)} s: {motion_words(design)}."
+    if design.tells:
+        return motion
+    return f"No motion was found that settles what is open; the best of {_number(design.duration)} s is this. {motion}"
 
 
 def verdicts(design: Design) -> list[str]:
     """Of each pair how surely the motion tells it, and of each parameter how well it shows it."""
-    said = []
+    said = [f"All hypotheses have {listed([plain_name(name) for name in design.common])}."] if design.common else []
     for one in design.told:
-        true, rival = (design.hypotheses[k].name for k in (one.true, one.rival))
+        true, rival = (design.name_of(k) for k in (one.true, one.rival))
         share = f"in {_percent(one.power)} of records ({_percent(one.low)} to {_percent(one.high)})"
         if design.hypotheses[one.true].is_part_of(design.hypotheses[one.rival]):
             said.append(f"If it is {true}, {rival} is not claimed {share}.")
@@ -92,7 +95,7 @@ def verdicts(design: Design) -> list[str]:
         said.append(f"If it is {true}, this tells it from {rival} {sure}: {share}.")
     for known in design.known:
         before, after = (_share(std, known.value) for std in (known.before, known.after))
-        said.append(f"{plain_name(known.name)}: a standard deviation of {after} of its value, after {before} before.")
+        said.append(f"{plain_name(known.name)}: a standard deviation of {after} of its value; before, it is {before}.")
     return said
 
 
@@ -109,15 +112,15 @@ def _share(std: float, value: float) -> str:
 def shapes(design: Design) -> list[str]:
     """The shapes of effects over which shares are means."""
     said = []
-    for one in design.hypotheses:
+    for number, one in enumerate(design.hypotheses):
         shapes = [
             " and ".join(f"{plain_name(name)} {_shown(design, name, value)}" for name, value in shape.items())
             for shape in design.shapes_of(one)
         ]
         if shapes:
             said.append(
-                f"Nothing tells yet in which shape {one.name} would be there. The motion is for all of these, and its "
-                f"share of records is the mean over them: {listed(shapes, 'or')}."
+                f"Nothing tells yet in which shape {design.name_of(number)} would be there. The motion is for all of "
+                f"these, and its share of records is the mean over them: {listed(shapes, 'or')}."
             )
     return said
 
@@ -132,11 +135,17 @@ def _shown(design: Design, name: str, value: float) -> str:
 
 def undecided(design: Design) -> list[str]:
     """What remains open after the motion, and why."""
-    return [_why(design, one) for one in design.undecided]
+    unknown = [
+        f"{plain_name(one.name)} is known hardly better after this motion. A longer one, wider limits, other speeds of "
+        "rotation or loads in [design], or a finer sensor would show more."
+        for one in design.known
+        if not one.after < BETTER * one.before
+    ]
+    return [*(_why(design, one) for one in design.undecided), *unknown]
 
 
 def _why(design: Design, one: Told) -> str:
-    true, rival = (design.hypotheses[k].name for k in (one.true, one.rival))
+    true, rival = (design.name_of(k) for k in (one.true, one.rival))
     taken = [plain_name(name) for name in design.taken_up_by(one)]
     makes_up = f", mostly since {listed(taken)} make{'s' * (len(taken) == 1)} up for it" if taken else ""
     return (
@@ -169,6 +178,13 @@ def _loop(design: Design) -> list[str]:
     return [f"The loop is {whose}: {table}."]
 
 
+def _not_used(design: Design) -> list[str]:
+    """The speeds of rotation and loads at which no piece does more."""
+    used = {piece.condition for piece in design.pieces}
+    rest = [_at(design, one) for one in design.rig.conditions if one not in used]
+    return [f"Pieces {listed(rest, 'or')} were tried too; none does more."] if rest else []
+
+
 def how_run(design: Design) -> list[str]:
     """How the rig is to be driven."""
     rig = design.rig
@@ -176,7 +192,12 @@ def how_run(design: Design) -> list[str]:
     said = [f"reference.csv is {kind}, a sample every {1e3 * rig.sample_time:g} ms."]
     if len(design.legs) > 1:
         said = [f"reference_1.csv to reference_{len(design.legs)}.csv are {kind}, one for each speed or load."]
-    said += [_reach(design), *_loop(design), "workbench run study.toml simulates it under every hypothesis."]
+    said += [
+        _reach(design),
+        *_loop(design),
+        *_not_used(design),
+        "workbench run study.toml simulates it under every hypothesis.",
+    ]
     if any(piece.condition.load for piece in design.pieces):
         said.append(
             "Records under a further load are records of another plant: declare its load_force in an experiment of "
