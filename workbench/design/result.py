@@ -74,8 +74,13 @@ class Design:
     @property
     def tells(self) -> bool:
         """Whether it tells any pair at least now and then, or shows any parameter better than it is known."""
-        asked = [one for one in self.told if not self.hypotheses[one.true].is_part_of(self.hypotheses[one.rival])]
-        return any(one.power >= HARDLY for one in asked) or any(one.after < BETTER * one.before for one in self.known)
+        better = any(one.after < BETTER * one.before for one in self.known)
+        return better or any(one.power >= HARDLY for one in self.claimed)
+
+    @property
+    def claimed(self) -> list[Told]:
+        """The pairs in which the rival cannot do all that the true one does."""
+        return [one for one in self.told if not self.hypotheses[one.true].is_part_of(self.hypotheses[one.rival])]
 
     @property
     def undecided(self) -> list[Told]:

@@ -55,7 +55,7 @@ def motion_data(design: Design) -> MotionData:
         at += samples(piece, rig.reach)
         last = i + 1 == len(design.pieces) or design.pieces[i + 1].condition != piece.condition
         at += last  # a leg ends in the middle once more
-    least = sorted(design.told, key=lambda one: one.distance)[:PAIRS]
+    least = sorted(design.claimed, key=lambda one: one.distance)[:PAIRS]
     gained = [
         (f"if it is {design.name_of(one.true)}: not {design.name_of(one.rival)}", _gained(design, one)) for one in least
     ]

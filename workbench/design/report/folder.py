@@ -59,7 +59,7 @@ def _write(design: Design, folder: Path) -> None:
     files = write_study(design, folder)
     experiment = design.experiment
     contents = Contents(
-        title=f"{experiment.title}: what to record next",
+        title=f"What to record next: {experiment.title}",
         question="Which motion tells most of what is still open?",
         answer=[answer(design), *verdicts(design)],
         notes=[*undecided(design), *how_run(design)],

@@ -20,7 +20,7 @@ _HTML = """\
 td { white-space: nowrap; }
 {% endblock %}
 {% block body %}
-<h1>{{ title }}: what to record next</h1>
+<h1>What to record next: {{ title }}</h1>
 <p class="answer">{{ answer }}</p>
 <ul>
 {% for line in verdicts %}<li>{{ line }}</li>

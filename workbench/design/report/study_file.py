@@ -99,7 +99,7 @@ def _study(design: Design, plants: list[str], references: list[str]) -> dict[str
         cases[name] = case
     controller = dict(rig.steering.table) if rig.steering is not None else {"type": "open_loop"}
     return {
-        "title": f"{experiment.title}: what to record next",
+        "title": f"What to record next: {experiment.title}",
         "source": COMMAND,
         "question": " ".join([answer(design), *_hypotheses(design)]),
         "records": [plant.command, *(f"measured_{name}" for name in rig.channels)],
