@@ -97,7 +97,7 @@ def owner_of(module: str) -> str:
     top, every = module.partition(".")[0], _points(tuple(sys.path))
     points = [point for group in every.groups if group.startswith(GROUPS) for point in every.select(group=group)]
     for point in points:
-        if top not in OURS and point.module.partition(".")[0] == top:
+        if top not in OURS and _module_of(point).partition(".")[0] == top:
             return f'package "{point.dist.name}"' if point.dist else f"package {top}"
     return ""
 
@@ -105,11 +105,18 @@ def owner_of(module: str) -> str:
 def _load(point: EntryPoint, kind: type, check: Check) -> Plugin:
     package = f' of the package "{point.dist.name}"' if point.dist else ""
     try:
+        if not _module_of(point):
+            raise ValueError("an entry point is written MODULE:OBJECT")
         found = point.load()
         if not isinstance(found, kind):
             raise TypeError(f"got {type(found).__name__}, expected {kind.__name__}")
         check(found)
     except Exception as error:  # noqa: BLE001  the code of others may raise anything
         failure = f"{point.value}{package} cannot be used ({reason_of(error)}); mend or uninstall the package"
-        return Plugin(point.module, package, None, failure)
-    return Plugin(point.module, package, found, "")
+        return Plugin(_module_of(point), package, None, failure)
+    return Plugin(_module_of(point), package, found, "")
+
+
+def _module_of(point: EntryPoint) -> str:
+    """The module of an entry point; "" of one that is written as none may be."""
+    return point.module if point.pattern.match(point.value) else ""

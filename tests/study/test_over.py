@@ -9,6 +9,7 @@ import pytest
 from command import STUDY, fails, ran, workbench, write
 from pydantic import ValidationError
 
+import workbench as wb
 from workbench.errors import UserError
 from workbench.study.reading import read_study
 from workbench.study.report.figures import draw
@@ -303,6 +304,9 @@ def test_what_was_drawn_is_told_and_kept(tmp_path: Path) -> None:
     assert "supply_pressure (Pa)" not in drawn, "it is the same on all"
     page = (out / "results.html").read_text(encoding="utf-8")
     assert "friction by 1 times its standard deviations; mass times 0.8 to 1.5; noise of position 0.0 to 5 um." in page
+    by_python = wb.Study(tmp_path / "study.toml").run(tmp_path / "python").folder
+    for name in ("draws.csv", "results.csv", "results.html"):
+        assert (by_python / name).read_bytes() == (out / name).read_bytes(), name
     assert not (ran(tmp_path, STUDY, "--overwrite") / "draws.csv").exists()
 
 

@@ -245,6 +245,15 @@ def test_a_broken_plugin_is_told_where_it_is_named(
     assert refused.err.partition(".toml:")[2].partition(": ")[2] == f"{key}: {said}"
 
 
+def test_an_entry_point_that_is_none_is_told_where_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    brings(tmp_path, "friction_workbench.controllers", 'mine = "module:IT"')
+    visible(tmp_path, monkeypatch)
+    assert workbench("check", write(tmp_path, DRIVE)).code == 0
+    refused = workbench("check", write(tmp_path, changed('"pid"', '"mine"', DRIVE)))
+    assert (refused.code, refused.out) == (2, "")
+    assert "cannot be used (ValueError: an entry point is written MODULE:OBJECT)" in refused.err
+
+
 FRICTIONLESS = """\
 from dataclasses import replace
 from typing import Annotated, NamedTuple

@@ -150,7 +150,7 @@ class Study:
             >>> results.frame["outcome"].tolist()
             ['completed', 'completed']
         """
-        from workbench.study.report.folder import write_cycles, write_figures, write_pages, write_tables
+        from workbench.study.report.folder import write_all
 
         if resume and overwrite:
             raise UserError("resume and overwrite: choose one")
@@ -172,10 +172,7 @@ class Study:
 
         run_rounds(planned, folder, run, resume=resume, overwrite=overwrite)
         frame = read_results(folder)
-        write_tables(planned.study, frame, folder)
-        write_cycles(planned, frame, folder)
-        write_figures(planned.study, frame, folder)
-        write_pages(planned.study, frame, folder)
+        write_all(planned, frame, folder)
         return StudyResults(planned.study, folder, frame)
 
     def __repr__(self) -> str:

@@ -89,19 +89,14 @@ def _say_estimate(planned: "Plan", out: Path | None, jobs: int | None, keep_all:
 
 def _report(planned: "Plan", folder: Path) -> "Made":
     """Make tables, figures and pages of finished results, and say which cases did not simply complete."""
-    from workbench.study.report.drawn import write_draws
-    from workbench.study.report.folder import shown_columns, write_cycles, write_figures, write_pages, write_tables
+    from workbench.study.report.folder import shown_columns, write_all
     from workbench.study.report.unusual import unusual
     from workbench.study.standing import Made
     from workbench.study.store import read_results
 
-    study = planned.study
-    frame = read_results(folder, shown_columns(study, planned.axis))
-    write_draws(planned, folder)
-    tables = write_tables(study, frame, folder) + write_cycles(planned, frame, folder)
-    print_tables(tables)
-    write_figures(study, frame, folder)
-    for page in write_pages(study, frame, folder):
+    frame = read_results(folder, shown_columns(planned.study, planned.axis))
+    tables, pages = write_all(planned, frame, folder, print_tables)
+    for page in pages:
         say(f"wrote {page}")
     made = Made([path.relative_to(folder).as_posix() for path in tables], unusual(frame, frame))
     _conclude(made, folder)

@@ -1,11 +1,13 @@
 """What a study asks to be made of its results: tables, figures, and what its other questions make of them."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 
 from workbench.metrics.registry import names_along
 from workbench.study.plan import Plan
+from workbench.study.report.drawn import write_draws
 from workbench.study.report.figures import write_figure
 from workbench.study.report.page import write_results_page
 from workbench.study.report.schema import Column, Curve, Row, TableSpec
@@ -75,3 +77,17 @@ def write_cycles(planned: Plan, frame: pd.DataFrame, folder: Path) -> list[Path]
     from workbench.study.report.limit_cycles import write_limit_cycles  # a study without cycles waits for no CasADi
 
     return [write_limit_cycles(planned, frame, folder)]
+
+
+def write_all(
+    planned: Plan, frame: pd.DataFrame, folder: Path, shown: Callable[[list[Path]], None] | None = None
+) -> tuple[list[Path], list[Path]]:
+    """Write all that is made of finished results: the machines that were drawn, tables, which are `shown` before the
+    rest is made, figures and pages; returns tables and pages.
+    """
+    write_draws(planned, folder)
+    tables = write_tables(planned.study, frame, folder) + write_cycles(planned, frame, folder)
+    if shown is not None:
+        shown(tables)
+    write_figures(planned.study, frame, folder)
+    return tables, write_pages(planned.study, frame, folder)
