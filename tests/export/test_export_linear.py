@@ -62,6 +62,7 @@ def test_mat_holds_the_same_and_no_time(tmp_path: Path) -> None:
     models = json.loads(exported(tmp_path, "plant.json").read_text(encoding="utf-8"))["models"]
     path = exported(tmp_path, "plant.mat")
     whole = loadmat(path, simplify_cells=True)
+    assert whole["case"] == "rpm = 460"
     for name, model in models.items():
         for key, value in model.items():
             if key[-5:] == "units" or key in ("states", "inputs", "outputs"):

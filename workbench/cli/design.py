@@ -53,9 +53,9 @@ def _names(given: str | None) -> list[str]:
 def _seconds(given: str) -> float:
     """A time (s), with or without a unit."""
     from workbench.errors import UserError
-    from workbench.toml.units import QuantityError, si
+    from workbench.toml.units import QuantityError, said_in
 
     try:
-        return si(float(given) if given.replace(".", "", 1).isdigit() else given, "s")
+        return said_in(given, "s")
     except QuantityError as error:
         raise UserError(f"--duration: {error}") from None

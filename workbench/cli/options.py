@@ -17,7 +17,7 @@ ExperimentFile = Annotated[Path, typer.Argument(help="An experiment: a TOML file
 Folder = Annotated[Path, typer.Argument(help="A folder of results.", metavar="DIR")]
 Out = Annotated[Path, typer.Option(help="Folder for the results.", metavar="DIR")]
 Cluster = Annotated[str | None, typer.Option(help="Address of a dask scheduler to run on.", metavar="ADDRESS")]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what is there.")]
 AllowFmu = Annotated[
     bool, typer.Option("--allow-fmu", help="Run the FMUs that the study names: foreign code, which you trust.")
 ]

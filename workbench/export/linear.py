@@ -22,7 +22,7 @@ from workbench.progress import Progress, silent
 from workbench.publish.folders import write_whole
 from workbench.simulation.setup import Numbers, Setup
 from workbench.study.study import Case, Study
-from workbench.toml.units import QuantityError, si
+from workbench.toml.units import QuantityError, said_in
 
 HEADER = 116
 """Bytes of a MAT file that are free text, in which SciPy writes the time."""
@@ -115,7 +115,7 @@ def linear_export(
 
 def _si_speed(speed: float | str, setup: Setup) -> float:
     try:
-        return si(speed, f"{setup.plant.axis}/s")
+        return said_in(str(speed), f"{setup.plant.axis}/s")
     except QuantityError as error:
         raise UserError(f"speed: {error}") from None
 
@@ -179,7 +179,8 @@ def _write_mat(export: LinearExport, path: Path) -> None:
         for name, model in export.models.items()
     }
     with path.open("wb") as file:  # savemat would put an ending behind the name
-        savemat(file, {"title": export.title, **content})
+        case = ", ".join(f"{axis} = {value}" for axis, value in export.case.items())
+        savemat(file, {"title": export.title, "case": case, **content})
     with path.open("r+b") as file:
         file.write(b"MATLAB 5.0 MAT-file, written by Friction Workbench".ljust(HEADER))
 

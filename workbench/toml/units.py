@@ -114,6 +114,15 @@ def base_units(unit: str) -> tuple[float, dict[str, float]]:
     return float(one.magnitude), {str(name): float(power) for name, power in powers.items()}
 
 
+def said_in(text: str, unit: str) -> float:
+    """What is said on a command line in SI `unit`: a quantity with its unit, or a bare number in SI.
+
+    Raises:
+        QuantityError: neither, or a quantity of another kind.
+    """
+    return si(float(text) if unit_written(text) == "" else text, unit)
+
+
 def unit_written(value: object) -> str | None:
     """The unit that a quantity is written with, "" of a bare number, None of what is no quantity."""
     parts = _QUANTITY.fullmatch(str(value).strip())

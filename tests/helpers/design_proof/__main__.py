@@ -19,8 +19,9 @@ import numpy as np
 from family.cases import Case
 from family.limits import with_all
 from family.records import FIT, record
+from scipy.stats import ncx2, norm
 
-from design_proof.cases import Pair, cases, pair_of, steered, write
+from design_proof.cases import NONE, Pair, cases, pair_of, steered, write
 from design_proof.choice import difference, expected
 from design_proof.repetitions import share_found
 from workbench.design.design import design
@@ -142,14 +143,26 @@ def _chosen(result: Result, name: str) -> str:
     return f"{name} {result[name]} ({result[f'{name}_gain']:.1f}, on the average {result[f'{name}_expected']:.1f})"
 
 
+def _share_right(result: Result, name: str) -> float:
+    """How often a second record of that kind is right, whatever its noise: of an effect beside none the difference is
+    chi-squared about what is expected of it, with a degree of freedom at least, else nearly normal.
+    """
+    left = result.get(f"{name}_expected", 0.0)
+    if result["rival"] == NONE:
+        return float(ncx2.sf(ODDS, 1, left))
+    return float(norm.sf((ODDS - left) / (2.0 * max(np.sqrt(left), 1e-12))))
+
+
 def summary(results: list[Result]) -> str:
     """The figures."""
     right = {name: sum(one[name] == "right" for one in results) for name in CHOICES}
+    average = {name: sum(_share_right(one, name) for one in results) for name in CHOICES}
     unsure = sorted((one for one in results if "power" in one), key=lambda one: one["power"][0])[:POWERS]
     inside = sum(one["power"][1] <= one["share"] <= one["power"][2] for one in unsure)
     return (
         f"told apart rightly, of {len(results)}: {right['designed']} with the designed record, {right['repeat']} with "
-        f"the first repeated\npredicted power holds the share found in {inside} of the {len(unsure)} least sure designs"
+        f"the first repeated; on the average over the sensors' noise, to first order, {average['designed']:.1f} and "
+        f"{average['repeat']:.1f}\npredicted power holds the share found in {inside} of the {len(unsure)} least sure designs"
     )
 
 
