@@ -162,7 +162,8 @@ def summary(results: list[Result]) -> str:
     return (
         f"told apart rightly, of {len(results)}: {right['designed']} with the designed record, {right['repeat']} with "
         f"the first repeated; on the average over the sensors' noise, to first order, {average['designed']:.1f} and "
-        f"{average['repeat']:.1f}\npredicted power holds the share found in {inside} of the {len(unsure)} least sure designs"
+        f"{average['repeat']:.1f}\n"
+        f"predicted power holds the share found in {inside} of the {len(unsure)} least sure designs"
     )
 
 
