@@ -210,3 +210,6 @@ def test_a_description_says_units_by_type_and_by_name(tmp_path: Path) -> None:
     fails(workbench("check", write(tmp_path, STUDY)), '"w" is in deg/s, expected rad/s; if that is meant, write {')
     told = changed('velocity = "w"', 'velocity = { variable = "w", unit = "deg/s" }')
     assert workbench("check", write(tmp_path, told)).code == 0
+    for wrong in ("rad/s", "rpm"):
+        text = changed('velocity = "w"', f'velocity = {{ variable = "w", unit = "{wrong}" }}')
+        fails(workbench("check", write(tmp_path, text)), f'"w" is in deg/s, and not in {wrong}; leave the unit out')

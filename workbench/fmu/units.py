@@ -27,7 +27,7 @@ def factor_to(fmu: Fmu, variable: FmuVariable, unit: str, said: str | None = Non
             raise QuantityError(f'"{variable.name}" is in {variable.unit}, which is no {said}')
         if meant != expected:
             raise QuantityError(f'"{said}" is not a unit of what is in {unit}')
-        if own is not None and own.exponents == meant and not math.isclose(own.factor, scale, rel_tol=1e-6):
+        if own is not None and not _is_as_large(own, scale, meant):
             raise QuantityError(f'"{variable.name}" is in {variable.unit}, and not in {said}; leave the unit out')
         return scale
     if own is None and unit != "1":
@@ -37,9 +37,8 @@ def factor_to(fmu: Fmu, variable: FmuVariable, unit: str, said: str | None = Non
     if own is None:
         return 1.0
     if own.exponents != expected:
-        hint = ""
-        if _without_radian(own.exponents) == _without_radian(expected):
-            hint = f'; if that is meant, write {{ variable = "{variable.name}", unit = "{unit}" }}'
+        called = _meant(own, variable.unit, unit)
+        hint = f'; if that is meant, write {{ variable = "{variable.name}", unit = "{called}" }}' if called else ""
         raise QuantityError(f'"{variable.name}" is in {variable.unit or "no unit"}, expected {unit}{hint}')
     if own.offset != 0.0:
         raise QuantityError(f'"{variable.name}" is in {variable.unit}, whose zero is elsewhere; expected {unit}')
@@ -73,6 +72,29 @@ def _own(fmu: Fmu, variable: FmuVariable) -> FmuUnit | None:
         return FmuUnit(base_units(variable.unit)[0], 0.0, base_units(variable.unit)[1])
     except QuantityError:
         return None
+
+
+def _meant(own: FmuUnit, name: str, unit: str) -> str:
+    """The unit that a mapping may say for a variable whose own lacks a radian: what it is called by name, or `unit`; ""
+    where neither is as large.
+    """
+    expected = base_units(unit)[1]
+    if _without_radian(own.exponents) != _without_radian(expected):
+        return ""
+    for said in (name, unit):
+        try:
+            scale, exponents = base_units(said)
+        except QuantityError:
+            continue
+        if exponents == expected and _is_as_large(own, scale, exponents):
+            return said
+    return ""
+
+
+def _is_as_large(own: FmuUnit, scale: float, exponents: Mapping[str, float]) -> bool:
+    """Whether a unit of that scale is the variable's own, which may count radians, turns or degrees as bare numbers."""
+    plain = (1.0,) if own.exponents == exponents else (1.0, 2.0 * math.pi, math.pi / 180.0)
+    return own.offset == 0.0 and any(math.isclose(scale, angle * own.factor, rel_tol=1e-4) for angle in plain)
 
 
 def _without_radian(exponents: Mapping[str, float]) -> dict[str, float]:

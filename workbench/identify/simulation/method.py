@@ -91,6 +91,7 @@ def identify_by_simulation(
     theta = _best(problem, _solve(problem, theta, rough=True))
     judgement.check_followed(problem, theta)
     bounded: dict[str, tuple[float, str]] = {}
+    standing: Standing | None = None
     refinements = 0
     while True:
         problem.describe_sensors(theta)
@@ -99,7 +100,7 @@ def identify_by_simulation(
         jacobian = _whole_jacobian(problem, theta)
         cov = _covariance(problem, theta, jacobian, problem.left(theta)[0], length)
         if not problem.free:
-            judged = _judged(problem, theta, jacobian, length, before)
+            judged = _judged(problem, theta, jacobian, length, before, check=standing is None)
             break
         if refinements < MOST_REFINEMENTS and not is_fine(problem, theta, jacobian, cov):
             problem.refine()
@@ -108,15 +109,32 @@ def identify_by_simulation(
         given, astray = judgement.at_bounds(problem, theta)
         worst = {} if given else astray or judgement.not_identified(problem, theta, jacobian, cov)
         if not given and not worst:
-            judged = _judged(problem, theta, jacobian, length, before)
+            judged = _judged(problem, theta, jacobian, length, before, check=standing is None)
+            if judged.refuted and standing is not None:
+                break
             worst = {} if judged.refuted else judgement.least_known(problem, theta, judged.cov)
+            if worst:
+                kept = replace(problem, held=dict(problem.held))
+                standing = Standing(kept, theta, length, judged, dict(unidentified), dict(bounded), worst)
         if not given and not worst:
             break
         bounded |= given
         problem.held |= {name: value for name, (value, _) in given.items()}
         unidentified |= worst
         theta = _without(problem, theta, {**given, **worst})
-    notes = (*judgement.remarks(problem, theta), *judgement.held_remarks([] if judged.refuted else judged.held))
+    kept_notes: tuple[str, ...] = ()
+    if judged.refuted and standing is not None:  # the plant cannot be as declared in what was given up
+        problem, theta, length, judged = standing.problem, standing.theta, standing.length, standing.judged
+        unidentified, bounded = standing.unidentified, standing.bounded
+        kept_notes = tuple(
+            f"{name} is hardly known, {why}, and cannot stay as declared: the records refute the plant then"
+            for name, why in standing.given_up.items()
+        )
+    notes = (
+        *judgement.remarks(problem, theta),
+        *judgement.held_remarks([] if judged.refuted else judged.held),
+        *kept_notes,
+    )
     return result_of(
         problem,
         theta,
@@ -145,17 +163,39 @@ class Judged:
     cov: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A fit that its records do not refute, in which a parameter is hardly known and `given_up` next: it stands if what
+    follows is refuted.
+    """
+
+    problem: Problem
+    theta: np.ndarray
+    length: int
+    judged: Judged
+    unidentified: dict[str, str]
+    bounded: dict[str, tuple[float, str]]
+    given_up: Mapping[str, str]
+
+
 def _judged(
-    problem: Problem, theta: np.ndarray, jacobian: np.ndarray, length: int, before: Mapping[str, float]
+    problem: Problem,
+    theta: np.ndarray,
+    jacobian: np.ndarray,
+    length: int,
+    before: Mapping[str, float],
+    *,
+    check: bool = True,
 ) -> Judged:
-    """Judge a fit.
+    """Judge a fit; with `check` also whether it is worth anything.
 
     Raises:
         UserError: the plant follows the records not at all, or worse than as declared.
     """
-    judgement.check_followed(problem, theta)
     rms = _rms(problem, theta)
-    judgement.check_better(problem, before, rms)
+    if check:
+        judgement.check_followed(problem, theta)
+        judgement.check_better(problem, before, rms)
     noise = expected_noise(problem, theta, jacobian[:, : theta.size])
     columns, held = held_columns(problem, theta)
     left = _beyond_held(problem, theta, jacobian, columns, held, noise)
