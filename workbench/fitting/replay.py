@@ -58,7 +58,8 @@ class Observed:
     """A record as it is compared: `measured` by output, means of `count` samples, NaN over gaps; and its setup.
 
     It may be a window of the record `of`: `time` is that one's, and the first `warm` values are none of the window.
-    Every so many samples (`every`) of the simulation is one of the record.
+    Every so many samples (`every`) of the simulation is one of the record. The command is `held` from sample to sample,
+    or a straight line, as all that is measured.
     """
 
     record: Record
@@ -71,6 +72,7 @@ class Observed:
     key: bytes
     every: int = 1
     integrators: Sequence[Integrator] = INTEGRATORS
+    held: bool = False
 
     def predicted(self, experiment: Experiment, changes: Mapping[str, float]) -> dict[str, np.ndarray] | None:
         """What the plant with changed parameters shows in place of `measured`; None where it diverges.
@@ -92,8 +94,8 @@ class Observed:
         return {name: averaged(shown[:, places.index(name)], self.count) for name in self.measured}
 
 
-def observe(record: Record, experiment: Experiment) -> Observed:
-    """A record ready to be compared with the plant.
+def observe(record: Record, experiment: Experiment, *, held: bool = False) -> Observed:
+    """A record ready to be compared with the plant, whose command is `held` or a straight line from sample to sample.
 
     Raises:
         UserError: it holds no input of the plant, or nothing that the plant's sensors measure.
@@ -102,7 +104,8 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     channels = dict(record.channels)
     if "command" in channels:
         channels.setdefault(experiment.plant.command, channels["command"])
-    feeds = tuple(Feed(name, _input(record, channels[name])) for name in driven if name in channels)
+    holds = {experiment.plant.command} if held else set[str]()
+    feeds = tuple(Feed(name, _input(record, channels[name]), name not in holds) for name in driven if name in channels)
     if not any(feed.input == experiment.plant.command for feed in feeds):
         raise UserError(f"{record.path}: a simulation needs the measured {experiment.plant.command}; add its channel")
     outputs = [name for name in SENSORS if name in channels]
@@ -126,8 +129,10 @@ def observe(record: Record, experiment: Experiment) -> Observed:
     )
     measured = {name: averaged(np.where(record.valid, channels[name], np.nan), count) for name in outputs}
     inputs_key = b"".join(feed.signal(record.time)[0].tobytes() for feed in feeds)
-    key = inputs_key + repr((record.rpm, round(float(state.position), 3), float(state.velocity), outputs)).encode()
-    return Observed(record, record, 0, averaged(record.time, count), measured, count, setup, key, every)
+    about = (record.rpm, round(float(state.position), 3), float(state.velocity), outputs, held)
+    key = inputs_key + repr(about).encode()
+    time = averaged(record.time, count)
+    return Observed(record, record, 0, time, measured, count, setup, key, every, held=held)
 
 
 def observe_all(record: Record, experiment: Experiment) -> Iterator[Observed]:

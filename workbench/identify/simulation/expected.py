@@ -100,7 +100,7 @@ def unrounded(item: Observed, problem: Problem) -> Observed | None:
     if not changed:
         return None
     record = replace(item.record, channels={**item.record.channels, **changed})
-    return replace(item, setup=observe(record, problem.experiment).setup)
+    return replace(item, setup=observe(record, problem.experiment, held=item.held).setup)
 
 
 def resolution(values: np.ndarray) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from plants.axis import LINEAR
 from plants.equation import NEGATIVE, fields
 from workbench.errors import UserError
-from workbench.fitting.replay import Observed
+from workbench.fitting.replay import Observed, observe
 from workbench.identify.simulation.nuisance import columns
 from workbench.parameters.sets import EITHER_SIGN, MAY_BE_ZERO
 from workbench.progress import Progress, silent
@@ -219,6 +219,11 @@ class Problem:
             replace(item, integrators=(item.integrators[0].finer(), *item.integrators)) for item in self.observed
         ]
         self.forget()
+
+    def with_command_held(self) -> "Problem":
+        """The same with the command held from sample to sample."""
+        observed = [observe(item.of, self.experiment, held=True) for item in self.observed]
+        return replace(self, observed=observed, known={}, idle={})
 
     def describe_sensors(self, theta: np.ndarray) -> None:
         """Columns of the sensors' errors about the outputs simulated at `theta`.
