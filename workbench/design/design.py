@@ -16,7 +16,7 @@ from workbench.design.power import Simulated, distances, told_apart
 from workbench.design.refit import Leg
 from workbench.design.result import Design, Known
 from workbench.design.rig import Limits, Rig
-from workbench.design.search import Wanted, known_by, search
+from workbench.design.search import Wanted, search
 from workbench.design.steering import plain, steering_of
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.balances import diagnosed_plant
@@ -24,6 +24,7 @@ from workbench.diagnose.residuals.motion import THINNED, Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
 from workbench.errors import UserError
+from workbench.fitting.covariance import inverse
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress, part_of, silent
 from workbench.publish.words import listed
@@ -88,7 +89,7 @@ def design(
     best = _best(rig, wanted, found, part_of(progress, 0.6, 0.2))
     progress("how often a record of it decides", 0.8)
     told = told_apart(best.motion) if len(hypotheses) > 1 else []
-    pieces, known = [one.piece for one in best.chosen], _known(wanted, best.chosen)
+    pieces, known = [one.piece for one in best.chosen], _known(wanted, best.motion)
     runs = best.motion.runs[: len(hypotheses)]
     return Design(experiment, str(source), rig, hypotheses, pieces, best.motion.legs, runs, told, known)
 
@@ -305,10 +306,13 @@ def _leg(rig: Rig, condition: Condition, references: Sequence[np.ndarray]) -> Le
     return Leg(np.append(np.concatenate(references), rig.reach.middle), condition)
 
 
-def _known(wanted: Wanted, chosen: Sequence[Tried]) -> list[Known]:
-    """Deviations of the parameters that were asked for, before and after."""
-    first = wanted.hypotheses[0]
-    after = known_by(first, chosen) if wanted.parameters else first.covariance
+def _known(wanted: Wanted, motion: Simulated) -> list[Known]:
+    """Deviations of the parameters that were asked for, before and after the motion as a whole."""
+    first, shown = wanted.hypotheses[0], motion.shown(0, 0) if wanted.parameters else None
+    after = first.covariance
+    if shown is not None:
+        columns = np.column_stack([shown.columns, shown.starts])
+        after = inverse(columns.T @ columns + first.precision_with(shown.starts.shape[1]))
     found = []
     for k in wanted.parameters:
         unknown = first.unknowns[k]

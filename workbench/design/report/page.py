@@ -41,8 +41,9 @@ td { white-space: nowrap; }
 rival that can do all that it does, and more, is always likelier: there it counts that it is not so by these odds. An
 interval holds the shares of machines that are drawn from what is known of the parameters.</p>
 {% endif %}{% if "parameters" in tables %}{{ show(tables["parameters"]) }}
-<p>Before and after, what is declared of all parameters counts: with the deviation that the file gives, or else within
-a factor. A fit to the record alone, as by <code>workbench identify</code>, knows less where that matters.</p>
+<p>Before and after, what is declared of the free parameters counts, with the deviation that the file gives or else
+within a factor; the others are taken as declared. <code>workbench identify</code> knows the record alone, and counts
+deviations that are declared of others against it: its own are larger where that matters.</p>
 {% endif %}<h2>What is held against each other</h2>
 {{ show(tables["hypotheses"]) }}
 {% for line in shapes %}<p>{{ line }}</p>
