@@ -16,7 +16,7 @@ from workbench.identify.simulation.expected import expected_noise, rms_of
 from workbench.identify.simulation.found import SimulationFit, result_of
 from workbench.identify.simulation.integration import is_fine
 from workbench.identify.simulation.problem import Problem, make_problem, projected
-from workbench.identify.simulation.uncertain import held_columns, without_held
+from workbench.identify.simulation.uncertain import AREAS, held_columns, movable, without_held
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, parameter_names
 from workbench.records.friction import directions
@@ -209,6 +209,10 @@ def _judged(
     left = _beyond_held(problem, theta, jacobian, columns, held, noise)
     beyond = rms_of(problem, left)
     refuted = judgement.refuted(beyond, noise)
+    if refuted and held:
+        left = _beyond_first_order(problem, theta, noise)
+        beyond = rms_of(problem, left)
+        refuted = judgement.refuted(beyond, noise)
     if refuted:
         return Judged(rms, noise, judgement.refuted(rms, noise) or refuted, held, np.zeros((0, 0)))
     misfit = max(beyond[name] / noise[name] for name in beyond)
@@ -261,12 +265,57 @@ def _beyond_held(
 
     By the weights of the fit, which know a misfit only as noise, what is declared would count for more than it should.
     """
-    weights = [np.full(place.stop - place.start, 1.0 / noise[name]) for _, name, place in problem.series()]
-    by_noise = replace(problem, weights=np.concatenate(weights))  # what was simulated holds for both
+    by_noise = replace(problem, weights=_by_noise(problem, noise))  # what was simulated holds for both
     ratio = (by_noise.weights / problem.weights)[:, None]
     left = without_held(by_noise, theta, ratio * jacobian, ratio * columns, held)
     problem.evaluations = by_noise.evaluations
     return np.asarray(left / ratio[:, 0])
+
+
+def _by_noise(problem: Problem, noise: Mapping[str, float]) -> np.ndarray:
+    """Weights by the noise (SI) of each output."""
+    return np.concatenate([np.full(place.stop - place.start, 1.0 / noise[name]) for _, name, place in problem.series()])
+
+
+def _beyond_first_order(problem: Problem, theta: np.ndarray, noise: Mapping[str, float]) -> np.ndarray:
+    """The same by a fit of what is held, too, each weighed against what is declared of it: what sticks, and a plant
+    that nothing leads, goes other ways than first order says.
+    """
+    names = [name for name in movable(problem) if name not in AREAS]
+    declared = {name: problem.experiment.values[name] for name in names}
+    wide = replace(
+        problem,
+        free=[*problem.free, *names],
+        start={**problem.start, **declared},
+        weights=_by_noise(problem, noise),
+        known={},
+        idle={},
+    )
+    count, q = len(problem.free), wide.projector()
+    stds = np.array([problem.experiment.deviations[name] for name in names])
+
+    def away(x: np.ndarray) -> np.ndarray:
+        values = [wide.value(name, float(each)) for name, each in zip(names, x[count:], strict=True)]
+        return np.asarray((np.array(values) - np.array(list(declared.values()))) / stds)
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        own = [wide.slope(name, float(each)) for name, each in zip(names, x[count:], strict=True)]
+        return np.hstack([np.zeros((len(names), count)), np.diag(np.array(own) / stds)])
+
+    low, high = wide.limits()
+    solution = least_squares(
+        lambda x: np.concatenate([projected(q, wide.errors(x)), away(x)]),
+        np.clip(np.concatenate([theta, np.zeros(len(names))]), low + INSIDE, high - INSIDE),
+        jac=lambda x: np.vstack([projected(q, wide.jacobian(x)), slopes(x)]),
+        bounds=(low, high),
+        ftol=FLAT,
+        xtol=NEAR,
+        gtol=None,
+        max_nfev=MOST_STEPS,
+    )
+    left = np.asarray(wide.left(solution.x)[0] * problem.weights / wide.weights)
+    problem.evaluations = wide.evaluations
+    return left
 
 
 def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -> np.ndarray:

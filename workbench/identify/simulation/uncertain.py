@@ -34,16 +34,22 @@ def held_columns(problem: Problem, theta: np.ndarray) -> tuple[np.ndarray, list[
 
     Without those that move nothing, such as friction of the other direction, or make a plant that cannot be.
     """
-    known = {item.name for item in fields(problem.experiment.plant.Parameters)}
-    columns = {
-        name: _by_parameter(problem, theta, name, std)
-        for name, std in problem.experiment.deviations.items()
-        if name in known and name not in problem.free and name not in problem.held
-    }
+    deviations = problem.experiment.deviations
+    columns = {name: _by_parameter(problem, theta, name, deviations[name]) for name in movable(problem)}
     columns["the age of the samples"] = _by_age(problem, theta)
     columns["the way of the inputs between samples"] = _by_way(problem, theta)
     moving = {name: column for name, column in columns.items() if np.any(column != 0.0)}
     return (np.column_stack([*moving.values()]) if moving else np.zeros((problem.measured.size, 0))), [*moving]
+
+
+def movable(problem: Problem) -> list[str]:
+    """The parameters that are held, and of which a deviation is declared."""
+    known = {item.name for item in fields(problem.experiment.plant.Parameters)}
+    return [
+        name
+        for name in problem.experiment.deviations
+        if name in known and name not in problem.free and name not in problem.held
+    ]
 
 
 def without_held(
