@@ -29,6 +29,7 @@ def test_what_is_asked_for_is_said(tmp_path: Path) -> None:
         ('identify = ["viscus"]', '"viscus": unknown parameter; did you mean "viscous"?'),
         ('controller = { type = "pidd" }', 'unknown controller "pidd"; did you mean "pid"?'),
         ('limits = { low = "3 V" }', "limits.low"),
+        ('loads = ["0 N", "10 N", "0 N"]', "design.loads: a value stands there more than once"),
     ],
 )
 def test_a_mistake_is_told_with_its_place(table: str, said: str, tmp_path: Path) -> None:

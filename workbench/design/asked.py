@@ -105,7 +105,13 @@ def _asked(
     }
     limits = {name: quantity(value, units[name], ("limits", name)) for name, value in table.limits if value is not None}
     _check_limits(limits)
+    for name in ("least_pressure", "most_pressure"):
+        if name in limits and "pressure_1" not in plant.channels:
+            raise files.SchemaError(("limits", name), f"plant {plant.name} has no pressures; leave it out")
     loads = [quantity(load, force, ("loads", i)) for i, load in enumerate(table.loads)]
+    for key, values in (("rpm", table.rpm), ("loads", loads)):
+        if len({*values}) < len(values):
+            raise files.SchemaError((key,), "a value stands there more than once")
     if table.controller is not None and table.loop == "open":
         raise files.SchemaError(("controller",), 'belongs to loop = "closed"')
     return Asked(
