@@ -39,6 +39,11 @@ def expected_noise(problem: Problem, theta: np.ndarray, jacobian: np.ndarray) ->
     return {name: float(np.sqrt(each + by_inputs.get(name, 0.0))) for name, each in noise.items()}
 
 
+def rms_at(problem: Problem, theta: np.ndarray) -> dict[str, float]:
+    """Root mean square (SI) of measured - simulated by output, the sensors' errors taken off."""
+    return rms_of(problem, problem.left(theta)[0])
+
+
 def rms_of(problem: Problem, left: np.ndarray) -> dict[str, float]:
     """Root mean square (SI) of weighted errors by output, over what was measured."""
     squares: dict[str, list[np.ndarray]] = {}
