@@ -92,6 +92,10 @@ class Simulated:
         """What may be true."""
         return truths_of(self.hypotheses)
 
+    def machine(self, number: int) -> Machine | None:
+        """What may be true as the machine that made its runs; None where it diverged."""
+        return _machine(self.rig, self.truths[number], np.zeros(len(self.truths[number].unknowns)), self.runs[number])
+
     def shown(self, of: int, along: int) -> Shown | None:
         """What a truth shows along the commands of another, by number; None where it diverges."""
         if (of, along) not in self.found:
@@ -101,10 +105,8 @@ class Simulated:
 
 def told_apart(motion: Simulated) -> list[Told]:
     """Every ordered pair of hypotheses."""
-    rig, hypotheses, truths, legs, runs = motion.rig, motion.hypotheses, motion.truths, motion.legs, motion.runs
-    nominal = [
-        _shape(motion, k, [_machine(rig, true, np.zeros(len(true.unknowns)), runs[k])]) for k, true in enumerate(truths)
-    ]
+    hypotheses = motion.hypotheses
+    nominal = [_shape(motion, k, [motion.machine(k)]) for k in range(len(motion.truths))]
     asked = [(i, j) for i, j in permutations(range(len(hypotheses)), 2) if nominal[i] is not None]
     shapes = {
         (i, j): [one for one in nominal if one is not None and one.true.effects == hypotheses[i].effects]
@@ -115,7 +117,7 @@ def told_apart(motion: Simulated) -> list[Told]:
     taken += sum(fit.steps for each in fits.values() for theirs in each for fit in theirs or ())
     count = int(np.clip(STEPS / max(taken, 1) - 1.0, 1, MACHINES))
     for i in dict.fromkeys(i for i, _ in asked):
-        drawn = _shape(motion, i, _drawn(rig, hypotheses[i], legs, count))
+        drawn = _shape(motion, i, _drawn(motion.rig, hypotheses[i], motion.legs, count))
         if drawn is not None:
             for j in (rival for true, rival in asked if true == i):
                 shapes[i, j].append(drawn)
@@ -132,8 +134,7 @@ def distances(motion: Simulated) -> tuple[dict[Pair, float], int]:
     tested = sorted({i for i, _ in pairs})
 
     def itself(i: int) -> tuple[Machine, Refit] | None:
-        machine = _machine(rig, truths[i], np.zeros(len(truths[i].unknowns)), runs[i])
-        near = motion.shown(i, i)
+        machine, near = motion.machine(i), motion.shown(i, i)
         if machine is None or near is None:
             return None
         return machine, _found_back(rig, truths[i], near, legs, machine)

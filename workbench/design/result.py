@@ -80,7 +80,11 @@ class Design:
     @property
     def claimed(self) -> list[Told]:
         """The pairs in which the rival cannot do all that the true one does."""
-        return [one for one in self.told if not self.hypotheses[one.true].is_part_of(self.hypotheses[one.rival])]
+        return [one for one in self.told if not self.is_nested(one)]
+
+    def is_nested(self, one: Told) -> bool:
+        """Whether a rival can do all that the true one does: then it counts that it is not claimed."""
+        return self.hypotheses[one.true].is_part_of(self.hypotheses[one.rival])
 
     @property
     def undecided(self) -> list[Told]:

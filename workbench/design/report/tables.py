@@ -28,9 +28,7 @@ def _pairs(design: Design) -> pd.DataFrame:
             {
                 "if it is": design.name_of(one.true),
                 "the rival is": design.name_of(one.rival),
-                "records": "do not claim the rival"
-                if design.hypotheses[one.true].is_part_of(design.hypotheses[one.rival])
-                else "tell it",
+                "records": "do not claim the rival" if design.is_nested(one) else "tell it",
                 "distance (std of noise)": "far"
                 if math.isinf(one.distance)
                 else shown_number(math.sqrt(one.distance), 3),

@@ -88,7 +88,7 @@ def verdicts(design: Design) -> list[str]:
     for one in design.told:
         true, rival = (design.name_of(k) for k in (one.true, one.rival))
         share = f"in {_percent(one.power)} of records ({_percent(one.low)} to {_percent(one.high)})"
-        if design.hypotheses[one.true].is_part_of(design.hypotheses[one.rival]):
+        if design.is_nested(one):
             said.append(f"If it is {true}, {rival} is not claimed {share}.")
             continue
         sure = "surely" if one.power >= SURE else "hardly" if one.power < HARDLY else "not surely"
