@@ -30,7 +30,6 @@ from workbench.diagnose.residuals.fit import (
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
-from workbench.diagnose.simulation.beside import SLOWEST
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
@@ -76,11 +75,13 @@ FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
 SCANS = 2
 """Times that it does."""
 
-LED = Search(flat=1e-4, most_steps=40, learns=True)
-"""When a fit ends of a plant that a loop leads along its records."""
+PATIENCE = 4
+"""Loops in succession that may leave more than a quicker one did: a run that is astray has hollows, and the next may
+lead out of one."""
 
-WEAKER = 3.0
-"""Times that one such loop is quicker than the next."""
+WEAKER, SLOWEST = 2.0, 0.1
+"""Times that one loop that leads a plant along its records is quicker than the next, and the least crossover of one,
+over one over the longest record's duration: what it corrects by then is a hundredth of what it would move anyway."""
 
 FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 """Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
@@ -271,21 +272,25 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
     if that leads nearer to noise. A plant that is kept beside its records, on which no force acts, or which delays its
     command, stays as it is.
+
+    Where a led run starts is found with its parameters: a weak loop hardly corrects it, and parameters would.
     """
-    whole, motions, values, best = replace(first.how, length=np.inf, begins={}), fitting.motions, dict(start), first
+    whole, motions, best = replace(first.how, length=np.inf, begins={}), fitting.motions, first
     if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
         return first
-    crossover = min(whole.quickest(motion, values) for motion in motions)
+    crossover = min(whole.quickest(motion, start) for motion in motions)
+    led: Simulated | None = None
+    left = list[float]()
     while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
-        balance = whole.led(motions, values, crossover).balance(motions, fitting.names)
-        beside = fit(balance, values, fitting.names, fitting.bounds, LED)
-        if beside.excess > ASTRAY:  # something is missing that no parameters make up for
-            break
-        values = beside.values
-        free = fitting.begun(whole, values)
+        values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
+        led = fitting.found(replace(whole.led(motions, values, crossover), begins=begins), values)
+        left.append(led.fit.excess)
+        if min(left[-PATIENCE:]) > max(min(left), ASTRAY):
+            break  # something is missing that no parameters make up for
+        free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:
             best = free
-        if free.fit.excess < NEAR_NOISE:
+        if free.fit.excess < NEAR_NOISE and free.fit.rms < AT_NOISE * led.fit.rms:
             break
         crossover /= WEAKER
     return first if best is first else fitting.final(fitting.bettered(best))
