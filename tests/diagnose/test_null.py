@@ -56,7 +56,7 @@ def test_a_floor_is_left_by_parameters_of_its_own() -> None:
         [motion], lambda m, values: values["viscous"] * m.velocity, {"viscous": 1000.0}, ("viscous",)
     )
     assert balance.stacked({"viscous": 700.0}).std() > 3.0
-    assert with_fitted_floor(balance, [motion], {"viscous": 700.0}, {}).floor == pytest.approx(FORCE, rel=0.05)
+    assert with_fitted_floor(balance, [[motion]], {"viscous": 700.0}, {}).floor == pytest.approx(FORCE, rel=0.05)
 
 
 def noisy(motion: Motion, noise: np.ndarray, step: float = 0.0) -> Motion:

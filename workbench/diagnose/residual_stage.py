@@ -44,6 +44,9 @@ depends on where it was before."""
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
 
+DRAWS = 8
+"""Of noise by which a balance's floor is found: one alone is off by up to a tenth."""
+
 RUNAWAY = 5.0
 """Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
 
@@ -115,9 +118,13 @@ def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bou
     """The balances over what they leave of the plant that follows the records from end to end."""
     motions, values = simulation.after.balance.motions, simulation.after.values
     how = begun(simulation.how, motions, values)
-    null = [surrogate(motion, how.simulated(motion, values), i) for i, motion in enumerate(motions)]
+    simulated = [how.simulated(motion, values) for motion in motions]
+    draws = [
+        [surrogate(motion, seen, DRAWS * i + k) for i, (motion, seen) in enumerate(zip(motions, simulated, strict=True))]
+        for k in range(DRAWS)
+    ]
     known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
-    floors = [with_fitted_floor(result.balance, null, known, bounds) for result in stage.results]
+    floors = [with_fitted_floor(result.balance, draws, known, bounds) for result in stage.results]
     return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
 
 
