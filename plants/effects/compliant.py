@@ -68,7 +68,9 @@ COMPLIANT_LOAD = Effect(
     source="Spong 1987",
     numbers={
         "compliant_share": Number(0.0, 0.9, 0.05),
-        "compliant_frequency": Number(0.5, 500.0, 0.0, grid=(2.0, 5.0, 10.0, 20.0, 50.0)),
+        "compliant_frequency": Number(
+            0.5, 500.0, 0.0, grid=(2.0, 5.0, 10.0, 20.0, 50.0), frequency_of="time", damped_by="compliant_damping"
+        ),
         "compliant_damping": Number(0.001, 1.0, 0.0, grid=(0.02, 0.1, 0.3)),
     },
     apart=(

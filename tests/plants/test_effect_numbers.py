@@ -31,7 +31,7 @@ SCALES = Scales(
 EVERY = list(effects().values())
 SHAPING = {
     **{"static_rise_time": "", "static_rise_distance": "", "warming_time": "", "slip_stiffness": ""},
-    **{"compliant_frequency": "", "compliant_damping": "", "cushion_start": ""},
+    **{"compliant_frequency": "time", "compliant_damping": "", "cushion_start": ""},
     **{"cogging_pitch": "position", "position_ripple_pitch": "position", "ripple_frequency": "time"},
 }
 """Every parameter that shapes an effect, and the signal over which it is a period or a frequency."""

@@ -120,7 +120,10 @@ def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bou
     how = begun(simulation.how, motions, values)
     simulated = [how.simulated(motion, values) for motion in motions]
     draws = [
-        [surrogate(motion, seen, DRAWS * i + k) for i, (motion, seen) in enumerate(zip(motions, simulated, strict=True))]
+        [
+            surrogate(motion, seen, DRAWS * i + k)
+            for i, (motion, seen) in enumerate(zip(motions, simulated, strict=True))
+        ]
         for k in range(DRAWS)
     ]
     known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}

@@ -23,8 +23,8 @@ from workbench.diagnose.residuals.fit import QUICK, fit
 from workbench.diagnose.residuals.motion import UNIFORM, Motion, converter_step, motion_of
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Bounds, Values
-from workbench.fitting.threads import side_by_side
 from workbench.fitting.replay import Sampled
+from workbench.fitting.threads import side_by_side
 from workbench.simulation.setup import Feed, Loop, Setup
 from workbench.simulation.simulate import Run, simulate
 
@@ -170,9 +170,7 @@ def with_floor(balance: Balance, motions: Sequence[Motion], values: Values) -> B
     return _over(balance, motions, max(float(np.sqrt(np.mean(_null(balance, motions).stacked(values) ** 2))), 1.0))
 
 
-def with_fitted_floor(
-    balance: Balance, draws: Sequence[Sequence[Motion]], values: Values, bounds: Bounds
-) -> Balance:
+def with_fitted_floor(balance: Balance, draws: Sequence[Sequence[Motion]], values: Values, bounds: Bounds) -> Balance:
     """The same by several draws of such motions and parameters that are fitted to each as they are to the records: they
     make good a part of what smoothing takes. A few moments make much of what a balance leaves, and one draw of their
     noise another floor than the next.

@@ -1,9 +1,9 @@
 """What an effect would change of a residual, to first order: a column for each number that sizes it."""
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 from scipy.signal import zoom_fft
@@ -132,32 +132,53 @@ def _trials(effect: Effect, free: Sequence[str], fitted: Fit, shapes: Shapes) ->
     known = [shape for shape in shapes.get(effect.name, ()) if {name for name, _ in shape} == set(shaping)]
     if known or not shaping:
         return [Trial(effect.name, sized, shape) for shape in known or [()]]
-    grids = [_grid(fitted, name, effect.numbers[name]) for name in shaping]
-    return [Trial(effect.name, sized, tuple(zip(shaping, shape, strict=True))) for shape in product(*grids)]
+    return [Trial(effect.name, sized, shape) for shape in _shapes(fitted, effect, shaping)]
 
 
-def _grid(fitted: Fit, name: str, number: Number) -> list[float]:
+def _shapes(fitted: Fit, effect: Effect, shaping: Sequence[str]) -> list[Shape]:
+    """Values from which a search of numbers that shape an effect begins; of one that is damped for each damping."""
+    shapes: list[Shape] = [()]
+    for name in sorted(shaping, key=lambda one: bool(effect.numbers[one].damped_by)):
+        shapes = [
+            (*shape, (name, value)) for shape in shapes for value in _grid(fitted, name, effect.numbers[name], shape)
+        ]
+    return shapes
+
+
+def _grid(fitted: Fit, name: str, number: Number, shape: Shape) -> list[float]:
     """Values (SI) from which the search of a number that shapes an effect begins: of a period over a signal those that
     stand out of what is left.
     """
     signal = number.period_of or number.frequency_of
+    grid = [number.scale(fitted.balance.scales) * value for value in number.grid]
     if not signal:
-        return [number.scale(fitted.balance.scales) * value for value in number.grid]
+        return grid
     low, high, reach = _frequencies(fitted.balance, number)
-    chosen = _standing_out(fitted, signal, low, high, reach) if high > low else []
+    damping = _value({**fitted.values, **dict(shape)}, number.damped_by) if number.damped_by else 0.0
+    chosen = _standing_out(fitted, signal, (low, high), reach, damping) if high > low else []
+    if damping:
+        return [*grid, *chosen]
     return [1.0 / frequency for frequency in chosen] if number.period_of else chosen
 
 
 def looks(balance: Balance, effect: str, names: Collection[str]) -> int:
-    """Among how many shapes of an effect the best is sought: of a period those that records of this length tell apart
-    (Davies 1987).
+    """Among how many shapes of an effect the best is sought: of a period, or of the bands of what swings, those that
+    records of this length tell apart (Davies 1987).
     """
-    count = 1
-    for name, number in effects(balance.axis)[effect].numbers.items():
-        if name in names and number.shapes:
+    numbers, count = effects(balance.axis)[effect].numbers, 1
+    damping = {number.damped_by for name, number in numbers.items() if name in names}
+    for name in (one for one in numbers if one in names and one not in damping):
+        number = numbers[name]
+        if number.shapes:
             if number.period_of or number.frequency_of:
                 low, high, reach = _frequencies(balance, number)
-                count *= max(round(reach * (high - low)), 1)
+                told = reach * (high - low)
+                if number.damped_by:
+                    ratios = (
+                        numbers[number.damped_by].grid if number.damped_by in names else (NEUTRAL[number.damped_by],)
+                    )
+                    told = sum(min(0.5 * math.log(max(high / low, 1.0)) / ratio, told) for ratio in ratios)
+                count *= max(round(told), 1)
             else:
                 count *= len(number.grid)
     return count
@@ -182,8 +203,13 @@ def _frequencies(balance: Balance, number: Number) -> tuple[float, float, float]
     return max(low, 0.5 / reach), min(high, 0.25 / fastest if fastest > 0.0 else high), reach
 
 
-def _standing_out(fitted: Fit, signal: str, low: float, high: float, reach: float) -> list[float]:
-    """The frequencies over a signal, between two, that stand out of a residual most."""
+def _standing_out(
+    fitted: Fit, signal: str, within: tuple[float, float], reach: float, damping: float = 0.0
+) -> list[float]:
+    """The frequencies over a signal, between two, that stand out of a residual most: lines, or with a damping ratio
+    bands.
+    """
+    low, high = within
     along = [signals_of(motion.thinned)[signal] for motion in fitted.balance.motions]
     count = int(np.clip(OVERSAMPLED * reach * (high - low), 8, MOST_FREQUENCIES))
     frequencies = np.linspace(low, high, count)
@@ -194,13 +220,27 @@ def _standing_out(fitted: Fit, signal: str, low: float, high: float, reach: floa
             scatter = float(np.mean(residual**2))
             if scatter > 0.0:
                 power += _periodogram(values, residual / np.sqrt(scatter), frequencies)
+    if damping:
+        power = _of_bands(frequencies, power, damping)
     chosen: list[float] = []
     for i in np.argsort(-power).tolist():
-        if all(abs(frequencies[i] - other) > 1.0 / reach for other in chosen):
+        if all(abs(frequencies[i] - other) > max(1.0 / reach, 2.0 * damping * other) for other in chosen):
             chosen.append(float(frequencies[i]))
         if len(chosen) == PEAKS:
             break
     return chosen
+
+
+def _of_bands(frequencies: np.ndarray, power: np.ndarray, damping: float) -> np.ndarray:
+    """By how much the power of a band about each frequency is above the mean, over its scatter: of the band between the
+    half powers of what swings there, (1 - D) f to (1 + D) f.
+    """
+    above = np.concatenate([[0.0], np.cumsum(power - np.mean(power))])
+    last = frequencies.size - 1
+    step = (frequencies[-1] - frequencies[0]) / last
+    first = np.clip(np.rint(((1.0 - damping) * frequencies - frequencies[0]) / step), 0, last).astype(int)
+    end = np.clip(np.rint(((1.0 + damping) * frequencies - frequencies[0]) / step), 0, last).astype(int) + 1
+    return np.asarray((above[end] - above[first]) / np.sqrt(end - first))
 
 
 def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarray) -> np.ndarray:

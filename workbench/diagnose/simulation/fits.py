@@ -33,7 +33,6 @@ from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
-from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import EITHER_SIGN
 
