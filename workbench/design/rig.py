@@ -124,7 +124,7 @@ class Rig:
 
     def _command(self, command: np.ndarray, values: Values) -> Feed:
         times = self.sample_time * np.arange(command.size)
-        return Feed(self.along.plant.command, Sampled(times + self.along.late(values), command), linear=not self.held)
+        return Feed(self.along.plant.command, Sampled(times, command), not self.held, self.along.late(values))
 
     def moves(self) -> list[np.ndarray]:
         """A little change of each of the plant's own states at a start."""

@@ -27,9 +27,13 @@ ROUNDING = 1e-12
 POOR, GOOD = 0.1, 0.7
 """Shares of the expected gain below which the damping rises, and from which it falls."""
 
-MOVED, SHORTEST = 10.0, 1e-3
+MOVED, SHORTEST = 10.0, 1e-8
 """Standard deviations of a residual's entry by which difference quotients move it in all; share of the longest step
 that the shortest has."""
+
+OFF, TRIED = 10.0, 2
+"""Times that, or a part of it, from which a first quotient is taken once more by another step, and how often: what a
+millionth of an unknown moves by far shows its jumps alone, and what a hundredth hardly moves the solver's error."""
 
 FORESEEN = 0.4
 """Share of the expected gain from which a Jacobian is learnt."""
@@ -78,7 +82,14 @@ def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.n
     return np.column_stack(side_by_side(column, range(x.size)))
 
 
-def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, search: Search) -> Solution:
+def least_squares(
+    residual: Residual,
+    start: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    search: Search,
+    longest: np.ndarray | float = 0.0,
+) -> Solution:
     """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
     Args:
@@ -86,13 +97,18 @@ def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: 
         start: shape (unknowns,), within the bounds.
         low, high: shape (unknowns,), infinite where there is none.
         search: when it ends.
+        longest: steps up to which difference quotients may go where the search's own are too short to be felt.
     """
     x = np.asarray(start, dtype=float)
     base = residual(x)
     if not x.size:
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
-    jacobian = jacobian_of(residual, x, base, _within(x, high, search.step * np.maximum(1.0, np.abs(x))))
+
+    def steps_of(x: np.ndarray, jacobian: np.ndarray, cost: float) -> np.ndarray:
+        return differences(x, high, search.step, jacobian, cost, longest)
+
+    jacobian = _first_jacobian(residual, x, base, high, search.step, longest)
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
@@ -108,13 +124,13 @@ def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: 
             ends = flat and fresh
             fresh = not search.learns or not (gained > FORESEEN * expected) or (flat and not ends)
             if fresh:
-                jacobian = jacobian_of(residual, x, base, differences(x, high, search.step, jacobian, cost))
+                jacobian = jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
             else:
                 jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
             if ends:
                 break
         elif not fresh:
-            fresh, jacobian = True, jacobian_of(residual, x, base, differences(x, high, search.step, jacobian, cost))
+            fresh, jacobian = True, jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
         elif expected < search.flat * cost or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
@@ -127,12 +143,42 @@ def least_squares(residual: Residual, start: np.ndarray, low: np.ndarray, high: 
     return Solution(x, base, jacobian, ~held)
 
 
-def differences(x: np.ndarray, high: np.ndarray, step: float, jacobian: np.ndarray, cost: float) -> np.ndarray:
-    """Steps of difference quotients that move the residual by a few of its standard deviations, and are `step` at most:
-    an unknown that is known to a millionth is not to be moved by a thousandth.
+def _first_jacobian(
+    residual: Residual, x: np.ndarray, base: np.ndarray, high: np.ndarray, step: float, longest: np.ndarray | float
+) -> np.ndarray:
+    """That of steps of which nothing is known yet, and of those that turn out to be far off of better ones."""
+    steps, cost = _within(x, high, step * np.maximum(1.0, np.abs(x))), float(base @ base)
+    jacobian = jacobian_of(residual, x, base, steps)
+    for _ in range(TRIED):
+        felt = differences(x, high, step, jacobian, cost, longest)
+        share = np.abs(felt / steps)
+        (again,) = np.nonzero((share > OFF) | (share < 1.0 / OFF))
+        if not again.size:
+            break
+        steps[again] = felt[again]
+
+        def moved(part: np.ndarray, again: np.ndarray = again) -> np.ndarray:
+            whole = x.copy()
+            whole[again] = part
+            return residual(whole)
+
+        jacobian[:, again] = jacobian_of(moved, x[again], base, steps[again])
+    return jacobian
+
+
+def differences(
+    x: np.ndarray,
+    high: np.ndarray,
+    step: float,
+    jacobian: np.ndarray,
+    cost: float,
+    longest: np.ndarray | float = 0.0,
+) -> np.ndarray:
+    """Steps of difference quotients that move the residual by a few of its standard deviations, and are `step` at most,
+    or `longest` where that is more: an unknown that is known to a millionth is not to be moved by a thousandth.
     """
     felt = MOVED * np.sqrt(cost / jacobian.shape[0]) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-    most = step * np.maximum(1.0, np.abs(x))
+    most = np.maximum(step * np.maximum(1.0, np.abs(x)), longest)
     return _within(x, high, np.clip(felt, SHORTEST * most, most))
 
 

@@ -70,12 +70,14 @@ class Loop:
 class Feed:
     """An input of the plant that follows a signal: open-loop commands, disturbances, moving spring ends.
 
-    `linear`: a ramp from sample to sample; otherwise each sample's value is held.
+    `linear`: a ramp from sample to sample; otherwise each sample's value is held. It comes late by `delay` (s): a held
+    command of an open loop then changes within a sample, what else is fed is taken at each sample as it was so long ago.
     """
 
     input: str
     signal: ReferenceSignal
     linear: bool = True
+    delay: float = 0.0
 
 
 NO_LOOP = Loop(OPEN_LOOP, OpenLoopGains(0.0))

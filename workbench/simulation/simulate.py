@@ -126,18 +126,12 @@ def _solved(
     references = np.zeros((samples, 3)) if profile is None else np.column_stack(profile)
     rotary_references = np.zeros((samples if setup.rotary else 0, 3))
     rotary_references[:, 0] = setup.rotation_speed
-    exogenous, linear = _sampled_feeds(setup, samples)
+    exogenous, linear, lines = _sampled_feeds(setup, samples, inputs)
     rotary = setup.rotary or NO_LOOP
     memory = _memory(setup.loop, shown)
     widths = (len(fields(plant.State)), inputs.size, len(Measurement._fields), memory[0].size)
     log = tuple(np.empty((samples, width)) for width in widths)
     delay_samples, delay_rest = _in_samples(setup.sensors.delay, h)
-    lines = np.array(
-        [
-            (plant.input_index(name), *_in_samples(float(delay(setup.parameters)), h))
-            for name, delay in plant.delayed.items()
-        ]
-    ).reshape(-1, 3)
     past = int(np.max(lines[:, 1], initial=0))
     integrator = setup.integrator
     method = INTEGRATORS.working()[integrator.method]
@@ -204,18 +198,38 @@ def _memory(loop: Loop, reading: Measurement) -> tuple[np.ndarray, np.ndarray]:
     return to_array(loop.controller.start(reading, loop.gains)), to_array(loop.gains)
 
 
-def _sampled_feeds(setup: Setup, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Values of the fed inputs at each sample and one beyond (no rows without feeds), and which are ramps between."""
-    count = len(fields(setup.plant.Inputs))
+def _sampled_feeds(setup: Setup, samples: int, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values of the fed inputs at each sample and one beyond (no rows without feeds), which are ramps between, and the
+    inputs that are the command of a time ago: place, whole samples and rest (s).
+
+    Of a command that comes late within a sample, what it was before t = 0 goes to `inputs`, as the engine asks for it.
+    """
+    plant, h = setup.plant, setup.sample_time
+    late = [(plant.input_index(name), float(delay(setup.parameters))) for name, delay in plant.delayed.items()]
+    lines = [(place, *_in_samples(delay, h)) for place, delay in late]
+    count = len(fields(plant.Inputs))
     values, linear = np.zeros((samples + 1 if setup.feeds else 0, count)), np.zeros(count)
-    if not setup.feeds:
-        return values, linear
-    time = setup.sample_time * np.arange(samples + 1)
+    time = h * np.arange(samples + 1)
     for feed in setup.feeds:
-        index = setup.plant.input_index(feed.input)
-        values[:, index] += feed.signal(time)[0]
+        index, delay = plant.input_index(feed.input), feed.delay
+        if _changes_within_samples(feed, setup):
+            whole, rest = _in_samples(feed.delay, h)
+            delay = whole * h
+            lines.append((index, 0, rest))
+            before = float(feed.signal(np.array([-h - delay]))[0][0])
+            inputs[index] += before
+            values[:, index] -= before
+        values[:, index] += feed.signal(time - delay)[0]
         linear[index] = 1.0 if feed.linear else 0.0
-    return values, linear
+    return values, linear, np.array(lines, dtype=float).reshape(-1, 3)
+
+
+def _changes_within_samples(feed: Feed, setup: Setup) -> bool:
+    """Whether it is a held command, of no loop and of a plant that does not delay it itself, that comes late by more
+    than whole samples.
+    """
+    plain = not feed.linear and feed.input == setup.plant.command and setup.loop is NO_LOOP
+    return plain and not setup.plant.delayed and _in_samples(feed.delay, setup.sample_time)[1] > 0.0
 
 
 def _outcome(run: Run, limit: float) -> str:

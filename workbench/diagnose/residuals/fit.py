@@ -36,6 +36,10 @@ AS_IT_IS = Search(most_steps=1)
 FINAL = Search(flat=1e-5, most_steps=6)
 """When a fit ends that goes on from another one's end."""
 
+SIZES, WITHIN = 10.0, 0.1
+"""Of an effect, and share of its range, by which a difference quotient may move it: one that is hardly seen is felt by no
+less."""
+
 COLOURED = 2.0
 """Times the white noise of its samples by which, and by the root of their number, noise of means may be larger."""
 
@@ -103,7 +107,7 @@ class Fit:
     def changes(self) -> np.ndarray:
         """What a unit of each unknown changes of the residual (rows, unknowns), for noise of any colour to weigh."""
         x, high = self.places, np.array([u.high for u in self.unknowns])
-        steps = differences(x, high, THOROUGH.step, self.jacobian, self.squares)
+        steps = differences(x, high, THOROUGH.step, self.jacobian, self.squares, _longest(self.unknowns))
         return jacobian_of(lambda places: stacked(self.balance, self.at(places)), x, self.residual, steps)
 
     @cached_property
@@ -182,7 +186,7 @@ def fit(
     def residual(x: np.ndarray) -> np.ndarray:
         return np.concatenate([weigh(left(x)), logarithmic * x])
 
-    solution = least_squares(residual, start, low, high, search)
+    solution = least_squares(residual, start, low, high, search, _longest(unknowns))
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
     return Fit(
         balance=balance,
@@ -197,6 +201,13 @@ def fit(
         bounded=frozenset(u.name for u, place in places if min(place - u.low, u.high - place) < BOUNDED),
         weighing=weigh,
     )
+
+
+def _longest(unknowns: Sequence[Unknown]) -> np.ndarray:
+    """Steps up to which difference quotients may go: of what has a size, and acts in proportion to it, sizes; of what is
+    positive, and bends, no farther than a search goes by itself.
+    """
+    return np.array([0.0 if u.logarithmic else min(SIZES, WITHIN * (u.high - u.low)) for u in unknowns])
 
 
 def _at(values: Values, unknowns: Sequence[Unknown], x: np.ndarray) -> dict[str, float]:

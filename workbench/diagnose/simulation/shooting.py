@@ -320,9 +320,7 @@ class Shooting:
 
     def _delayed(self, feed: Feed, delay: float) -> Feed:
         """The command as it arrives."""
-        if not delay or feed.input != self.along.plant.command or not isinstance(feed.signal, Sampled):
-            return feed
-        return replace(feed, signal=Sampled(feed.signal.times + delay, feed.signal.values))
+        return replace(feed, delay=delay) if feed.input == self.along.plant.command else feed
 
     def _pushed(self, feeds: Sequence[Feed], record: Record, push: Push) -> list[Feed]:
         """Feeds with a push: on the mass as a disturbance, which acts against it, else on the command."""
