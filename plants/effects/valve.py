@@ -136,8 +136,12 @@ VALVE_HYSTERESIS = Effect(
 
 # --- sticking -------------------------------------------------------------------------------------------------
 
-RELEASE = 5e-4
-"""s. Time constant with which a spool comes free, goes, and sticks again: below the lag of any valve [assumed]."""
+RELEASE = 1e-4
+"""s. Time constant with which a spool that goes is known to, and one that has arrived to stick: below the lag of any
+valve [assumed]."""
+
+STARTS = 1e-3
+"""Share of the stiction beyond it over which a stuck spool comes free: a sudden start would be a jump [assumed]."""
 
 ARRIVED = 0.02
 """Share of the stiction within which the spool has come to where it was to go, and sticks again [assumed]."""
@@ -150,44 +154,47 @@ class Stiction(NamedTuple):
 
 
 class Stuck(NamedTuple):
-    """The command at which the spool sticks, and how free it is: 0 stuck, 1 going."""
+    """Whether the spool goes: 0 stuck, 1 going."""
 
-    stuck_command: Annotated[float, "V", 1.0] = 0.0
     spool_free: Annotated[float, "1", 1.0] = 0.0
 
 
 @equation
+def spool_away(command: Scalar, moment: Moment, own: Stiction) -> Scalar:
+    """|K_sv V - x_s| (1) over K_sv times the stiction: how far a spool is from where it is to go."""
+    target = np.minimum(np.maximum(moment.spool_gain * command, -moment.spool_limit), moment.spool_limit)
+    band = moment.spool_gain * own.spool_stiction
+    return np.abs(target - moment.spool_position) / select(band > 0.0, band, 1.0)
+
+
+@equation
 def stuck(command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction) -> Scalar:
-    """The command (V) where the spool sticks, or to which it goes."""
-    return select(own.spool_stiction > 0.0, memory.stuck_command, command)
+    """x_s / K_sv + m (V - x_s / K_sv) (V), m = max(a, 2 r - 1), a 0 to 1 from the stiction to a little beyond it.
+
+    The command that leaves a stuck spool where it is, and moves a free one as the valve does.
+    """
+    there = moment.spool_position / select(moment.spool_gain > 0.0, moment.spool_gain, 1.0)
+    comes_free = np.minimum(np.maximum((spool_away(command, moment, own) - 1.0) / STARTS, 0.0), 1.0)
+    moves = np.maximum(comes_free, 2.0 * memory.spool_free - 1.0)
+    return select(own.spool_stiction > 0.0, there + moves * (command - there), command)
 
 
 @equation
 def sticking(slip: Scalar, command: Scalar, moment: Moment, memory: Stuck, p: Any, own: Stiction) -> Stuck:
-    """dV_s/dt = m (V - V_s)/T (V/s),  dr/dt = (w - r)/T (1/s),  m = max(2 r - 1, 0),  T = `RELEASE`.
+    """dr/dt = (w - r)/T (1/s),  T = `RELEASE`, with the spool by d = |K_sv V - x_s| from where it is to go
 
-        w = 1                                      where |V - V_s| > the stiction
-            0                                      else, where r < 1/2: it goes on sticking
-            0 to 1 from half of `ARRIVED` of the stiction to all of it, where r > 1/2: it goes on, and arrives
+        w = 1                                      where d > K_sv times the stiction
+            1                                      where d > `ARRIVED` times that and r > 1/2: it goes on
+            0                                      else: it sticks, or has arrived
 
-    A spool that silt or a bent sleeve holds (Choudhury, Thornhill and Shah 2005): it stays, then jumps. Looks like flow
-    in steps while the command moves slowly; hysteresis follows beyond its play, this jumps as far as its whole band.
+    A spool that silt or a bent sleeve holds (Choudhury, Thornhill and Shah 2005): it stays until its command is far
+    enough from where it is, then follows as the valve does, and sticks where it has arrived. Looks like flow in steps
+    while the command moves slowly; hysteresis follows beyond its play, this jumps as far as its whole band.
     """
-    sticks = own.spool_stiction > 0.0
-    away = np.abs(command - memory.stuck_command) / select(sticks, own.spool_stiction, 1.0)
-    going = select(memory.spool_free > 0.5, 1.0, 0.0)
-    left = np.minimum(np.maximum(2.0 * away / ARRIVED - 1.0, 0.0), 1.0)
-    wanted = select(away > 1.0, 1.0, going * left)
-    free = np.maximum(2.0 * memory.spool_free - 1.0, 0.0)
-    return Stuck(
-        select(sticks, free * (command - memory.stuck_command) / RELEASE, 0.0),
-        select(sticks, (wanted - memory.spool_free) / RELEASE, 0.0),
-    )
-
-
-def stuck_at(command: float) -> Stuck:
-    """A spool that has rested for long at a command (V)."""
-    return Stuck(command, 0.0)
+    away = spool_away(command, moment, own)
+    goes_on = select(memory.spool_free > 0.5, ARRIVED, 1.0)
+    wanted = select(away > goes_on, 1.0, 0.0)
+    return Stuck(select(own.spool_stiction > 0.0, (wanted - memory.spool_free) / RELEASE, 0.0))
 
 
 SPOOL_STICTION = Effect(
@@ -202,5 +209,4 @@ SPOOL_STICTION = Effect(
     Memory=Stuck,
     inputs={COMMAND: stuck},
     remember=sticking,
-    at_rest=stuck_at,
 )

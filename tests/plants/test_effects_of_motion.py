@@ -8,7 +8,7 @@ from plants.effects.registry import effects
 from plants.equation import replaced
 from plants.friction import stribeck_level
 from plants.registry import plants
-from workbench.simulation.references import Ramp
+from workbench.simulation.references import Ramp, Sine
 from workbench.simulation.simulate import Feed, Integrator, Run, Setup, simulate
 
 MASS = FREE_MASS["mass"]
@@ -132,16 +132,29 @@ def test_a_second_element_springs_then_slips() -> None:
 
 def test_a_spool_that_sticks_jumps_by_its_stiction() -> None:
     """A slow ramp makes stairs: it stays, then goes to where the command is by then."""
-    stiction, rate = 0.2, 0.5
+    stiction, rate = 0.2, 0.1
     plant, p = having("non_rotating", {"spool_stiction": stiction})
-    times = np.linspace(0.0, 2.0, 20_001)
-    held = remembered(plant, p, lambda time: (0.0, 0.0), lambda time: rate * time, times)[:, 0]
-    level = rate * times
-    gap = level - held
+    state, inputs = plant.equilibrium(p, 0.0)
+    run = simulate(Setup(plant, p, state, inputs, 10.0, feeds=(Feed(plant.command, Ramp(rate=rate, stop=10.0)),)))
+    held = run.state("spool_position") / TRUTH["valve_position_gain"]
+    gap = rate * run.time - held
     assert np.max(gap) == pytest.approx(stiction, rel=0.02)
-    assert np.mean(np.abs(np.diff(held)) < 1e-9 * stiction) > 0.9, "it rests nearly all the time"
-    stairs = np.unique(np.round(held[np.abs(np.diff(held, prepend=held[0])) < 1e-9 * stiction], 3))
+    rests = np.abs(np.diff(held, prepend=held[0])) < 1e-9 * stiction
+    assert np.mean(rests) > 0.9, "it rests nearly all the time"
+    stairs = np.unique(np.round(held[rests], 3))
     assert np.diff(stairs[stairs > 0.1]) == pytest.approx(stiction, rel=0.02)
+
+
+def test_a_spool_that_hardly_sticks_follows_a_held_command_as_one_that_does_not() -> None:
+    """It comes free at once, however often it sticks: what it does to a motion goes to 0 with its stiction."""
+    plant, p = having("non_rotating", {"spool_stiction": 1e-6})
+    runs = []
+    for own in (p, having("non_rotating", {"spool_stiction": 0.0})[1]):
+        state, inputs = plant.equilibrium(own, 0.0)
+        feeds = (Feed(plant.command, Sine(0.5, 0.7), linear=False),)
+        runs.append(simulate(Setup(plant, own, state, inputs, 2.0, feeds=feeds, sample_time=0.01)).state("position"))
+    assert np.ptp(runs[1]) > 1e-3
+    assert runs[0] == pytest.approx(runs[1], abs=1e-5 * np.ptp(runs[1]))
 
 
 def test_a_spool_that_sticks_does_not_follow_what_is_smaller() -> None:
@@ -150,11 +163,11 @@ def test_a_spool_that_sticks_does_not_follow_what_is_smaller() -> None:
     feeds = (Feed(plant.command, Ramp(rate=0.18, stop=1.0)),)
     run = simulate(Setup(plant, p, state, inputs, 1.2, feeds=feeds))
     assert np.max(np.abs(run.state("spool_position"))) < 1e-9
-    feeds = (Feed(plant.command, Ramp(rate=0.25, stop=1.0)),)
-    run = simulate(Setup(plant, p, state, inputs, 1.2, feeds=feeds))
+    feeds = (Feed(plant.command, Ramp(rate=0.05, stop=5.0)),)  # so slow that it arrives before that has gone on
+    run = simulate(Setup(plant, p, state, inputs, 5.2, feeds=feeds))
     assert run.outcome == "completed"
-    came_free, to = run.time[np.abs(run.state("spool_position")) > 1e-8][0], 0.25 * 0.8
-    assert came_free == pytest.approx(0.8, abs=0.01)
+    came_free, to = run.time[np.abs(run.state("spool_position")) > 1e-8][0], 0.05 * 4.0
+    assert came_free == pytest.approx(4.0, abs=0.01)
     assert run.state("spool_position")[-1] == pytest.approx(TRUTH["valve_position_gain"] * to, rel=0.02)
 
 
