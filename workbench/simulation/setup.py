@@ -71,7 +71,7 @@ class Feed:
     """An input of the plant that follows a signal: open-loop commands, disturbances, moving spring ends.
 
     `linear`: a ramp from sample to sample; otherwise each sample's value is held. It comes late by `delay` (s): a held
-    command of an open loop then changes within a sample, what else is fed is taken at each sample as it was so long ago.
+    command of an open loop then changes within a sample, what else is fed is taken at each sample as it was then.
     """
 
     input: str

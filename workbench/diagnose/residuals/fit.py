@@ -37,8 +37,8 @@ FINAL = Search(flat=1e-5, most_steps=6)
 """When a fit ends that goes on from another one's end."""
 
 SIZES, WITHIN = 10.0, 0.1
-"""Of an effect, and share of its range, by which a difference quotient may move it: one that is hardly seen is felt by no
-less."""
+"""Of an effect, and share of its range, by which a difference quotient may move it: one that is hardly seen is felt
+by no less."""
 
 COLOURED = 2.0
 """Times the white noise of its samples by which, and by the root of their number, noise of means may be larger."""
@@ -204,8 +204,8 @@ def fit(
 
 
 def _longest(unknowns: Sequence[Unknown]) -> np.ndarray:
-    """Steps up to which difference quotients may go: of what has a size, and acts in proportion to it, sizes; of what is
-    positive, and bends, no farther than a search goes by itself.
+    """Steps up to which difference quotients may go: of what has a size, and acts in proportion to it, sizes; of what
+    is positive, and bends, no farther than a search goes by itself.
     """
     return np.array([0.0 if u.logarithmic else min(SIZES, WITHIN * (u.high - u.low)) for u in unknowns])
 
