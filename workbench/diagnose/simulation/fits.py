@@ -8,7 +8,7 @@ A short piece has few of them, since it starts from what was measured; where it 
 found with its parameters.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -209,11 +209,15 @@ class Fitting:
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
     def freely(self, whole: Shooting, values: Values) -> Fit:
-        """The parameters that leave least of a run from end to end that begins as its first samples show, from these
-        values on: of a plant far from noise, whose start would make up for what it lacks.
+        """The parameters that leave least of a run from end to end that begins as its first samples show, by way of
+        weaker and weaker loops from these values on: of a plant far from noise, whose start would make up for what it
+        lacks. Of its hollows that one counts into which parameters lead that hold beside the record.
         """
-        balance = whole.as_sensed(self.motions).balance(self.motions, self.names)
-        return fit(balance, values, self.names, self.bounds, THOROUGH)
+        sensed = whole.as_sensed(self.motions)
+        for crossover in crossovers(whole, self.motions, values):
+            led = sensed.led(self.motions, values, crossover).balance(self.motions, self.names)
+            values = fit(led, values, self.names, self.bounds, QUICK).values
+        return fit(sensed.balance(self.motions, self.names), values, self.names, self.bounds, THOROUGH)
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
@@ -269,18 +273,13 @@ def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
 
 def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
-    if that leads nearer to noise. A plant that is kept beside its records, on which no force acts, or which delays its
-    command, stays as it is.
-
-    Where a led run starts is found with its parameters: a weak loop hardly corrects it, and parameters would.
+    if that leads nearer to noise. Where a led run starts is found with its parameters: a weak loop hardly corrects it,
+    and parameters would.
     """
     whole, motions, best = replace(first.how, length=np.inf, begins={}), fitting.motions, first
-    if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
-        return first
-    crossover = min(whole.quickest(motion, start) for motion in motions)
     led: Simulated | None = None
     left = list[float]()
-    while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
+    for crossover in crossovers(whole, motions, start):
         values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
         led = fitting.found(replace(whole.led(motions, values, crossover), begins=begins), values)
         left.append(led.fit.excess)
@@ -291,8 +290,19 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
             best = free
         if free.fit.excess < NEAR_NOISE and free.fit.rms < AT_NOISE * led.fit.rms:
             break
-        crossover /= WEAKER
     return first if best is first else fitting.final(fitting.bettered(best))
+
+
+def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> Iterator[float]:
+    """Those (rad/s) of loops that lead a plant along its records, from the quickest on; none of a plant that is kept
+    beside its records, on which no force acts, or which delays its command.
+    """
+    if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
+        return
+    crossover = min(whole.quickest(motion, values) for motion in motions)
+    while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
+        yield crossover
+        crossover /= WEAKER
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
