@@ -283,7 +283,7 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
         led = fitting.found(replace(whole.led(motions, values, crossover), begins=begins), values)
         left.append(led.fit.excess)
-        if min(left[-PATIENCE:]) > max(min(left), ASTRAY):
+        if min(left[-PATIENCE:]) > max(min(left), ASTRAY) or led.fit.rms > first.fit.rms:
             break  # something is missing that no parameters make up for
         free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:

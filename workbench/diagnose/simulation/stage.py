@@ -151,7 +151,7 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    best = along_valley(fitting, best if best.is_near else fit_led(best, fitting, starts[0]))
+    best = along_valley(fitting, best if best.fit.excess < NEAR_NOISE else fit_led(best, fitting, starts[0]))
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:
