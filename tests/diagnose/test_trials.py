@@ -5,7 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 from made_up_balances import FORCE, SCALES, made_balance, made_motion, ripple
+from scipy.signal import lfilter
 
+from plants.effects.compliant import COMPLIANT_LOAD
 from plants.effects.loads import COGGING, CUSHION
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
@@ -36,6 +38,37 @@ def test_a_drawn_pitch_stands_out_of_the_residual(seed: int) -> None:
     assert all(t.sized == ("cogging_cosine", "cogging_sine") for t in trials)
     first = dict(trials[0].shapes)["cogging_pitch"]
     assert abs(1.0 / first - frequency) < 0.5 / TRAVEL, "half of what this way resolves"
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.1])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_band_of_what_swings_stands_out_of_the_residual(seed: int, damping: float) -> None:
+    """White noise, and what it makes of a swinging load of that damping."""
+    draw, motion = np.random.default_rng(seed), made_motion(20.0, TRAVEL)
+    frequency = draw.uniform(5.0, 20.0)
+    angle = 2.0 * np.pi * frequency * motion.thinned.sample_time
+    keep = np.exp(-damping * angle)
+    white = draw.standard_normal(motion.thinned.time.size)
+    swinging = lfilter([1.0], [1.0, -2.0 * keep * np.cos(angle), keep**2], white)
+    shown = 0.4 * FORCE * swinging / np.std(swinging)
+
+    def swings(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        return np.asarray(values.get("swings", 0.0) * shown)
+
+    balance = made_balance([motion], swings, {"swings": 1.0}, effects=("compliant_load",))
+    tried = [dict(t.shapes) for t in trials_of(unfitted(balance), (), {}) if len(t.shapes) == 2]
+    chosen = [one["compliant_frequency"] for one in tried if one["compliant_damping"] == damping]
+    grid = COMPLIANT_LOAD.numbers["compliant_frequency"].grid
+    assert chosen[: len(grid)] == pytest.approx(list(grid))
+    assert abs(chosen[len(grid)] / frequency - 1.0) < 1.5 * damping
+
+
+def test_bands_that_are_looked_at_are_as_many_as_their_width_tells_apart() -> None:
+    balance = made_balance([made_motion(20.0, TRAVEL)], ripple, {}, effects=("compliant_load",))
+    alone = looks(balance, "compliant_load", ("compliant_share", "compliant_frequency"))
+    damped = looks(balance, "compliant_load", ("compliant_share", "compliant_frequency", "compliant_damping"))
+    assert 10 < alone < damped < 300
+    assert looks(balance, "compliant_load", ("compliant_share",)) == 1
 
 
 def test_frequencies_that_are_tried_can_be_told_apart() -> None:

@@ -184,3 +184,35 @@ def test_an_unknown_that_is_known_to_a_millionth_is_found_as_well_as_it_is_known
     line = float(-(noise @ slope) / (slope @ slope))
     assert abs(line) < 0.5, "the least is where nothing bends"
     assert (found.x[0] - 0.3) / 1e-6 == pytest.approx(line, abs=1e-3)
+
+
+@pytest.mark.parametrize("known", [1e-9, 1e-7, 1e-3])
+def test_a_first_difference_quotient_is_felt_and_no_more(known: float) -> None:
+    """Of an unknown that residuals show to `known`, and that puts jumps into them where it is moved by far."""
+    times, draw = np.linspace(0.0, 1.0, 400), np.random.default_rng(1)
+    noise = draw.standard_normal(times.size)
+    slope = times / known / np.linalg.norm(times)
+
+    def jumping(x: np.ndarray) -> np.ndarray:
+        return np.asarray(noise + slope * x[0] + 1e3 * np.clip(np.abs(x[0]) - 100.0 * known, 0.0, 1.0) / known)
+
+    found = solved(jumping, [0.0], search=Search(most_steps=1))
+    assert found.jacobian[:, 0] == pytest.approx(slope, abs=1e-6 * np.max(slope))
+
+
+def test_a_difference_quotient_goes_so_far_that_it_is_felt_where_it_may() -> None:
+    """What hardly moves a residual is lost in a solver's error at a ten-thousandth of an unknown."""
+    times = np.linspace(0.0, 1.0, 400)
+    slope = 0.05 * times
+    noise = np.random.default_rng(2).standard_normal(times.size)
+
+    def erring(x: np.ndarray) -> np.ndarray:
+        return np.asarray(noise + slope * x[0] + 1e-3 * np.sin(1e6 * (times + x[0])))
+
+    start, bound = np.zeros(1), np.full(1, np.inf)
+    off = []
+    for longest in (0.0, 100.0):
+        found = least_squares(erring, start, -bound, bound, Search(most_steps=1), longest)
+        off.append(float(np.linalg.norm(found.jacobian[:, 0] - slope) / np.linalg.norm(slope)))
+    assert off[0] > 1.0
+    assert off[1] < 0.01

@@ -19,6 +19,7 @@ from plants.equation import fields, from_array
 from plants.friction_gauge import gauged
 from plants.interface import Measurement, Plant
 from plants.registry import THESIS
+from workbench.fitting.replay import Sampled
 from workbench.simulation import compilation, engine
 from workbench.simulation.compilation import compile_derivatives
 from workbench.simulation.references import Multisine, Ramp, Recorded, ReferenceSignal, Sine, Steps
@@ -63,6 +64,22 @@ def test_linear_feed_on_a_free_mass() -> None:
     held = simulate(replace(setup, feeds=(Feed("pull", Ramp(slope, begin), linear=False),)))
     lag = slope * s[-1] * setup.sample_time / 2.0
     assert run.state("velocity")[-1] - held.state("velocity")[-1] == pytest.approx(lag, rel=1e-9)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.3, 1.0, 2.3])
+def test_a_held_command_that_comes_late_changes_within_a_sample(late: float) -> None:
+    """In each sample a force for the share of it by which it is late, and the next one for the rest."""
+    h, force = 1e-3, np.random.default_rng(7).normal(size=300)
+    times, whole = h * np.arange(force.size), int(late)
+    feed = Feed("force", Sampled(times, force), linear=False, delay=late * h)
+    run = simulate(start(OSCILLATOR, duration=times[-1], feeds=(feed,), integrator=CUBIC))
+    first, rest = (late - whole) * h, (1.0 - late + whole) * h
+    arrived = np.concatenate([np.full(whole + 1, force[0]), force])
+    before, after = arrived[: force.size - 1], arrived[1 : force.size]
+    velocity = np.concatenate([[0.0], np.cumsum(first * before + rest * after)])
+    steps = h * velocity[:-1] + before * (first * h - 0.5 * first**2) + after * 0.5 * rest**2
+    assert run.state("velocity") == pytest.approx(velocity, abs=1e-13)
+    assert run.state("position") == pytest.approx(np.concatenate([[0.0], np.cumsum(steps)]), abs=1e-13)
 
 
 def test_two_feeds_of_one_input_add_up() -> None:
