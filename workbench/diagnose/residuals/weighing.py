@@ -182,7 +182,7 @@ def _whitening(pieces: Sequence[np.ndarray]) -> Whitening:
     taper = 1.0 - np.arange(most + 1) / max(known, 1)  # keeps the autoregression stable
     covariance = covariance * taper
     covariance[0] *= 1.0 + 1e-9
-    best, chosen, shorter = np.inf, Whitening.of(1.0), list[np.ndarray]()
+    least, best, rows = np.inf, 0, list[np.ndarray]()
     numbers, variance = np.ones(1), float(covariance[0])
     for order in range(most + 1):
         if order:  # Levinson and Durbin: from each order the next
@@ -191,9 +191,11 @@ def _whitening(pieces: Sequence[np.ndarray]) -> Whitening:
             numbers, variance = longer - reflected * longer[::-1], variance * (1.0 - reflected**2)
         if variance <= 0.0:
             break
+        rows.append(numbers / np.sqrt(variance))
         criterion = known * np.log(variance) + 2.0 * order
-        if criterion < best:
-            head = np.array([np.pad(row[::-1], (0, order - row.size)) for row in shorter]).reshape(order, order)
-            best, chosen = criterion, Whitening(numbers / np.sqrt(variance), head)
-        shorter.append(numbers / np.sqrt(variance))
-    return chosen
+        if criterion < least:
+            least, best = criterion, order
+    if not rows:
+        return Whitening.of(1.0)
+    head = np.array([np.pad(row[::-1], (0, best - row.size)) for row in rows[:best]]).reshape(best, best)
+    return Whitening(rows[best], head)
