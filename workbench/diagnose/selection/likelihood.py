@@ -41,7 +41,7 @@ def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -
     """
     own = fitted.changes * fitted.free
     x, left = _settled(fitted, np.column_stack([own, block]), low, high)
-    return gained(fitted.balance, left, _own_noise(fitted)), x[own.shape[1] :]
+    return gained(fitted.balance, left, own_noise(fitted)), x[own.shape[1] :]
 
 
 def gained(balance: Balance, one: Left, other: Left) -> float:
@@ -73,7 +73,7 @@ def _settled(fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray) 
 
 
 @lru_cache(maxsize=2)
-def _own_noise(fitted: Fit) -> Left:
+def own_noise(fitted: Fit) -> Left:
     """What a fit leaves by itself."""
     nothing = np.zeros(0)
     return _settled(fitted, fitted.changes * fitted.free, nothing, nothing)[1]

@@ -15,6 +15,8 @@ from workbench.diagnose.residuals.along import ARRIVES
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.likelihood import gained as likelier
+from workbench.diagnose.selection.likelihood import own_noise
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, without_effects
@@ -305,15 +307,17 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
-    beside many effects, or beside few where one curve in their place gains more than they do; nor where many leave
+    beside many effects, or beside few where one curve in their place gains more than they do; nor where effects leave
     nothing, but one curve would do for them.
     """
     lacks = dependence_of(lacking(how, found.fit))
-    if not found.effects or (lacks is None and len(found.effects) < MANY):
+    if not found.effects:
         return found, lacks
     without = without_effects(found.fit, found.effects, ask)
     gained = 0.5 * (without.squares - found.fit.squares)
     if lacks is None:  # nothing is left: what they cost decides, too
+        if len(found.effects) < MANY:  # and noise may be of the colour of what few leave without them
+            gained = likelier(found.fit.balance, (found.fit.weighing, found.fit.residual), own_noise(without))
         gained -= sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     curves = lacking(how, without)
     instead = bool(curves) and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0)
