@@ -137,8 +137,8 @@ VALVE_HYSTERESIS = Effect(
 # --- sticking -------------------------------------------------------------------------------------------------
 
 RELEASE = 1e-4
-"""s. Time constant with which a spool that goes is known to, and one that has arrived to stick: below the lag of any
-valve [assumed]."""
+"""s. Time constant with which a spool that has come free goes on, and one that has arrived sticks again: below the lag
+of any valve [assumed]."""
 
 STARTS = 1e-3
 """Share of the stiction beyond it over which a stuck spool comes free: a sudden start would be a jump [assumed]."""

@@ -5,7 +5,7 @@ bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fuku
 foresaw well is corrected by what it showed (Broyden 1965) before differences are taken again.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +32,8 @@ MOVED, SHORTEST = 10.0, 1e-8
 that the shortest has."""
 
 OFF, TRIED = 10.0, 2
-"""Times that, or a part of it, from which a first quotient is taken once more by another step, and how often: what a
-millionth of an unknown moves by far shows its jumps alone, and what a hundredth hardly moves the solver's error."""
+"""Times the step that would be felt, or a part of it, from which a first quotient is taken once more, and how often:
+far beyond it a residual shows its jumps, far below it a solver's error."""
 
 FORESEEN = 0.4
 """Share of the expected gain from which a Jacobian is learnt."""
@@ -69,17 +69,20 @@ class Solution:
 Residual = Callable[[np.ndarray], np.ndarray]
 
 
-def jacobian_of(residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Forward differences of a residual (rows) over `steps` of each unknown, shape (rows, unknowns)."""
+def jacobian_of(
+    residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray, which: Sequence[int] | None = None
+) -> np.ndarray:
+    """Forward differences of a residual (rows) over `steps` of each unknown, or of those `which`, shape (rows,
+    unknowns).
+    """
 
     def column(i: int) -> np.ndarray:
         moved = x.copy()
         moved[i] += steps[i]
         return np.asarray((residual(moved) - base) / steps[i])
 
-    if not x.size:
-        return np.zeros((base.size, 0))
-    return np.column_stack(side_by_side(column, range(x.size)))
+    asked = range(x.size) if which is None else which
+    return np.column_stack(side_by_side(column, asked)) if len(asked) else np.zeros((base.size, 0))
 
 
 def least_squares(
@@ -152,17 +155,11 @@ def _first_jacobian(
     for _ in range(TRIED):
         felt = differences(x, high, step, jacobian, cost, longest)
         share = np.abs(felt / steps)
-        (again,) = np.nonzero((share > OFF) | (share < 1.0 / OFF))
-        if not again.size:
+        again = np.flatnonzero((share > OFF) | (share < 1.0 / OFF)).tolist()
+        if not again:
             break
         steps[again] = felt[again]
-
-        def moved(part: np.ndarray, again: np.ndarray = again) -> np.ndarray:
-            whole = x.copy()
-            whole[again] = part
-            return residual(whole)
-
-        jacobian[:, again] = jacobian_of(moved, x[again], base, steps[again])
+        jacobian[:, again] = jacobian_of(residual, x, base, steps, again)
     return jacobian
 
 

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
-from workbench.diagnose.selection.likelihood import Proposal, gained
+from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
 
@@ -88,7 +88,7 @@ def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[fro
 
 def _gained(found: Fit, beside: Fit) -> float:
     """By how much a fit is likelier than another one beside it."""
-    return gained(found.balance, (found.weighing, found.residual), (beside.weighing, beside.residual))
+    return gained(found.balance, left_by(found), left_by(beside))
 
 
 def _needed(proposal: Proposal, found: Fit, current: Fit, taken: Effects, ask: Asked) -> tuple[Proposal, Fit]:

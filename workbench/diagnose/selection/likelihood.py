@@ -72,6 +72,11 @@ def _settled(fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray) 
     return x, (weigh, left)
 
 
+def left_by(fitted: Fit) -> Left:
+    """What a fit leaves, as it weighs there."""
+    return fitted.weighing, fitted.residual
+
+
 @lru_cache(maxsize=2)
 def own_noise(fitted: Fit) -> Left:
     """What a fit leaves by itself."""

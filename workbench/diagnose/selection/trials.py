@@ -165,23 +165,22 @@ def looks(balance: Balance, effect: str, names: Collection[str]) -> int:
     """Among how many shapes of an effect the best is sought: of a period, or of the bands of what swings, those that
     records of this length tell apart (Davies 1987).
     """
-    numbers, count = effects(balance.axis)[effect].numbers, 1
-    damping = {number.damped_by for name, number in numbers.items() if name in names}
-    for name in (one for one in numbers if one in names and one not in damping):
-        number = numbers[name]
-        if number.shapes:
-            if number.period_of or number.frequency_of:
-                low, high, reach = _frequencies(balance, number)
-                told = reach * (high - low)
-                if number.damped_by:
-                    ratios = (
-                        numbers[number.damped_by].grid if number.damped_by in names else (NEUTRAL[number.damped_by],)
-                    )
-                    told = sum(min(0.5 * math.log(max(high / low, 1.0)) / ratio, told) for ratio in ratios)
-                count *= max(round(told), 1)
-            else:
-                count *= len(number.grid)
-    return count
+    numbers = {name: number for name, number in effects(balance.axis)[effect].numbers.items() if name in names}
+    damping = {number.damped_by for number in numbers.values()}
+    shaping = [number for name, number in numbers.items() if number.shapes and name not in damping]
+    return math.prod(_told_apart(balance, number, numbers) for number in shaping)
+
+
+def _told_apart(balance: Balance, number: Number, free: Mapping[str, Number]) -> int:
+    """How many values of a number that shapes an effect are looked at beside the others that are `free`."""
+    if not (number.period_of or number.frequency_of):
+        return len(number.grid)
+    low, high, reach = _frequencies(balance, number)
+    lines = reach * (high - low)
+    if not number.damped_by:
+        return max(round(lines), 1)
+    ratios = free[number.damped_by].grid if number.damped_by in free else (NEUTRAL[number.damped_by],)
+    return max(round(sum(min(0.5 * math.log(max(high / low, 1.0)) / ratio, lines) for ratio in ratios)), 1)
 
 
 def sizing(balance: Balance, effect: str, names: Collection[str]) -> int:

@@ -78,7 +78,7 @@ PATIENCE = 4
 """Loops in succession that may leave more than a quicker one did: a run that is astray has hollows, and the next may
 lead out of one."""
 
-WEAKER, SLOWEST = 2.0, 0.1
+WEAKER, WEAKEST = 2.0, 0.1
 """Times that one loop that leads a plant along its records is quicker than the next, and the least crossover of one,
 over one over the longest record's duration: what it corrects by then is a hundredth of what it would move anyway."""
 
@@ -300,7 +300,7 @@ def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> It
     if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
         return
     crossover = min(whole.quickest(motion, values) for motion in motions)
-    while crossover > SLOWEST / max(float(motion.record.time[-1]) for motion in motions):
+    while crossover > WEAKEST / max(float(motion.record.time[-1]) for motion in motions):
         yield crossover
         crossover /= WEAKER
 

@@ -16,7 +16,7 @@ from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import gained as likelier
-from workbench.diagnose.selection.likelihood import own_noise
+from workbench.diagnose.selection.likelihood import left_by, own_noise
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, without_effects
@@ -317,7 +317,7 @@ def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, 
     gained = 0.5 * (without.squares - found.fit.squares)
     if lacks is None:  # nothing is left: what they cost decides, too
         if len(found.effects) < MANY:  # and noise may be of the colour of what few leave without them
-            gained = likelier(found.fit.balance, (found.fit.weighing, found.fit.residual), own_noise(without))
+            gained = likelier(found.fit.balance, left_by(found.fit), own_noise(without))
         gained -= sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     curves = lacking(how, without)
     instead = bool(curves) and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0)
