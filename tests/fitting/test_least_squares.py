@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares as by_scipy
 
+import workbench.fitting.least_squares as least_squares_module
 from workbench.fitting.least_squares import Search, Solution, bounded_minimum, least_squares
 
 EXACT = Search(flat=1e-14, step=1e-6)
@@ -48,6 +49,36 @@ def test_a_valley_is_followed_to_its_end() -> None:
     assert solution.x == pytest.approx([1.0, 1.0], abs=1e-6)
     assert solution.residual @ solution.residual < 1e-12
     assert np.all(solution.free)
+
+
+def test_along_a_valley_that_curves_steps_are_bent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A canyon a thousand times as narrow as it is long, where straight steps are short ones."""
+
+    def canyon(x: np.ndarray) -> np.ndarray:
+        return np.array([1000.0 * (x[1] - x[0] ** 2), 1.0 - x[0]])
+
+    calls = []
+    for bends in (0, least_squares_module.BENDS):
+        monkeypatch.setattr(least_squares_module, "BENDS", bends)
+        residual, called = counted(canyon)
+        solution = solved(residual, [-1.2, 1.0], search=replace(EXACT, most_steps=1000))
+        assert solution.x == pytest.approx([1.0, 1.0], abs=1e-6)
+        calls.append(called[0])
+    assert calls[1] < 0.7 * calls[0]
+
+
+def test_near_noise_a_search_goes_on_as_long_as_steps_are_worth_it() -> None:
+    """However many rows there are, of which a share is more than an unknown's deviation is worth."""
+    draw = np.random.default_rng(5)
+    times, noise = np.linspace(0.0, 1.0, 20_000), draw.standard_normal(20_000)
+
+    def slow(x: np.ndarray) -> np.ndarray:
+        """Two exponentials that hardly differ."""
+        return np.asarray(20.0 * (np.exp(-x[0] * times) + np.exp(-x[1] * times) - 2.0 * np.exp(-times)) + noise)
+
+    rough = solved(slow, [0.5, 1.6], search=Search(flat=1e-2))
+    exact = solved(slow, [0.5, 1.6], search=EXACT)
+    assert rough.residual @ rough.residual - exact.residual @ exact.residual < 1.0
 
 
 @pytest.mark.parametrize("learns", [False, True])

@@ -1,12 +1,14 @@
 """Nonlinear least squares within bounds, through the normal equations: a tall Jacobian is multiplied once a step.
 
 Levenberg and Marquardt's damping, in units of each unknown's own curvature, so that no unit decides; an unknown at a
-bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004). A Jacobian that a step
-foresaw well is corrected by what it showed (Broyden 1965) before differences are taken again.
+bound that the gradient pushes outward is held there (Kanzow, Yamashita and Fukushima 2004). A step along a valley that
+curves is bent as the valley is (Transtrum and Sethna 2012). A Jacobian that a step foresaw well is corrected by what it
+showed (Broyden 1965) before differences are taken again.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -38,11 +40,18 @@ far beyond it a residual shows its jumps, far below it a solver's error."""
 FORESEEN = 0.4
 """Share of the expected gain from which a Jacobian is learnt."""
 
+BENDS = 3
+"""Times that a step is bent, at most, which does not gain what was expected."""
+
+SETTLED, NEAR = 0.1, 3.0
+"""Gain of a step below which a search ends at the latest, of one whose residual has an rms of at most so many standard
+deviations of noise: twice the logarithm of a likelihood, which a third of an unknown's deviation changes by so much."""
+
 
 @dataclass(frozen=True)
 class Search:
-    """When a search ends: a step gains less of the sum of squares, or there were many; and the largest `step` of a
-    difference quotient, of an unknown or of 1, whichever is larger.
+    """When a search ends: a step gains less of the sum of squares (near noise than is worth it, if that is less), or
+    there were many; and the largest `step` of a difference quotient, of an unknown or of 1, whichever is larger.
 
     Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which
     is then no exact one, at the end either.
@@ -52,6 +61,10 @@ class Search:
     most_steps: int = 100
     learns: bool = False
     step: float = 1e-4
+
+    def least(self, cost: float, rows: int) -> float:
+        """Gain of a step below which a search ends at a sum of squares `cost`."""
+        return min(self.flat * cost, SETTLED if cost < NEAR**2 * rows else np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +109,7 @@ def least_squares(
     """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
     Args:
-        residual: of the unknowns, shape (rows,); finite.
+        residual: of the unknowns, shape (rows,), in standard deviations of its noise; finite.
         start: shape (unknowns,), within the bounds.
         low, high: shape (unknowns,), infinite where there is none.
         search: when it ends.
@@ -114,27 +127,26 @@ def least_squares(
     jacobian = _first_jacobian(residual, x, base, high, search.step, longest)
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
-        gradient, curvature = jacobian.T @ base, jacobian.T @ jacobian
-        moved, expected = _bounded_step(gradient, curvature, damping, low - x, high - x)
-        trial = np.clip(x + moved, low, high)
-        new = residual(trial)
+        way = _Way(residual, x, base, jacobian, damping, low, high)
+        trial, new, bends = way.bent(GOOD)
         evaluations += 1
-        gained = cost - float(new @ new)
+        gained, expected, least = cost - float(new @ new), way.expected, search.least(cost, base.size)
         if gained > 0.0:
-            flat = gained < search.flat * cost
-            shown, way = new - base, trial - x
+            flat = gained < least
+            shown, step = new - base, trial - x
             x, base, cost = trial, new, cost - gained
             ends = flat and fresh
-            fresh = not search.learns or not (gained > FORESEEN * expected) or (flat and not ends)
+            learnt = search.learns and not bends and gained > FORESEEN * expected
+            fresh = not learnt or (flat and not ends)
             if fresh:
                 jacobian = jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
             else:
-                jacobian = jacobian + np.outer(shown - jacobian @ way, way / (way @ way))
+                jacobian = jacobian + np.outer(shown - jacobian @ step, step / (step @ step))
             if ends:
                 break
         elif not fresh:
             fresh, jacobian = True, jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
-        elif expected < search.flat * cost or damping >= MOST:
+        elif expected < least or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
         if share < POOR:
@@ -184,13 +196,65 @@ def _within(x: np.ndarray, high: np.ndarray, steps: np.ndarray) -> np.ndarray:
     return np.where(x + steps < high, steps, -steps)
 
 
-def _bounded_step(
-    gradient: np.ndarray, curvature: np.ndarray, damping: float, low: np.ndarray, high: np.ndarray
-) -> tuple[np.ndarray, float]:
-    """A damped Gauss-Newton step within `low` and `high`, and by how much it should lower the sum of squares."""
-    damped = curvature + damping * np.diag(np.where(np.diag(curvature) > 0.0, np.diag(curvature), 1.0))
-    step = bounded_minimum(damped, gradient, low, high)
-    return step, float(-2.0 * gradient @ step - step @ (damped @ step))
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """From `x`, whose residual is `base`, the damped Gauss-Newton step within bounds, and where it leads."""
+
+    residual: Residual
+    x: np.ndarray
+    base: np.ndarray
+    jacobian: np.ndarray
+    damping: float
+    low: np.ndarray
+    high: np.ndarray
+
+    @cached_property
+    def gradient(self) -> np.ndarray:
+        """Half that of the sum of squares."""
+        return np.asarray(self.jacobian.T @ self.base)
+
+    @cached_property
+    def damped(self) -> np.ndarray:
+        """Curvature with damping."""
+        curvature = self.jacobian.T @ self.jacobian
+        own = np.diag(curvature)
+        return np.asarray(curvature + self.damping * np.diag(np.where(own > 0.0, own, 1.0)))
+
+    @cached_property
+    def step(self) -> np.ndarray:
+        """The step."""
+        return bounded_minimum(self.damped, self.gradient, self.low - self.x, self.high - self.x)
+
+    @property
+    def expected(self) -> float:
+        """By how much the step should lower the sum of squares."""
+        return float(-2.0 * self.gradient @ self.step - self.step @ (self.damped @ self.step))
+
+    def bent(self, good: float) -> tuple[np.ndarray, np.ndarray, int]:
+        """Where the step leads, the residual there, and how often it was bent: by the Gauss-Newton step that takes away
+        what curvature adds to the residual, as long as that leaves less and the step gains less than a `good` share of
+        what was expected.
+        """
+        cost, bends = float(self.base @ self.base), 0
+        place, found = self._at(self.step)
+        while cost - found @ found < good * self.expected and bends < BENDS:
+            off = found - self.base - self.jacobian @ (place - self.x)
+            bend = bounded_minimum(self.damped, self.jacobian.T @ off, self.low - place, self.high - place)
+            if self._length(bend) > self._length(self.step):
+                break
+            other, left = self._at(place + bend - self.x)
+            if not left @ left < found @ found:
+                break
+            place, found, bends = other, left, bends + 1
+        return place, found, bends
+
+    def _length(self, step: np.ndarray) -> float:
+        """Of a step squared, each unknown by its own curvature."""
+        return float(step @ (np.diag(self.damped) * step))
+
+    def _at(self, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        place = np.clip(self.x + step, self.low, self.high)
+        return place, self.residual(place)
 
 
 def bounded_minimum(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
