@@ -6,6 +6,7 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit, weighed_fit
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.fitting.least_squares import Search
+from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import EITHER_SIGN
 
 FACTORS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
@@ -57,9 +58,12 @@ def _scanned(balance: Balance, values: Values) -> dict[str, float]:
         return float(np.nan_to_num(np.mean(balance.stacked(changed) ** 2), nan=np.inf))
 
     for _ in range(SWEEPS):
+        before = found
         for name in balance.free:
             if name in EITHER_SIGN or values[name] <= 0.0:
                 continue
             tried = [{**found, name: factor * values[name]} for factor in FACTORS]
-            found = min(tried, key=left)
+            found = tried[int(np.argmin(side_by_side(left, tried)))]
+        if found == before:
+            break
     return found

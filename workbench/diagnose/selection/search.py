@@ -55,6 +55,10 @@ EXCHANGED, REACH = 3, 2.0
 """Effects that are tried in the place of one, at most; times `LEVEL` within which first order has to see them."""
 
 
+Fits = dict[tuple[tuple[Trial, ...], tuple[str, ...]], Fit]
+"""Fits of sets that were proposed beside another fit, by what they add and drop."""
+
+
 @dataclass(frozen=True, eq=False)
 class Found:
     """What a search ends with: the fit, its effects with their numbers, the rounds, the gain of each effect that is
@@ -76,6 +80,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     steps, seen = list[Step](), {frozenset(taken): start.rms}
     shapes: dict[str, list[Shape]] = {}
     columns: Seen | None = None
+    fits: Fits = {}
     for _ in range(ROUNDS):
         outlook, columns = _outlook(current, taken, ask, columns)
         shapes |= _best_shapes(outlook)
@@ -86,14 +91,14 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
             proposals = _proposals(outlook, taken, ask)
             if ask.is_at_floor(current):
                 proposals = [proposal for proposal in proposals if not proposal.added]
-            fitted = _promising(proposals, current, taken, ask)
+            fitted = _promising(proposals, current, taken, ask, fits)
         candidates = _candidates(outlook, fitted, ask)
         better = [pair for pair in fitted if is_estimated(pair[1], current.balance)]
         better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))
         taking, nearer = choose(better, current, taken, seen, ask)
         if taking is None:
             if nearer is not current:
-                current = nearer
+                current, fits = nearer, {}
             elif ask.shapes:  # which another residual showed best: what it did not show may have others
                 ask = replace(ask, shapes={})
             else:
@@ -102,7 +107,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
             continue
         proposal, found = taking
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
-        current, taken = found, after(taken, proposal)
+        current, taken, fits = found, after(taken, proposal), {}
         seen[frozenset(taken)] = found.rms
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
@@ -231,13 +236,19 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     return sorted([*alone, *found], key=lambda proposal: -proposal.score)
 
 
-def _promising(proposals: Sequence[Proposal], current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
-    """Sets that promise something, fitted from the best on, until one keeps what the others do not even promise."""
+def _promising(
+    proposals: Sequence[Proposal], current: Fit, taken: Effects, ask: Asked, fits: Fits
+) -> list[tuple[Proposal, Fit]]:
+    """Sets that promise something, fitted from the best on, until one keeps what the others do not even promise; those
+    that were fitted beside the same effects are in `fits`, and are added to it.
+    """
     fitted, kept = list[tuple[Proposal, Fit]](), 0.0
     for proposal in proposals[:TRIED]:
         if proposal.score <= max(min(SHARE * kept, kept - LEVEL), 0.0):
             break
-        found = fitted_with(current, taken, proposal, ask)
+        key = proposal.added, proposal.dropped
+        found = fits[key] if key in fits else fitted_with(current, taken, proposal, ask)
+        fits[key] = found
         fitted.append((proposal, found))
         if is_estimated(found, current.balance):
             kept = max(kept, 0.5 * (current.squares - found.squares) - ask.price_of(proposal, taken, current.balance))

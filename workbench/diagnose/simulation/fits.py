@@ -285,6 +285,8 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         left.append(led.fit.excess)
         if min(left[-PATIENCE:]) > max(min(left), ASTRAY) or led.fit.rms > first.fit.rms:
             break  # something is missing that no parameters make up for
+        if led.is_astray:
+            continue
         free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:
             best = free

@@ -8,6 +8,7 @@ nearly all of that.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -44,6 +45,9 @@ from workbench.records.experiment import Experiment
 
 STRAIGHTENED = 1.25
 """Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
+
+SETTLED = 16
+"""Fits of which it is remembered where they settle: a search asks for some more than once."""
 
 MANY = 3
 """Effects that together are less likely than one that nobody knows, unless they gain more than a curve does."""
@@ -268,9 +272,8 @@ def _stage(
         else:  # the record itself speaks against them
             dropped = list(given)
     lacks = None
-    ask = Asked(
-        start.declared, bounds, len(how.effects), start.shapes, settle=lambda fit: settle(how, motions, fit, bounds)
-    )
+    settled = lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
+    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)
         found = search(current, effects, ask)
