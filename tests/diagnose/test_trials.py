@@ -12,7 +12,8 @@ from plants.effects.loads import COGGING, CUSHION
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.selection.trials import PEAKS, UNSEEN, Trial, columns_of, looks, sizing, trials_of
+from workbench.diagnose.selection.lines import PEAKS
+from workbench.diagnose.selection.trials import UNSEEN, Trial, columns_of, looks, sizing, trials_of
 
 TRAVEL = 0.04
 AMPLITUDE = 1.0
@@ -38,6 +39,28 @@ def test_a_drawn_pitch_stands_out_of_the_residual(seed: int) -> None:
     assert all(t.sized == ("cogging_cosine", "cogging_sine") for t in trials)
     first = dict(trials[0].shapes)["cogging_pitch"]
     assert abs(1.0 / first - frequency) < 0.5 / TRAVEL, "half of what this way resolves"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_pitch_stands_out_that_a_plant_shows_late_and_turned(seed: int) -> None:
+    """A force that comes behind a lag, turns its sign now and then, and stands in a trend that a parameter takes."""
+    draw = np.random.default_rng(seed)
+    frequency, motion = draw.uniform(60.0, 400.0), made_motion(20.0, TRAVEL)  # 1/m
+
+    def late(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        keep = np.exp(-motion.sample_time / 0.05)
+        turns = np.sign(np.sin(2.0 * np.pi * 1.7 * motion.time))
+        shown = lfilter([1.0 - keep], [1.0, -keep], turns * ripple(motion, {**values, "load_force": 0.0}))
+        return np.asarray(shown + values.get("load_force", 0.0) * motion.time)
+
+    truth = {"cogging_cosine": 2.4, "cogging_sine": -3.2, "cogging_pitch": 1.0 / frequency, "load_force": 1.0}
+    fitted = fit(made_balance([motion], late, truth, effects=("cogging",)), {"load_force": 0.0}, ["load_force"])
+    trials = trials_of(fitted, (), {})
+    assert abs(1.0 / dict(trials[0].shapes)["cogging_pitch"] - frequency) < 0.5 / TRAVEL
+    known = fitted.balance.known(motion)
+    waves = np.exp(2j * np.pi * np.outer(np.linspace(50.0, 410.0, 200), motion.thinned.position[known]))
+    power = np.abs(waves @ fitted.weighed[known]) ** 2
+    assert abs(np.linspace(50.0, 410.0, 200)[np.argmax(power)] - frequency) > 0.5 / TRAVEL, "no line shows it"
 
 
 @pytest.mark.parametrize("damping", [0.02, 0.1])

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.signal import zoom_fft
 
 from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, stacked
-from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
+from workbench.diagnose.selection.lines import band_of, matched, references, swinging
 from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
@@ -31,14 +30,8 @@ CHANGE = 0.02
 """Relative change of a parameter that has a value already, at which its worth is first looked at."""
 
 
-OVERSAMPLED = 4.0
-"""Frequencies of a periodogram in the width of a line."""
-
-MOST_FREQUENCIES = 2000
-"""Of a periodogram."""
-
-PEAKS = 3
-"""Frequencies that are tried, of those that stand out most."""
+REMEMBERED = 16
+"""Fits of which is remembered where such effects stand out."""
 
 Shape = tuple[tuple[str, float], ...]
 """Values of numbers that shape an effect, by name."""
@@ -139,26 +132,38 @@ def _shapes(fitted: Fit, effect: Effect, shaping: Sequence[str]) -> list[Shape]:
     """Values from which a search of numbers that shape an effect begins; of one that is damped for each damping."""
     shapes: list[Shape] = [()]
     for name in sorted(shaping, key=lambda one: bool(effect.numbers[one].damped_by)):
-        shapes = [
-            (*shape, (name, value)) for shape in shapes for value in _grid(fitted, name, effect.numbers[name], shape)
-        ]
+        shapes = [(*shape, (name, value)) for shape in shapes for value in _grid(fitted, effect, name, shape)]
     return shapes
 
 
-def _grid(fitted: Fit, name: str, number: Number, shape: Shape) -> list[float]:
+def _grid(fitted: Fit, effect: Effect, name: str, shape: Shape) -> list[float]:
     """Values (SI) from which the search of a number that shapes an effect begins: of a period over a signal those that
-    stand out of what is left.
+    stand out of what is left, as the plant would show them.
     """
+    number = effect.numbers[name]
     signal = number.period_of or number.frequency_of
     grid = [number.scale(fitted.balance.scales) * value for value in number.grid]
     if not signal:
         return grid
-    low, high, reach = _frequencies(fitted.balance, number)
-    damping = _value({**fitted.values, **dict(shape)}, number.damped_by) if number.damped_by else 0.0
-    chosen = _standing_out(fitted, signal, (low, high), reach, damping) if high > low else []
-    if damping:
-        return [*grid, *chosen]
-    return [1.0 / frequency for frequency in chosen] if number.period_of else chosen
+    band = band_of(fitted.balance, number)
+    if number.damped_by:
+        damping = _value({**fitted.values, **dict(shape)}, number.damped_by)
+        return [*grid, *(swinging(fitted, signal, band, damping) if band.high > band.low else [])]
+    chosen = _lines(fitted, effect, name) if band.high > band.low else ()
+    return [1.0 / frequency for frequency in chosen] if number.period_of else list(chosen)
+
+
+@lru_cache(REMEMBERED)
+def _lines(fitted: Fit, effect: Effect, name: str) -> tuple[float, ...]:
+    """The frequencies at which an effect that repeats along a signal may show, by its number `name`."""
+    number, (cosine, sine) = effect.numbers[name], [*effect.numbers][:2]
+    signal, band = number.period_of or number.frequency_of, band_of(fitted.balance, number)
+    shapes = [((name, 1.0 / one if number.period_of else one),) for one in references(band)]
+    first = _column(fitted, (cosine, shapes[0]), {}, None).step
+    kinds = [(wave, shape) for shape in shapes for wave in (cosine, sine)]
+    changes = side_by_side(lambda kind: fitted.weighing(_column(fitted, kind, {}, first).change), kinds)
+    made = [real + 1j * imaginary for real, imaginary in zip(changes[::2], changes[1::2], strict=True)]
+    return tuple(matched(fitted, signal, band, made))
 
 
 def looks(balance: Balance, effect: str, names: Collection[str]) -> int:
@@ -175,83 +180,19 @@ def _told_apart(balance: Balance, number: Number, free: Mapping[str, Number]) ->
     """How many values of a number that shapes an effect are looked at beside the others that are `free`."""
     if not (number.period_of or number.frequency_of):
         return len(number.grid)
-    low, high, reach = _frequencies(balance, number)
-    lines = reach * (high - low)
+    band = band_of(balance, number)
     if not number.damped_by:
-        return max(round(lines), 1)
+        return max(round(band.lines), 1)
     ratios = free[number.damped_by].grid if number.damped_by in free else (NEUTRAL[number.damped_by],)
-    return max(round(sum(min(0.5 * math.log(max(high / low, 1.0)) / ratio, lines) for ratio in ratios)), 1)
+    return max(
+        round(sum(min(0.5 * math.log(max(band.high / band.low, 1.0)) / ratio, band.lines) for ratio in ratios)), 1
+    )
 
 
 def sizing(balance: Balance, effect: str, names: Collection[str]) -> int:
     """How many of these numbers size an effect."""
     numbers = effects(balance.axis)[effect].numbers
     return sum(not numbers[name].shapes for name in names)
-
-
-@lru_cache(maxsize=64)
-def _frequencies(balance: Balance, number: Number) -> tuple[float, float, float]:
-    """Between which frequencies over a signal records could show one, and the signal's longest reach."""
-    scale = number.scale(balance.scales)
-    low, high = number.low * scale, number.high * scale
-    if number.period_of:
-        low, high = 1.0 / high, 1.0 / low
-    along = [signals_of(motion.thinned)[number.period_of or number.frequency_of] for motion in balance.motions]
-    reach = max(float(np.ptp(values)) for values in along)
-    fastest = max(float(np.percentile(np.abs(np.diff(values)), 50)) for values in along)
-    return max(low, 0.5 / reach), min(high, 0.25 / fastest if fastest > 0.0 else high), reach
-
-
-def _standing_out(
-    fitted: Fit, signal: str, within: tuple[float, float], reach: float, damping: float = 0.0
-) -> list[float]:
-    """The frequencies over a signal, between two, that stand out of a residual most: lines, or with a damping ratio
-    bands.
-    """
-    low, high = within
-    along = [signals_of(motion.thinned)[signal] for motion in fitted.balance.motions]
-    count = int(np.clip(OVERSAMPLED * reach * (high - low), 8, MOST_FREQUENCIES))
-    frequencies = np.linspace(low, high, count)
-    power = np.zeros(count)
-    for values, slices in zip(along, fitted.balance.series, strict=True):
-        for place in slices:
-            residual = fitted.weighed[place]  # a line stands out of white noise alone
-            scatter = float(np.mean(residual**2))
-            if scatter > 0.0:
-                power += _periodogram(values, residual / np.sqrt(scatter), frequencies)
-    if damping:
-        power = _of_bands(frequencies, power, damping)
-    chosen: list[float] = []
-    for i in np.argsort(-power).tolist():
-        if all(abs(frequencies[i] - other) > max(1.0 / reach, 2.0 * damping * other) for other in chosen):
-            chosen.append(float(frequencies[i]))
-        if len(chosen) == PEAKS:
-            break
-    return chosen
-
-
-def _of_bands(frequencies: np.ndarray, power: np.ndarray, damping: float) -> np.ndarray:
-    """By how much the power of a band about each frequency is above the mean, over its scatter: of the band between the
-    half powers of what swings there, (1 - D) f to (1 + D) f.
-    """
-    above = np.concatenate([[0.0], np.cumsum(power - np.mean(power))])
-    last = frequencies.size - 1
-    step = (frequencies[-1] - frequencies[0]) / last
-    first = np.clip(np.rint(((1.0 - damping) * frequencies - frequencies[0]) / step), 0, last).astype(int)
-    end = np.clip(np.rint(((1.0 + damping) * frequencies - frequencies[0]) / step), 0, last).astype(int) + 1
-    return np.asarray((above[end] - above[first]) / np.sqrt(end - first))
-
-
-def _periodogram(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
-    """|sum r exp(-2 pi i f s)|^2 / n of a residual r over a signal s, for each frequency f: sums over bins of the
-    signal that are an eighth of the shortest period.
-    """
-    edges = np.linspace(
-        float(np.min(signal)), float(np.max(signal)), int(8.0 * float(frequencies[-1]) * float(np.ptp(signal))) + 2
-    )
-    sums, _ = np.histogram(signal, edges, weights=residual)
-    ends, bins = (float(frequencies[0]), float(frequencies[-1])), 1.0 / float(edges[1] - edges[0])
-    return np.asarray(np.abs(zoom_fft(sums, ends, frequencies.size, fs=bins, endpoint=True)) ** 2 / residual.size)
 
 
 def columns_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds) -> dict[Trial, Columns]:
