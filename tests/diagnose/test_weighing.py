@@ -1,10 +1,15 @@
 """What a residual weighs: noise of any colour comes out white, what says nothing does not count."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
+from made_up_balances import made_balance, made_motion
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
+from workbench.diagnose.residuals.fit import fit
+from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, plain, weighing_of, without
 
 ROWS = 4000
@@ -152,3 +157,20 @@ def test_what_is_below_its_floor_counts_by_the_floor() -> None:
     residual = 0.1 * np.random.default_rng(4).standard_normal(ROWS)
     weighed = by_scatter([[slice(0, ROWS)]], residual)(residual)
     assert float(np.std(weighed)) < 0.11
+
+
+def test_a_plant_that_diverges_leaves_much_whatever_no_parameter_decides() -> None:
+    """Where a plant starts may be any height and slope; a plant that is nowhere is no such thing."""
+    motion = made_motion(20.0)
+
+    def diverging(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        gone = np.where(values.get("load_force", 0.0) > 1.0, np.nan, 0.0)
+        return np.asarray(gone + values.get("load_force", 0.0) * motion.time)
+
+    balance = made_balance([motion], diverging, {})
+    first = fit(balance, {"load_force": 0.0}, ["load_force"])
+    rows = np.arange(first.residual.size)
+    start = np.vander(rows / rows.size, 3)
+    weighing = weighing_of(balance.series, first.residual).without(start, [rows])
+    assert first.seen_by(weighing) == pytest.approx(rows.size, rel=0.05)
+    assert fit(balance, {"load_force": 2.0}, (), {}, weighing=weighing).squares > 1e6 * rows.size

@@ -44,7 +44,9 @@ COLOURED = 2.0
 """Times the white noise of its samples by which, and by the root of their number, noise of means may be larger."""
 
 LOST = 1e6
-"""Floors in the place of a residual that is no number: the plant diverges."""
+"""Floors in the place of a residual that is no number, since the plant diverges: to and fro, as nothing is that no
+parameter decides, and which is not weighed.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +218,8 @@ def _at(values: Values, unknowns: Sequence[Unknown], x: np.ndarray) -> dict[str,
 
 def stacked(balance: Balance, values: Values) -> np.ndarray:
     """The residuals of a balance over its floor, `LOST` where the plant diverges."""
-    return np.nan_to_num(balance.stacked(values), nan=LOST, posinf=LOST, neginf=-LOST)
+    residual = balance.stacked(values)
+    return np.where(np.isfinite(residual), residual, np.resize((LOST, -LOST), residual.size))
 
 
 def over(fitted: Fit, balance: Balance) -> Fit:
