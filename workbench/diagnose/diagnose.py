@@ -51,7 +51,8 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None
     if base is not None:
-        simulation = simulation_stage(experiment, simulated, stage.simulation_start(effects), base, progress)
+        start = stage.simulation_start(effects)
+        simulation = simulation_stage(experiment, base.fit.balance.motions, start, base, progress)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
 

@@ -41,7 +41,7 @@ FORESEEN = 0.4
 """Share of the expected gain from which a Jacobian is learnt."""
 
 BENDS = 3
-"""Times that a step is bent, at most, which does not gain what was expected."""
+"""Times that a step near noise is bent, at most, which does not gain what was expected."""
 
 SETTLED, NEAR = 0.1, 3.0
 """Gain of a step below which a search ends at the latest, of one whose residual has an rms of at most so many standard
@@ -64,7 +64,7 @@ class Search:
 
     def least(self, cost: float, rows: int) -> float:
         """Gain of a step below which a search ends at a sum of squares `cost`."""
-        return min(self.flat * cost, SETTLED if cost < NEAR**2 * rows else np.inf)
+        return min(self.flat * cost, SETTLED if near(cost, rows) else np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +80,13 @@ class Solution:
 
 
 Residual = Callable[[np.ndarray], np.ndarray]
+
+
+def near(cost: float, rows: int) -> bool:
+    """Whether a sum of squares over so many rows is near to that of noise: farther off residuals are rugged, and long
+    steps lead into hollows.
+    """
+    return cost < NEAR**2 * rows
 
 
 def jacobian_of(
@@ -128,7 +135,7 @@ def least_squares(
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         way = _Way(residual, x, base, jacobian, damping, low, high)
-        trial, new, bends = way.bent(GOOD)
+        trial, new, bends = way.bent(BENDS if near(cost, base.size) else 0)
         evaluations += 1
         gained, expected, least = cost - float(new @ new), way.expected, search.least(cost, base.size)
         if gained > 0.0:
@@ -230,14 +237,14 @@ class _Way:
         """By how much the step should lower the sum of squares."""
         return float(-2.0 * self.gradient @ self.step - self.step @ (self.damped @ self.step))
 
-    def bent(self, good: float) -> tuple[np.ndarray, np.ndarray, int]:
-        """Where the step leads, the residual there, and how often it was bent: by the Gauss-Newton step that takes away
-        what curvature adds to the residual, as long as that leaves less and the step gains less than a `good` share of
-        what was expected.
+    def bent(self, most: int) -> tuple[np.ndarray, np.ndarray, int]:
+        """Where the step leads, the residual there, and how often it was bent, at `most`: by the Gauss-Newton step that
+        takes away what curvature adds to the residual, as long as that leaves less and the step gains less than was
+        expected.
         """
         cost, bends = float(self.base @ self.base), 0
         place, found = self._at(self.step)
-        while cost - found @ found < good * self.expected and bends < BENDS:
+        while bends < most and cost - found @ found < GOOD * self.expected:
             off = found - self.base - self.jacobian @ (place - self.x)
             bend = bounded_minimum(self.damped, self.jacobian.T @ off, self.low - place, self.high - place)
             if self._length(bend) > self._length(self.step):

@@ -74,7 +74,7 @@ class Motion:
     `noise` has for each channel the standard deviation of its raw noise, that of twelve bits at least, `sensed` without
     that limit; `smooth` what the filter leaves of it, and of the position's derivatives: factors in 1, 1/s, 1/s^2.
 
-    `whole` is set where a fit looks at every sample, and not at one of a `grain`.
+    `whole` is set where a fit looks at every sample, and not at one of a `grain`, or `finer` times as many.
     """
 
     record: Record
@@ -93,6 +93,7 @@ class Motion:
     smooth: tuple[float, float, float]
     slack: tuple[np.ndarray, np.ndarray, np.ndarray]
     whole: bool = False
+    finer: int = 1
 
     @property
     def creep(self) -> float:
@@ -112,7 +113,7 @@ class Motion:
     @property
     def thinning(self) -> int:
         """Every how many samples a fit looks at."""
-        return 1 if self.whole else self.grain
+        return 1 if self.whole else max(self.grain // self.finer, 1)
 
     @property
     def stride(self) -> int:

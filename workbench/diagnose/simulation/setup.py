@@ -7,6 +7,7 @@ import numpy as np
 
 from plants.equation import fields
 from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
+from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import is_sensed, kept_beside
@@ -20,6 +21,11 @@ from workbench.simulation.simulate import Setup
 AWAY, ODD = 30.0, 1e3
 """Times what a record shows of the position at which a simulation has left it, and times what is typical of a state up
 to which it goes in any case.
+"""
+
+COLOURED, FINER = 1.1, 4
+"""Standard deviations of what is left over those of what could not be foreseen of it, from which it is coloured; and
+times that a fit then looks more often.
 """
 
 ASTRAY = 0.1
@@ -77,6 +83,22 @@ def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Moti
     """
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
     return [replace(motion, whole=is_sensed(along, motion)) for motion in motions]
+
+
+def is_coloured(fitted: Fit) -> bool:
+    """Whether what a fit leaves of a channel can be foreseen from what it left before."""
+    for slices in fitted.balance.series:
+        for place, white in zip(slices, fitted.weighing.filters, strict=True):
+            if white.numbers[0] * float(np.std(fitted.residual[place])) > COLOURED:
+                return True
+    return False
+
+
+def as_coloured(motions: Sequence[Motion]) -> list[Motion]:
+    """Motions as a simulation looks at them whose noise is coloured: means over a grain keep all that white noise lets
+    one see of a slow motion, but noise that falls with the frequency hides least where it is fastest.
+    """
+    return [replace(motion, finer=FINER) for motion in motions]
 
 
 def follows(how: Shooting, motions: Sequence[Motion], values: Values) -> bool:

@@ -36,7 +36,7 @@ from workbench.diagnose.simulation.fits import (
     settle,
 )
 from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
-from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
@@ -141,9 +141,18 @@ class SimulationStart:
 def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
-    """The declared plant simulated along the records from end to end; None where they cannot be simulated."""
+    """The declared plant simulated along the records from end to end, the motions of whose fit are those to go on with;
+    None where they cannot be simulated.
+    """
     progress("simulating the declared plant", 0.2)
-    return _simulated(experiment, motions, [start.baseline], start.free)
+    base = _simulated(experiment, motions, [start.baseline], start.free)
+    if base is None or not (base.is_near and is_coloured(base.fit)):
+        return base
+    finer = as_coloured(motions)
+    if all(motion.thinning == before.thinning for motion, before in zip(finer, motions, strict=True)):
+        return base
+    fitting = Fitting(finer, base.fit.names, experiment.bounds)
+    return fitting.final(fitting.found(base.how, base.fit.values))
 
 
 def _simulated(
