@@ -6,11 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from driven import driven_shooting
+from scipy.signal import lfilter
 
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
-from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.null import QUICKEST
 from workbench.diagnose.simulation.beside import FILTERED, SHAKES
 from workbench.diagnose.simulation.fits import (
@@ -24,7 +25,7 @@ from workbench.diagnose.simulation.fits import (
     left_of_pieces,
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
-from workbench.diagnose.simulation.setup import follows, shooting_of
+from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build, named_sets, read_parameters
@@ -292,3 +293,39 @@ def test_what_is_over_noise_is_told_whatever_its_colour(made: Made) -> None:
     assert drifting.excess == pytest.approx(drifting.rms, rel=1e-6)
     loud = replace(fitted, residual=1.5 * fitted.residual)
     assert loud.excess == pytest.approx(1.0, abs=0.1)
+
+
+def noisy(made: Made, noise: np.ndarray) -> tuple[Shooting, Motion]:
+    """The same with further noise of the position."""
+    how, (motion,), _ = made
+    record = motion.record
+    other = replace(record, channels={**record.channels, "position": record.channels["position"] + noise})
+    return replace(how, setups={other: how.setups[record]}), motion_of(other)
+
+
+def test_in_coloured_noise_a_fit_looks_more_often_and_sees_more_of_what_is_fast(made: Made) -> None:
+    """Noise that falls above 2 Hz, 100 um of it, and 3 um at 60 Hz in it: beyond the means over 10 ms."""
+    _, (motion,), truth = made
+    draw, size = np.random.default_rng(2), motion.measured["position"].size
+    slow = lfilter([1.0], [1.0, -np.exp(-2.0 * np.pi * 2.0 * motion.sample_time)], draw.standard_normal(size))
+    slow *= 1e-4 / np.std(slow)
+    ripple = 3e-6 * np.sin(2.0 * np.pi * 60.0 * np.arange(size) * motion.sample_time)
+    seen = []
+    for looks in (1, FINER):
+        fits = []
+        for noise in (slow, slow + ripple):
+            how, other = noisy(made, noise)
+            (looked,) = as_coloured([other]) if looks > 1 else [other]
+            fitting = Fitting([looked], (), {})
+            fits.append(fitting.final(fitting.begun(how, truth)).fit)
+        assert is_coloured(fits[0])
+        seen.append(np.linalg.norm(fits[0].weighing(fits[1].residual - fits[0].residual)))
+    assert seen[1] > 2.0 * seen[0]
+
+
+def test_white_noise_is_not_coloured(made: Made) -> None:
+    how, motions, truth = made
+    fitting = Fitting(motions, (), {})
+    assert not is_coloured(fitting.final(fitting.begun(how, truth)).fit)
+    (finer,) = as_coloured(motions)
+    assert (motions[0].thinning, finer.thinning, finer.grain) == (10, 2, 10)
