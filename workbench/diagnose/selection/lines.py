@@ -79,7 +79,7 @@ def swinging(fitted: Fit, signal: str, band: Band, damping: float) -> list[float
             residual = fitted.weighed[place]  # a band stands out of white noise alone
             scatter = float(np.mean(residual**2))
             if scatter > 0.0:
-                power += np.abs(_spectrum(values, residual, frequencies)) ** 2 / (scatter * residual.size)
+                power += np.abs(_spectra(values, residual[None, :], frequencies)[0]) ** 2 / (scatter * residual.size)
     return _peaks(frequencies, _of_bands(frequencies, power, damping), band, damping)
 
 
@@ -105,8 +105,7 @@ def matched(fitted: Fit, signal: str, band: Band, made: Sequence[np.ndarray]) ->
             turned = [wave[place] * np.exp(-2j * np.pi * one * values) for one, wave in zip(places, made, strict=True)]
             squares += np.real(np.conj(turned) @ np.transpose(turned))
             for share, own in zip(shares, turned, strict=True):
-                for found, row in zip(products, looked[place].T, strict=True):
-                    found += share * _spectrum(values, np.conj(own) * row, frequencies)
+                products += share * _spectra(values, np.conj(own) * looked[place].T, frequencies)
     slope, taken = np.abs(products[0]) ** 2, np.sum(np.abs(products[1:]) ** 2, axis=0)
     size = np.einsum("kf,kl,lf->f", shares, squares, shares)
     return _peaks(frequencies, slope / np.maximum(size - taken, HIDDEN * float(np.max(size)) + 1e-300), band)
@@ -132,18 +131,17 @@ def _along(balance: Balance, signal: str) -> list[np.ndarray]:
     return [signals_of(motion.thinned)[signal] for motion in balance.motions]
 
 
-def _spectrum(signal: np.ndarray, residual: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
-    """sum r exp(-2 pi i f s) of a residual r over a signal s, for each frequency f: sums over bins of the signal that
-    are an eighth of the shortest period.
+def _spectra(signal: np.ndarray, residuals: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+    """sum r exp(-2 pi i f s) of each residual r (a row) over a signal s, for each frequency f, shape (residuals,
+    frequencies): sums over bins of the signal that are an eighth of the shortest period.
     """
-    edges = np.linspace(
-        float(np.min(signal)), float(np.max(signal)), int(8.0 * float(frequencies[-1]) * float(np.ptp(signal))) + 2
-    )
-    bin_of = np.clip(np.digitize(signal, edges) - 1, 0, edges.size - 2)
-    sums = np.bincount(bin_of, residual.real, edges.size - 1) + 1j * np.bincount(bin_of, residual.imag, edges.size - 1)
+    low, high = float(np.min(signal)), float(np.max(signal))
+    edges = np.linspace(low, high, int(8.0 * float(frequencies[-1]) * (high - low)) + 2)
+    places, count = np.clip(np.digitize(signal, edges) - 1, 0, edges.size - 2), edges.size - 1
+    sums = [np.bincount(places, row.real, count) + 1j * np.bincount(places, row.imag, count) for row in residuals]
     ends, bins = (float(frequencies[0]), float(frequencies[-1])), 1.0 / float(edges[1] - edges[0])
     turned = np.exp(-2j * np.pi * frequencies * 0.5 * (edges[0] + edges[1]))
-    return np.asarray(turned * zoom_fft(sums, ends, frequencies.size, fs=bins, endpoint=True))
+    return np.asarray(turned * zoom_fft(np.array(sums), ends, frequencies.size, fs=bins, endpoint=True))
 
 
 def _peaks(frequencies: np.ndarray, power: np.ndarray, band: Band, damping: float = 0.0) -> list[float]:
