@@ -86,6 +86,9 @@ FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 """Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
 least tolerance."""
 
+ALIKE = 0.01
+"""Part by which what a free run's loop leaves differs from what the next weaker one does, from which none leads it."""
+
 FARTHEST = 5.0
 """Times the rms of the median piece from which a piece went astray."""
 
@@ -213,10 +216,14 @@ class Fitting:
         weaker and weaker loops from these values on: of a plant far from noise, whose start would make up for what it
         lacks. Of its hollows that one counts into which parameters lead that hold beside the record.
         """
-        sensed = whole.as_sensed(self.motions)
+        sensed, before = whole.as_sensed(self.motions), np.inf
         for crossover in crossovers(whole, self.motions, values):
             led = sensed.led(self.motions, values, crossover).balance(self.motions, self.names)
-            values = fit(led, values, self.names, self.bounds, QUICK).values
+            found = fit(led, values, self.names, self.bounds, QUICK)
+            values = found.values
+            if abs(found.rms / before - 1.0) < ALIKE:
+                break  # what is left is no longer the loop's
+            before = found.rms
         return fit(sensed.balance(self.motions, self.names), values, self.names, self.bounds, THOROUGH)
 
 
