@@ -54,17 +54,24 @@ class Search:
     there were many; and the largest `step` of a difference quotient, of an unknown or of 1, whichever is larger.
 
     Where difference quotients are dear a search `learns`: a step whose gain was foreseen corrects the Jacobian, which
-    is then no exact one, at the end either.
+    is then no exact one, at the end either. A residual that is `rugged` is never near noise, whatever it weighs.
     """
 
     flat: float = 1e-7
     most_steps: int = 100
     learns: bool = False
     step: float = 1e-4
+    rugged: bool = False
+
+    def is_near(self, cost: float, rows: int) -> bool:
+        """Whether a sum of squares over so many rows is near to that of noise: farther off residuals are rugged, and
+        long steps lead into hollows.
+        """
+        return not self.rugged and cost < NEAR**2 * rows
 
     def least(self, cost: float, rows: int) -> float:
         """Gain of a step below which a search ends at a sum of squares `cost`."""
-        return min(self.flat * cost, SETTLED if near(cost, rows) else np.inf)
+        return min(self.flat * cost, SETTLED if self.is_near(cost, rows) else np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +87,6 @@ class Solution:
 
 
 Residual = Callable[[np.ndarray], np.ndarray]
-
-
-def near(cost: float, rows: int) -> bool:
-    """Whether a sum of squares over so many rows is near to that of noise: farther off residuals are rugged, and long
-    steps lead into hollows.
-    """
-    return cost < NEAR**2 * rows
 
 
 def jacobian_of(
@@ -135,7 +135,7 @@ def least_squares(
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         way = _Way(residual, x, base, jacobian, damping, low, high)
-        trial, new, bends = way.bent(BENDS if near(cost, base.size) else 0)
+        trial, new, bends = way.bent(BENDS if search.is_near(cost, base.size) else 0)
         evaluations += 1
         gained, expected, least = cost - float(new @ new), way.expected, search.least(cost, base.size)
         if gained > 0.0:

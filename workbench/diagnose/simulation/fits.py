@@ -49,6 +49,9 @@ balances give: beyond it what the model lacks decides them, and what adds up ove
 PIECES = (20, 80, 320, 1280)
 """Grains of a record in a piece, from the shortest."""
 
+RUGGED = replace(QUICK, rugged=True)
+"""When a fit ends that is not near noise, though it weighs as if it were."""
+
 ROUNDS = 20
 """Times that parameters, and then states at the starts, are found, at most."""
 
@@ -87,7 +90,7 @@ FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 least tolerance."""
 
 ALIKE = 0.01
-"""Part by which what a free run's loop leaves differs from what the next weaker one does, from which none leads it."""
+"""Part by which what a loop leaves differs from what the one before did, up to which it no longer decides."""
 
 FARTHEST = 5.0
 """Times the rms of the median piece from which a piece went astray."""
@@ -198,9 +201,9 @@ class Fitting:
     def _once(self, of: Simulated) -> Simulated:
         """The parameters with starts that follow them to first order, and then these starts."""
         balance = of.how.balance(self.motions, self.names)
-        weigh = by_scatter if of.fit.excess > NEAR_NOISE else weighing_of
+        weigh, search = (by_scatter, RUGGED) if of.fit.excess > NEAR_NOISE else (weighing_of, QUICK)
         weighing = _without_astray(weighed_by(weigh, of.fit, of.starting), of)
-        fitted = fit(balance, of.fit.values, self.names, self.bounds, QUICK, weighing)
+        fitted = fit(balance, of.fit.values, self.names, self.bounds, search, weighing)
         return self.begun(of.how, fitted.values)
 
     def final(self, of: Simulated) -> Simulated:
@@ -216,14 +219,14 @@ class Fitting:
         weaker and weaker loops from these values on: of a plant far from noise, whose start would make up for what it
         lacks. Of its hollows that one counts into which parameters lead that hold beside the record.
         """
-        sensed, before = whole.as_sensed(self.motions), np.inf
+        sensed, left = whole.as_sensed(self.motions), list[float]()
         for crossover in crossovers(whole, self.motions, values):
             led = sensed.led(self.motions, values, crossover).balance(self.motions, self.names)
             found = fit(led, values, self.names, self.bounds, QUICK)
             values = found.values
-            if abs(found.rms / before - 1.0) < ALIKE:
+            left.append(found.rms)
+            if _are_alike(left):
                 break  # what is left is no longer the loop's
-            before = found.rms
         return fit(sensed.balance(self.motions, self.names), values, self.names, self.bounds, THOROUGH)
 
 
@@ -292,14 +295,17 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         left.append(led.fit.excess)
         if min(left[-PATIENCE:]) > max(min(left), ASTRAY) or led.fit.rms > first.fit.rms:
             break  # something is missing that no parameters make up for
-        if led.is_astray:
-            continue
         free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:
             best = free
-        if free.fit.excess < NEAR_NOISE and free.fit.rms < AT_NOISE * led.fit.rms:
+        if free.fit.rms < AT_NOISE * led.fit.rms and (free.fit.excess < NEAR_NOISE or _are_alike(left)):
             break
     return first if best is first else fitting.final(fitting.bettered(best))
+
+
+def _are_alike(left: Sequence[float]) -> bool:
+    """Whether the last two loops left the same."""
+    return len(left) > 1 and abs(left[-1] / left[-2] - 1.0) < ALIKE
 
 
 def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> Iterator[float]:
