@@ -70,11 +70,11 @@ class Number:
 
     A number that does not size an effect but shapes it, and does nothing while those that size it are neutral, has no
     size of its own: a search of it begins from each value of the `grid`, in the same multiples. If it is the period
-    over a signal, "position" or "time", `period_of` names that, and `frequency_of` if it is the frequency: a
-    periodogram of what is left over the signal then tells where to begin, and the first number of the effect is the
-    amplitude of the cosine. What swings at its frequency, with the
-    damping ratio that `damped_by` names, stands out of that over a band, and where it is moved far from there it shows
-    none: it begins from the grid, too.
+    over a signal, "position" or "time", `period_of` names that, and `frequency_of` if it is the frequency: it begins
+    where waves over the signal take most of what is left, of which the effect's first two numbers are the amplitudes of
+    cosine and sine. What swings at its frequency, with the damping ratio that `damped_by` names, stands out of a
+    periodogram of what is left over a band, and where it is moved far from there it shows none: it begins from the
+    grid, too.
     """
 
     low: float

@@ -81,7 +81,7 @@ def test_a_compliance_that_quickens_the_loop_gains_by_means_and_costs_by_every_s
 def test_a_plant_that_its_command_drives_is_looked_at_by_means(tmp_path: Path) -> None:
     experiment = read_experiment(driven_experiment(tmp_path, 0.0, NOISE, 3.0))
     (motion,) = as_simulated(experiment, motions_of(experiment, read_records(experiment)))
-    assert (motion.whole, motion.thinning) == (False, 10)
+    assert (motion.finer, motion.thinning) == (1, 10)
 
 
 def test_a_long_rest_tells_nothing_and_turning_back_does() -> None:

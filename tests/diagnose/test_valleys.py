@@ -19,9 +19,8 @@ from workbench.fitting.least_squares import Search
 
 NAMES = ("spring_stiffness", "viscous")
 TRUTH = {"spring_stiffness": 2000.0, "viscous": 300.0}
-NARROW = Search(flat=1e-3, most_steps=15)
-STARTS = (1550.0, 1600.0, 1700.0, 1800.0, 2300.0, 2400.0, 2500.0, 2600.0, 2700.0, 2800.0)
-"""N/m"""
+NARROW = Search(flat=1e-3, most_steps=15, rugged=True)
+STARTS = ({"spring_stiffness": 1600.0, "viscous": 340.0}, {"spring_stiffness": 2600.0, "viscous": 340.0})
 
 
 def hollowed(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
@@ -51,20 +50,15 @@ class Beginning(Fitting):
         return Simulated(best.how, fit(best.how.balance(self.motions, NAMES), best.fit.values, NAMES, {}, NARROW))
 
 
-def test_fits_that_ended_in_a_hollow_get_to_the_bottom() -> None:
-    """From many starts, since in which hollow a fit ends is luck."""
+@pytest.mark.parametrize("start", STARTS)
+def test_a_fit_that_ended_in_a_hollow_gets_to_the_bottom(start: Values) -> None:
     how, fitting = cast(Shooting, Hollowed()), Beginning([made_motion()], NAMES, {})
-    balance = how.balance(fitting.motions, NAMES)
-    ended = [fit(balance, {"spring_stiffness": start, "viscous": 340.0}, NAMES, {}, NARROW) for start in STARTS]
-    hollow = [one for one in ended if one.rms > 1.1]
-    assert len(hollow) >= 0.6 * len(STARTS)
-    assert np.median([one.rms for one in hollow]) > 1.5
-    found = [along_valley(fitting, Simulated(how, one)).fit for one in hollow]
-    assert all(after.rms < before.rms for before, after in zip(hollow, found, strict=True))
-    assert np.median([one.rms for one in found]) == pytest.approx(1.0, abs=0.1)
+    ended = fit(how.balance(fitting.motions, NAMES), start, NAMES, {}, NARROW)
+    assert ended.rms > 1.5
+    found = along_valley(fitting, Simulated(how, ended))
+    assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in NAMES:
-        off = [abs(one.values[name] / TRUTH[name] - 1.0) for one in found]
-        assert np.median(off) < 0.05, name
+        assert found.fit.values[name] == pytest.approx(TRUTH[name], rel=0.04), name
 
 
 def test_a_fit_that_is_at_noise_stays() -> None:

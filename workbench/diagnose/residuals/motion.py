@@ -74,7 +74,7 @@ class Motion:
     `noise` has for each channel the standard deviation of its raw noise, that of twelve bits at least, `sensed` without
     that limit; `smooth` what the filter leaves of it, and of the position's derivatives: factors in 1, 1/s, 1/s^2.
 
-    `whole` is set where a fit looks at every sample, and not at one of a `grain`, or `finer` times as many.
+    A fit looks at one sample of a `grain`, or `finer` times as often.
     """
 
     record: Record
@@ -92,7 +92,6 @@ class Motion:
     sensed: Mapping[str, float]
     smooth: tuple[float, float, float]
     slack: tuple[np.ndarray, np.ndarray, np.ndarray]
-    whole: bool = False
     finer: int = 1
 
     @property
@@ -113,7 +112,7 @@ class Motion:
     @property
     def thinning(self) -> int:
         """Every how many samples a fit looks at."""
-        return 1 if self.whole else max(self.grain // self.finer, 1)
+        return max(self.grain // self.finer, 1)
 
     @property
     def stride(self) -> int:

@@ -118,7 +118,7 @@ def _directions(jacobian: np.ndarray) -> np.ndarray:
     return left[:, shares > HIDDEN * shares.max(initial=0.0)]
 
 
-def apart(frequencies: Iterable[float], band: Band, damping: float = 0.0) -> list[float]:
+def _apart(frequencies: Iterable[float], band: Band, damping: float = 0.0) -> list[float]:
     """Those of some frequencies, the first first, that records tell apart from those before."""
     chosen = list[float]()
     for one in frequencies:
@@ -146,7 +146,7 @@ def _spectra(signal: np.ndarray, residuals: np.ndarray, frequencies: np.ndarray)
 
 def _peaks(frequencies: np.ndarray, power: np.ndarray, band: Band, damping: float = 0.0) -> list[float]:
     """Where a power is largest, as many places as are tried."""
-    return apart(frequencies[np.argsort(-power)].tolist(), band, damping)[:PEAKS]
+    return _apart(frequencies[np.argsort(-power)].tolist(), band, damping)[:PEAKS]
 
 
 def _of_bands(frequencies: np.ndarray, power: np.ndarray, damping: float) -> np.ndarray:

@@ -82,7 +82,7 @@ def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Moti
     a load that hangs behind a spring, would gain by them.
     """
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
-    return [replace(motion, whole=is_sensed(along, motion)) for motion in motions]
+    return [replace(motion, finer=motion.grain) if is_sensed(along, motion) else motion for motion in motions]
 
 
 def is_coloured(fitted: Fit) -> bool:
@@ -98,7 +98,7 @@ def as_coloured(motions: Sequence[Motion]) -> list[Motion]:
     """Motions as a simulation looks at them whose noise is coloured: means over a grain keep all that white noise lets
     one see of a slow motion, but noise that falls with the frequency hides least where it is fastest.
     """
-    return [replace(motion, finer=FINER) for motion in motions]
+    return [replace(motion, finer=max(motion.finer, FINER)) for motion in motions]
 
 
 def follows(how: Shooting, motions: Sequence[Motion], values: Values) -> bool:
