@@ -2,7 +2,7 @@
 
 A curve has a switch (`_share`, 0: off), the range of its signal and values at even distances over it, in the unit and
 with the sign of the balance's residual: above 0 more acts than the plant explains. Beyond the range it is constant.
-No cause is named, and no diagnosis looks for one: it is what a diagnosis offers for what no effect explains.
+No cause is named, and no diagnosis names one: it is what a diagnosis offers for what no effect explains.
 
 Between the nodes runs a cubic with the slopes of Fritsch and Carlson (1980; harmonic means of the rises on either
 side): continuous in value and slope, which an integrator with error control asks for and lines do not give, and nowhere
@@ -11,7 +11,7 @@ behind its own, it needs no search for the interval, and runs in NumPy, compiled
 """
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -23,11 +23,15 @@ from plants.effects.scales import Scales, duration, force, pressure, travel, vol
 from plants.equation import Equation, Scalar, equation, named_tuple, select
 from plants.hydraulics import oil_volume, oil_volumes
 from plants.laws.interface import Nothing
+from plants.pneumatics import NORMAL_DENSITY, air_volumes, specific_energy
 
 NODES = 12
 """Of a curve."""
 
 WORDS = "not understood: what the {balance} balance lacks, over the {signal}"
+
+ATMOSPHERE = 101325.0
+"""Pa."""
 
 SHARE, LOW, HIGH = "share", "low", "high"
 """What a curve has beside its values, behind its name."""
@@ -122,10 +126,18 @@ def capacity_1(p: Any) -> Scalar:
     return oil_volumes(0.0, p.hydraulics, p.cylinder)[0] / p.hydraulics.bulk_modulus
 
 
+@equation
+def air_capacity_1(p: Any) -> Scalar:
+    """V / (n R T) (kg/Pa) of the first chamber in mid-stroke."""
+    return air_volumes(0.0, p.pneumatics)[0] / (p.pneumatics.polytropic_exponent * specific_energy(p.pneumatics))
+
+
 def _flow_over(signal: Equation, taken: Equation) -> Equation:
     @equation
     def lacking(rate: Scalar, moment: Moment, memory: Nothing, p: Any, own: Any) -> Scalar:
-        """dP/dt + Q / C (Pa/s), C the capacity to which the residual of the balance is referred."""
+        """dP/dt + Q / C (Pa/s), Q a flow (m^3/s; kg/s of air), C the capacity to which the balance's residual is
+        referred.
+        """
         return rate + own[0] * curve(signal(moment), own) / taken(p)
 
     return lacking
@@ -144,6 +156,11 @@ def flow(scales: Scales) -> float:
     return scales.flow
 
 
+def air_flow(scales: Scales) -> float:
+    """kg/s, of air at the supply's pressure."""
+    return NORMAL_DENSITY * (1.0 + scales.pressure / ATMOSPHERE) * scales.flow
+
+
 Scale = Callable[[Scales], float]
 
 SIGNALS: Mapping[str, tuple[str, Equation, Scale, tuple[str, ...]]] = {
@@ -158,12 +175,30 @@ SIGNALS: Mapping[str, tuple[str, Equation, Scale, tuple[str, ...]]] = {
 """Of each signal, as a diagnosis calls it, the unit, its value at an instant, its scale and what a plant needs to have
 it."""
 
-BALANCES: Mapping[str, tuple[str, Scale, tuple[str, ...]]] = {
-    "force": ("N", force, ("position", "velocity", "load_pressure", "time")),
-    "flow": ("m^3/s", flow, ("pressure_1", "pressure_2", "valve_voltage", "position")),
+
+class Kind(NamedTuple):
+    """Of which balance curves are, their unit and scale, the signals over which there are some, what of its parameters
+    a plant needs for them, and the capacities to which the rate of a first chamber's pressure, and of a load pressure,
+    is referred.
+    """
+
+    balance: str
+    unit: str
+    scale: Scale
+    signals: tuple[str, ...]
+    needs: tuple[str, ...] = ()
+    capacities: Mapping[str, Equation] = {}
+
+
+FLOWS = ("pressure_1", "pressure_2", "valve_voltage", "position")
+
+KINDS: Mapping[str, Kind] = {
+    "force": Kind("force", "N", force, ("position", "velocity", "load_pressure", "time")),
+    "flow": Kind("flow", "m^3/s", flow, FLOWS, ("hydraulics",), {"pressure_1": capacity_1, "load_pressure": capacity}),
+    "air_flow": Kind("flow", "kg/s", air_flow, FLOWS, ("pneumatics",), {"pressure_1": air_capacity_1}),
 }
-"""Of each balance the unit, its scale and the signals over which there are curves. The flow is that into the first
-chamber, or where a plant has a load pressure alone that which changes it: the first residual of the balance."""
+"""By what their names say. The flow is that into the first chamber, or where a plant has a load pressure alone that
+which changes it: the first residual of the balance."""
 
 
 def nodes_of(name: str) -> tuple[str, ...]:
@@ -171,29 +206,29 @@ def nodes_of(name: str) -> tuple[str, ...]:
     return MAP_NODES if name == FORCE_MAP.name else tuple(f"{name}_{k:02d}" for k in range(1, NODES + 1))
 
 
-def _curve(balance: str, signal: str) -> Effect:
-    name = f"{signal}_{balance}_curve"
-    (unit, at, scale, needed), (own_unit, size, _) = SIGNALS[signal], BALANCES[balance]
-    is_force, over = balance == "force", signal.replace("_", " ")
+def _curve(kind: str, signal: str) -> Effect:
+    name, of = f"{signal}_{kind}_curve", KINDS[kind]
+    unit, at, scale, needed = SIGNALS[signal]
+    over = signal.replace("_", " ")
     units = {
         f"{name}_{SHARE}": "1",
         f"{name}_{LOW}": unit,
         f"{name}_{HIGH}": unit,
-        **dict.fromkeys(nodes_of(name), own_unit),
+        **dict.fromkeys(nodes_of(name), of.unit),
     }
     members: dict[str, Any] = {each: Annotated[float, own] for each, own in units.items()}
     return Effect(
         name=name,
-        balance=balance,
-        words=WORDS.format(balance=balance, signal=over),
+        balance=of.balance,
+        words=WORDS.format(balance=of.balance, signal=over),
         source="Fritsch and Carlson 1980",
         numbers={
             f"{name}_{SHARE}": Number(0.0, 1.0, 1.0),
             **dict.fromkeys((f"{name}_{LOW}", f"{name}_{HIGH}"), Number(-FREE, FREE, 1.0, scale)),
-            **dict.fromkeys(nodes_of(name), Number(-FREE, FREE, 0.02, size)),
+            **dict.fromkeys(nodes_of(name), Number(-FREE, FREE, 0.02, of.scale)),
         },
         sought=False,
-        requires=needed if is_force else ("hydraulics", *needed),
+        requires=(*of.needs, *needed),
         Own=named_tuple(
             "".join(part.capitalize() for part in name.split("_")),
             __name__,
@@ -201,15 +236,20 @@ def _curve(balance: str, signal: str) -> Effect:
             {each: 1.0 if each == f"{name}_{HIGH}" else 0.0 for each in units},
             f"Share that acts (0: off), the range of the {over}, and values at {NODES} even places over it.",
         ),
-        inputs={DISTURBANCE: _force_over(at)} if is_force else {},
-        rates={} if is_force else {"pressure_1": _flow_over(at, capacity_1), "load_pressure": _flow_over(at, capacity)},
+        inputs={} if of.capacities else {DISTURBANCE: _force_over(at)},
+        rates={state: _flow_over(at, taken) for state, taken in of.capacities.items()},
     )
 
 
 CURVES: Mapping[tuple[str, str], Effect] = {
-    (balance, signal): _curve(balance, signal) for balance, (_, _, signals) in BALANCES.items() for signal in signals
+    (kind, signal): _curve(kind, signal) for kind, of in KINDS.items() for signal in of.signals
 }
-"""By balance and signal, in the order in which they act."""
+"""By kind and signal, in the order in which they act."""
+
+
+def curves_over(balance: str, signal: str) -> list[Effect]:
+    """Those of a balance over a signal: one for each kind of plant."""
+    return [effect for (_, over), effect in CURVES.items() if (effect.balance, over) == (balance, signal)]
 
 
 _SWITCHES = {

@@ -81,10 +81,14 @@ NODES = np.array([1.0, 0.4, -0.3, -0.3, 0.2, 1.1, 0.9, 1.4, 2.0, -1.0, 0.5, 0.7]
 """Of a curve that rises, falls, rests and turns."""
 
 
-def curve_of(balance: str, signal: str, share: float = 1.0) -> dict[str, float]:
-    """The parameters of a curve of up to 60 N or 2e-6 m^3/s over the range of a signal."""
-    size = {"force": 30.0, "flow": 1e-6}[balance]
-    return dict(zip(CURVES[balance, signal].own_names, [share, *RANGES[signal], *(size * NODES).tolist()], strict=True))
+CURVE_SIZES = {"force": 30.0, "flow": 1e-6, "air_flow": 1e-5}
+"""N, m^3/s and kg/s, of curves."""
+
+
+def curve_of(kind: str, signal: str, share: float = 1.0) -> dict[str, float]:
+    """The parameters of a curve of up to twice its size over the range of a signal."""
+    values = [share, *RANGES[signal], *(CURVE_SIZES[kind] * NODES).tolist()]
+    return dict(zip(CURVES[kind, signal].own_names, values, strict=True))
 
 
 for chosen in CURVES:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from effect_machines import MAP, NODES, RANGES, TRUTH, at_rest, curve_of, having, map_of
+from effect_machines import CURVE_SIZES, MAP, NODES, RANGES, TRUTH, at_rest, curve_of, having, map_of
 from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 from thesis_actuator import along
 
@@ -66,7 +66,8 @@ SIGNALS = {
 def moved(plant: Plant, parameters: object) -> tuple[object, object]:
     """A state where the signals are as above, and inputs."""
     _, p = having(plant.bare.name if plant.bare else plant.name, {})
-    spool = SIGNALS["valve_voltage"] * p.hydraulics.valve_position_gain if hasattr(p, "hydraulics") else 0.0
+    valve = getattr(p, "hydraulics", None) or getattr(p, "pneumatics", None)
+    spool = SIGNALS["valve_voltage"] * valve.valve_position_gain if valve else 0.0
     states = {**SIGNALS, "spool_position": spool}
     known = plant.State._fields
     return at_rest(plant, parameters, **{name: value for name, value in states.items() if name in known})
@@ -78,17 +79,19 @@ def pressures_of(plant: Plant, state: object, parameters: object) -> dict[str, f
     return {"pressure_1": float(shown.pressure_1), "pressure_2": float(shown.pressure_2)}
 
 
-@pytest.mark.parametrize("name", ["non_rotating", "rotating_helical", "two_chamber", "drive_force", "rotary_torque"])
+@pytest.mark.parametrize(
+    "name", ["non_rotating", "rotating_helical", "two_chamber", "pneumatic_cylinder", "drive_force", "rotary_torque"]
+)
 @pytest.mark.parametrize("balance", ["force", "flow"])
 def test_a_curve_adds_its_value_to_the_residual_of_its_balance(name: str, balance: str) -> None:
     """The rate that it adds, in the scale of the balance, is the curve where the signal is."""
     bare = plants()[name]
-    for (of, signal), effect in CURVES.items():
-        if of != balance or lacks(bare, effect.along(bare.axis)):
+    for (kind, signal), effect in CURVES.items():
+        if effect.balance != balance or lacks(bare, effect.along(bare.axis)):
             continue
         plant = bare.with_effects(effect)
-        parameters = build(plant.Parameters, along(plant, {**TRUTH, **curve_of(balance, signal)}))
-        without = build(plant.Parameters, along(plant, {**TRUTH, **curve_of(balance, signal, share=0.0)}))
+        parameters = build(plant.Parameters, along(plant, {**TRUTH, **curve_of(kind, signal)}))
+        without = build(plant.Parameters, along(plant, {**TRUTH, **curve_of(kind, signal, share=0.0)}))
         state, inputs = moved(plant, parameters)
         place = plant.State._fields.index(plant.balances[balance].states[0])
         rates, before = (plant.derivatives(SIGNALS["time"], state, inputs, p)[place] for p in (parameters, without))
@@ -97,9 +100,8 @@ def test_a_curve_adds_its_value_to_the_residual_of_its_balance(name: str, balanc
         if np.isfinite(plant.measure(state, parameters).pressure_1):
             pressures = pressures_of(plant, state, parameters)
             signals = {**SIGNALS, **pressures, "load_pressure": pressures["pressure_1"] - pressures["pressure_2"]}
-        size = 30.0 if balance == "force" else 1e-6
         low, high = RANGES[signal]
-        expected = size * PchipInterpolator(np.linspace(low, high, NODES.size), NODES)(signals[signal])
+        expected = CURVE_SIZES[kind] * PchipInterpolator(np.linspace(low, high, NODES.size), NODES)(signals[signal])
         assert scale * (rates - before) == pytest.approx(expected, rel=1e-6), (name, signal)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from plants.effects.attach import lacks
-from plants.effects.curves import CURVES, HIGH, LOW, NODES, SHARE, nodes_of
+from plants.effects.curves import HIGH, LOW, NODES, SHARE, curves_over, nodes_of
 from plants.effects.interface import Effect
 from plants.interface import Plant
 from workbench.diagnose.selection.unexplained import OfferedTerm, Unexplained
@@ -14,10 +14,8 @@ from workbench.parameters.corrected import Entry
 
 def offered_curve(unexplained: Unexplained, plant: Plant) -> Effect | None:
     """The curve by which a plant can have what is offered; None where there is none over that signal."""
-    effect = CURVES.get((unexplained.balance, unexplained.term.signal))
-    if effect is None or lacks(plant.bare or plant, effect):
-        return None
-    return effect
+    offers = curves_over(unexplained.balance, unexplained.term.signal)
+    return next((effect for effect in offers if not lacks(plant.bare or plant, effect)), None)
 
 
 def curve_values(name: str, term: OfferedTerm) -> dict[str, float]:
