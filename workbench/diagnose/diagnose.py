@@ -12,7 +12,6 @@ from workbench.diagnose.residual_stage import (
     with_effects,
     with_effects_of,
     with_floors,
-    with_shapes,
     with_simulated_floors,
 )
 from workbench.diagnose.residuals.motion import Motion
@@ -44,9 +43,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     sensor = [offset] if offset is not None else []
     simulated = as_simulated(experiment, motions)
     base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
-    if base is not None and base.is_near:
-        stage = with_shapes(stage, experiment)
-    else:
+    if base is None or not base.is_near:
         stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None

@@ -11,7 +11,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored, surrogate, with_fitted_floor
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
-from workbench.diagnose.selection.search import best_shapes, search
+from workbench.diagnose.selection.search import search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes
@@ -135,15 +135,6 @@ def _over(result: BalanceResult, balance: Balance) -> BalanceResult:
     before, after = over(result.before, balance), over(result.after, balance)
     steps = [replace(step, before=over(step.before, balance)) for step in result.steps]
     return replace(result, balance=balance, before=before, after=after, steps=steps)
-
-
-def with_shapes(stage: ResidualStage, experiment: Experiment) -> ResidualStage:
-    """The values by which effects would be shaped best, as the balances of the declared plant show them."""
-    shapes: dict[str, Sequence[Shape]] = {}
-    for result in stage.results:
-        ask = Asked(stage.declared, experiment.bounds, len(result.balance.effects), {})
-        shapes |= best_shapes(result.before, ask)
-    return replace(stage, shapes=shapes)
 
 
 def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progress) -> ResidualStage:

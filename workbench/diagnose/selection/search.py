@@ -19,7 +19,7 @@ from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
-from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, columns_of, seen_of, together, trials_of
+from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
@@ -119,12 +119,6 @@ def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Aske
     """By what fitted sets are ordered: half the squares that they leave, and their price; far from noise the rms."""
     proposal, found = pair
     return found.rms if explored else 0.5 * found.squares + ask.price_of(proposal, taken, current.balance)
-
-
-def best_shapes(fitted: Fit, ask: Asked) -> dict[str, list[Shape]]:
-    """The same, with nothing searched."""
-    shaped = [trial for trial in trials_of(fitted, [], ask.shapes) if trial.shapes]
-    return _best_shapes(Outlook(fitted, columns_of(fitted, shaped, ask.bounds)))
 
 
 def _best_shapes(outlook: Outlook) -> dict[str, list[Shape]]:

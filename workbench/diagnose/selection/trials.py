@@ -17,11 +17,15 @@ from workbench.diagnose.selection.lines import band_of, matched, references, swi
 from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
-FELT = 20.0
-"""Standard deviations of noise by which a change is to move a residual where its worth is looked at."""
+FELT = 10.0
+"""Standard deviations of noise by which a change is to move a residual where its worth is looked at: what sticks, or
+has play, does not act in proportion, and is looked at where it is about as large as is sought."""
 
-MUCH, LITTLE = 5.0, 0.2
-"""Times that, beyond which another change is looked at."""
+MUCH, LITTLE, LOOKS = 3.0, 0.3, 5
+"""Times that, beyond which another change is looked at, and how many are, at most."""
+
+STEEPEST = 3.0
+"""Power of a change with which it is taken to be felt, at most, and at least one over it."""
 
 UNSEEN = 0.5
 """Standard deviations of noise that an effect of the largest plausible size makes, and cannot be seen."""
@@ -265,16 +269,20 @@ def _column(fitted: Fit, kind: Kind, bounds: Bounds, first: float | None) -> Col
         return float(np.linalg.norm(fitted.weighing(moved)))
 
     step = within(first if first is not None else CHANGE if searched.logarithmic else 1.0)
-    moved = change(step)
+    moved, power = change(step), 1.0
     felt = felt_of(moved)
-    for _ in range(2):
+    for _ in range(LOOKS):
         if LITTLE * FELT < felt < MUCH * FELT:
             break
-        wanted = within(step * min(max(FELT / max(felt, 1e-12), 1e-6), 1e3))
+        more = max(FELT / max(felt, 1e-12), 1e-12) ** (1.0 / power)
+        wanted = within(step * min(max(more, 1e-6), 1e3))
         if abs(wanted / step - 1.0) < 0.1:
             break
-        step = wanted
+        before, step = (step, felt), wanted
         moved = change(step)
         felt = felt_of(moved)
+        if felt > 0.0 < before[1]:
+            power = math.log(felt / before[1]) / math.log(step / before[0])
+            power = min(max(power, 1.0 / STEEPEST), STEEPEST)
     shows = bool(np.isfinite(felt)) and felt * abs(room / step) >= UNSEEN
     return Column(searched, place, step, moved / step, shows)
