@@ -9,6 +9,7 @@ from driven import driven_shooting
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.fits import Fitting, begun
+from workbench.diagnose.simulation.nearer import freely
 from workbench.diagnose.simulation.setup import AWAY
 from workbench.diagnose.simulation.shooting import Shooting
 
@@ -60,7 +61,7 @@ def test_the_parameters_of_a_free_run_are_those_that_leave_least(
     """With half of its viscous friction unknown to the fit, no other coulomb friction leaves less."""
     how, motions, declared = fine
     wrong = {**declared, "viscous": 0.5 * declared["viscous"]}
-    found = Fitting(motions, ("coulomb",), {}).freely(how, wrong)
+    found = freely(Fitting(motions, ("coulomb",), {}), how, wrong)
     balance = how.as_sensed(motions).balance(motions, ())
     for factor in (0.99, 1.01):
         beside = {**found.values, "coulomb": factor * found.values["coulomb"]}

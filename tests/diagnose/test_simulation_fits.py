@@ -18,13 +18,13 @@ from workbench.diagnose.simulation.fits import (
     NOISE,
     Fitting,
     Simulated,
+    afresh,
     exactly,
-    fit_farther,
-    fit_led,
     fit_simulation,
     left_of_pieces,
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
@@ -129,6 +129,33 @@ def test_values_that_are_off_by_2_times_are_found_again(made: Made, factors: tup
         assert found.fit.values[name] == pytest.approx(truth[name], rel=2e-3), name
         assert abs(found.fit.values[name] - truth[name]) < 4.0 * found.fit.deviations[name], name
         assert 0.0 < found.fit.deviations[name] < 1e-3 * truth[name], name
+
+
+def test_steps_over_hollows_find_values_that_are_off_by_2_times(made: Made) -> None:
+    """From a fit that ended there; a fit at noise stays as it is."""
+    how, motions, truth = made
+    off = {**truth, "mass": 2.0 * truth["mass"], "coulomb": 0.5 * truth["coulomb"], "viscous": 2.0 * truth["viscous"]}
+    fitting = Fitting(motions, NAMES, {})
+    ended = Simulated(how, fit(how.balance(motions, ()), off, ()))
+    assert ended.fit.excess > 100.0
+    over = fit_over_hollows(ended, fitting, off)
+    assert over.fit.rms == pytest.approx(1.0, abs=0.1)
+    for name in NAMES:
+        assert over.fit.values[name] == pytest.approx(truth[name], abs=5.0 * over.fit.deviations[name])
+    assert fit_over_hollows(over, fitting, off) is over
+
+
+def test_a_fit_whose_start_made_up_for_something_is_begun_afresh(made: Made) -> None:
+    how, motions, truth = made
+    fitting = Fitting(motions, NAMES, {})
+    good = fitting.final(fitting.found(how, truth))
+    assert afresh(good, fitting) is good
+    beside = np.zeros((1, len(how.along.names)))
+    beside[:, how.along.names.index("velocity")] = 0.05
+    wrong = replace(how, begins={motions[0].record: beside})
+    bad = Simulated(wrong, fit(wrong.balance(motions, ()), good.fit.values, ()))
+    assert bad.fit.rms > 1.2
+    assert afresh(bad, fitting).fit.rms == pytest.approx(good.fit.rms, rel=1e-3)
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.simulation.fits import Fitting, Simulated, begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
+from workbench.diagnose.simulation.nearer import freely
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
@@ -106,7 +107,7 @@ def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequen
     whole = _whole(experiment, simulation, motions)
 
     def fitted(one: Fit) -> Fit:
-        return Fitting(motions, one.names, experiment.bounds).freely(whole, one.values)
+        return freely(Fitting(motions, one.names, experiment.bounds), whole, one.values)
 
     before = fitted(simulation.before)
     return before, before if simulation.after is simulation.before else fitted(simulation.after)

@@ -1,40 +1,29 @@
-"""Fits of a plant to simulation error: from end to end, by way of loops that lead it, and in short or longer pieces.
+"""Fits of a plant to simulation error, from end to end or in pieces: parameters, and where each simulation starts.
 
-What a plant is off by adds up, and a run that went astray shows nothing. A loop that leads it along its record takes
-most of that away, and with parameters that are nearer a weaker one does.
-
-A contact that breaks away at another time puts hollows into the error of a long run, and a chamber that rings more.
-A short piece has few of them, since it starts from what was measured; where it starts is no part of the plant, and is
-found with its parameters.
+Where a simulation starts is no part of the plant, and is found with its parameters.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import (
     AS_IT_IS,
     FINAL,
     NEAR_NOISE,
     QUICK,
-    THOROUGH,
     Fit,
     fit,
-    stacked,
     weighed_by,
     weighing_at,
 )
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
-from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
-from workbench.fitting.threads import side_by_side
-from workbench.parameters.sets import EITHER_SIGN
 
 NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""
@@ -65,32 +54,12 @@ and of what else is not near noise."""
 SETTLES = 2.0
 """Squares over noise by which it has to leave less where it is: twice the logarithm of a likelihood."""
 
-BUILDS_UP = 2.0
-"""Times what shorter pieces leave that longer ones leave where something is missing, which adds up over time."""
-
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
-
-FACTORS = tuple(float(np.exp(log)) for log in np.linspace(-2.5, 2.5, 21))
-"""Of a parameter, at which a fit that went astray begins anew."""
-
-SCANS = 2
-"""Times that it does."""
-
-PATIENCE = 4
-"""Loops in succession that may leave more than a quicker one did: a run that is astray has hollows, and the next may
-lead out of one."""
-
-WEAKER, WEAKEST = 2.0, 0.1
-"""Times that one loop that leads a plant along its records is quicker than the next, and the least crossover of one,
-over one over the longest record's duration: what it corrects by then is a hundredth of what it would move anyway."""
 
 FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
 """Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
 least tolerance."""
-
-ALIKE = 0.01
-"""Part by which what a loop leaves differs from what the one before did, up to which it no longer decides."""
 
 FARTHEST = 5.0
 """Times the rms of the median piece from which a piece went astray."""
@@ -214,21 +183,6 @@ class Fitting:
             weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
         return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
-    def freely(self, whole: Shooting, values: Values) -> Fit:
-        """The parameters that leave least of a run from end to end that begins as its first samples show, by way of
-        weaker and weaker loops from these values on: of a plant far from noise, whose start would make up for what it
-        lacks. Of its hollows that one counts into which parameters lead that hold beside the record.
-        """
-        sensed, left = whole.as_sensed(self.motions), list[float]()
-        for crossover in crossovers(whole, self.motions, values):
-            led = sensed.led(self.motions, values, crossover).balance(self.motions, self.names)
-            found = fit(led, values, self.names, self.bounds, QUICK)
-            values = found.values
-            left.append(found.rms)
-            if _are_alike(left):
-                break  # what is left is no longer the loop's
-        return fit(sensed.balance(self.motions, self.names), values, self.names, self.bounds, THOROUGH)
-
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
     """The plant fitted to its records from end to end, from the best of some starts."""
@@ -253,71 +207,10 @@ def exactly(of: Simulated, fitting: Fitting) -> Simulated:
     return fitting.final(fitting.bettered(fitting.stepped(how, values)))
 
 
-def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
-    """The same, if it is not near noise, by way of pieces, and from where its parameters leave least of most of its
-    records; to pieces alone where it does not follow them from end to end.
-    """
-    whole, motions = replace(first.how, length=np.inf, begins={}), fitting.motions
-    best, pieces, values = first, list[Simulated](), dict(start)
-    for how in _ladder(whole, motions):
-        if best.fit.excess < NEAR_NOISE:
-            break
-        starts = [values] if pieces else [values, best.fit.values]
-        piece = fitting.bettered(min((fitting.begun(how, one) for one in starts), key=lambda one: one.left))
-        if pieces and piece.left > BUILDS_UP * pieces[-1].left:
-            break
-        pieces.append(piece)
-        values = piece.fit.values
-        climbed = fitting.begun(whole, values)
-        if climbed.fit.rms < best.fit.rms:
-            best = fitting.bettered(climbed)
-    best = _scanned(fitting, best) if best.is_near else best
-    if best.fit.excess > NEAR_NOISE and not follows(best.how, motions, best.fit.values):
-        longest = [piece for piece in pieces if follows(piece.how, motions, piece.fit.values)]
-        best = (longest or pieces or [best])[-1]
-    if best is first:
-        return first
-    best = fitting.final(best)
-    return first if np.isinf(best.how.length) and best.fit.rms > BETTER * first.fit.rms else best
-
-
-def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
-    """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
-    if that leads nearer to noise. Where a led run starts is found with its parameters: a weak loop hardly corrects it,
-    and parameters would.
-    """
-    whole, motions, best = replace(first.how, length=np.inf, begins={}), fitting.motions, first
-    led: Simulated | None = None
-    left = list[float]()
-    for crossover in crossovers(whole, motions, start):
-        values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
-        led = fitting.found(replace(whole.led(motions, values, crossover), begins=begins), values)
-        left.append(led.fit.excess)
-        if min(left[-PATIENCE:]) > max(min(left), ASTRAY) or led.fit.rms > first.fit.rms:
-            break  # something is missing that no parameters make up for
-        free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
-        if free.fit.rms < best.fit.rms:
-            best = free
-        if free.fit.rms < AT_NOISE * led.fit.rms and (free.fit.excess < NEAR_NOISE or _are_alike(left)):
-            break
-    return first if best is first else fitting.final(fitting.bettered(best))
-
-
-def _are_alike(left: Sequence[float]) -> bool:
-    """Whether the last two loops left the same."""
-    return len(left) > 1 and abs(left[-1] / left[-2] - 1.0) < ALIKE
-
-
-def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> Iterator[float]:
-    """Those (rad/s) of loops that lead a plant along its records, from the quickest on; none of a plant that is kept
-    beside its records, on which no force acts, or which delays its command.
-    """
-    if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
-        return
-    crossover = min(whole.quickest(motion, values) for motion in motions)
-    while crossover > WEAKEST / max(float(motion.record.time[-1]) for motion in motions):
-        yield crossover
-        crossover /= WEAKER
+def afresh(of: Simulated, fitting: Fitting) -> Simulated:
+    """A fit once more from starts that know nothing of those before, if these leave less: a start has hollows, too."""
+    fresh = fitting.begun(replace(of.how, begins={}), of.fit.values)
+    return fitting.final(fitting.bettered(fresh)) if _fell(of.fit, fresh.fit, of.how, (of.left, fresh.left)) else of
 
 
 def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
@@ -367,32 +260,3 @@ def _without_astray(weighing: Weighing, of: Simulated) -> Weighing:
         if own > FARTHEST**2 * np.median(squares):
             counts[rows] = False
     return replace(weighing, counts=counts)
-
-
-def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
-    """The plant in pieces, from the shortest, of which each record has two at least."""
-    instants = max(-(-motion.time.size // motion.grain) for motion in motions)
-    step = motions[0].grain * motions[0].record.sample_time
-    return [replace(whole, length=count * step, begins={}) for count in PIECES if 2 * count <= instants]
-
-
-def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
-    """The fit from where each positive parameter in turn leaves least of most of its records, if that is better."""
-    for _ in range(SCANS):
-        if best.fit.excess < NOISE:
-            break
-        balance, values = best.fit.balance, dict(best.fit.values)
-        width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
-
-        def left(changed: Values, of: Balance = balance, width: float = width) -> float:
-            return float(np.mean(np.log1p((stacked(of, changed) / width) ** 2)))
-
-        for name in fitting.names:
-            if name not in EITHER_SIGN and values[name] > 0.0:
-                tried = [{**values, name: factor * values[name]} for factor in FACTORS]
-                values = tried[int(np.argmin(side_by_side(left, tried)))]
-        again = fitting.found(best.how, values)
-        if again.fit.rms > BETTER * best.fit.rms:
-            break
-        best = again
-    return best

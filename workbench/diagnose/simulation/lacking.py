@@ -2,8 +2,7 @@
 
 Beside the plant's own parameters a curve over one signal at a time is fitted to what the simulated plant leaves, to
 first order, as a push on its mass, or on its valve's command, that follows the signal as it was recorded. Where a curve
-gains more in likelihood than noise would, something is missing, however small; and where one gains beside effects that
-were found, and in their place more than all of them, they stand in for it.
+gains more in likelihood than noise would, something is missing, however small.
 """
 
 from collections.abc import Mapping, Sequence
@@ -60,18 +59,18 @@ of one on a plant that is kept beside its record, whose contact noise shakes.
 LEVEL = 0.5
 """Share of what the best curve gains from which another signal is told beside it."""
 
-STANDS_IN = 1.0
-"""Times what effects gained from which one curve in their place says that they stand in for it."""
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lacking:
-    """A curve over a signal: what it gains in the logarithm of the likelihood, and what is asked of it."""
+    """A curve over a signal: what it gains in the logarithm of the likelihood, what is asked of it, and what its
+    numbers change of the residual (rows, numbers).
+    """
 
     balance: str
     signal: str
     gain: float
     asked: float
+    columns: np.ndarray
 
     @property
     def is_certain(self) -> bool:
@@ -82,7 +81,7 @@ class Lacking:
 def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     """What a fit of the simulated plant lacks, over each signal, from what gains most."""
     motions = fitted.balance.motions
-    followed = [_simulated(how, motion, fitted) for motion in motions]
+    followed = [simulated_motion(how, motion, fitted) for motion in motions]
     base = stacked(how.balance(motions, ()), fitted.values)
     beside = BESIDE if how.is_beside(motions[0]) else 1.0
     wanted = [
@@ -93,10 +92,12 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         nodes, pushes = _hats(motions, followed, signal, turns, count)
         if not pushes:
             return []
-        hats, name = _columns(how, fitted, base, balance, pushes), _told(how, balance)
+        hats, name = _columns(how, fitted, base, balance, pushes), balance_told(how, balance)
         shapes, certain = ([hats], CERTAIN_FINE) if count == FINE else ([hats @ _powers(nodes), hats], CERTAIN)
         return [
-            Lacking(name, signal, _gain(fitted, block), max(certain, beside) * asked(block.shape[1], 2 * len(wanted)))
+            Lacking(
+                name, signal, _gain(fitted, block), max(certain, beside) * asked(block.shape[1], 2 * len(wanted)), block
+            )
             for block in shapes
         ]
 
@@ -127,7 +128,7 @@ def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
     return Dependence(best.balance, shares)
 
 
-def _told(how: Shooting, balance: str) -> str:
+def balance_told(how: Shooting, balance: str) -> str:
     """What the balance is called of which a push is part, on a plant that has another."""
     names = tuple(how.along.plant.balances)
     return balance if balance in names else names[0]
@@ -139,7 +140,7 @@ def _is_there(how: Shooting, motions: Sequence[Motion], balance: str, signal: st
     return all(signal in signals_of(motion) for motion in motions)
 
 
-def _simulated(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
+def simulated_motion(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
     """The motion as the plant shows it: a measured signal has in it the noise that is to be explained."""
     channels = {**motion.record.channels, **how.simulated(motion, fitted.values)}
     return motion_of(replace(motion.record, channels=channels))

@@ -16,8 +16,6 @@ from workbench.diagnose.residuals.along import ARRIVES
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.likelihood import gained as likelier
-from workbench.diagnose.selection.likelihood import left_by, own_noise
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, without_effects
@@ -29,15 +27,16 @@ from workbench.diagnose.simulation.fits import (
     TRUSTED,
     Fitting,
     Simulated,
+    afresh,
     exactly,
-    fit_farther,
-    fit_led,
     fit_simulation,
     settle,
 )
-from workbench.diagnose.simulation.lacking import STANDS_IN, dependence_of, lacking
+from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.stand_ins import standing_in
 from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
 from workbench.progress import Progress
@@ -152,7 +151,7 @@ def simulated_baseline(
     if all(motion.thinning == before.thinning for motion, before in zip(finer, motions, strict=True)):
         return base
     fitting = Fitting(finer, base.fit.names, experiment.bounds)
-    return fitting.final(fitting.found(base.how, base.fit.values))
+    return exactly(afresh(fitting.final(fitting.found(base.how, base.fit.values)), fitting), fitting)
 
 
 def _simulated(
@@ -166,7 +165,10 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    best = along_valley(fitting, best if best.fit.excess < NEAR_NOISE else fit_led(best, fitting, starts[0]))
+    for nearer in (fit_led, fit_over_hollows):
+        best = best if best.fit.excess < NEAR_NOISE else nearer(best, fitting, starts[0])
+    best = along_valley(fitting, best)
+    best = afresh(best, fitting) if best.is_near else best
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:
@@ -291,6 +293,8 @@ def _stage(
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
+    if not found.effects and how is base.how and before.rms < found.fit.rms:
+        found = replace(found, fit=before)
     if found.fit.rms < before.rms:  # what is left without what was found is no effect's
         plain = ask.settled(without_effects(found.fit, found.effects, ask)) if found.effects else found.fit
         before = min(before, plain, key=lambda one: one.rms)
@@ -319,21 +323,17 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
-    beside many effects, or beside few where one curve in their place gains more than they do; nor where effects leave
-    nothing, but one curve would do for them.
+    beside many effects, or beside few where one curve in their place loses nothing; nor where effects leave nothing,
+    but one curve would do for them.
     """
-    lacks = dependence_of(lacking(how, found.fit))
+    pushes = lacking(how, found.fit)
+    lacks = dependence_of(pushes)
     if not found.effects:
         return found, lacks
-    without = without_effects(found.fit, found.effects, ask)
-    gained = 0.5 * (without.squares - found.fit.squares)
-    if lacks is None:  # nothing is left: what they cost decides, too
-        if len(found.effects) < MANY:  # and noise may be of the colour of what few leave without them
-            gained = likelier(found.fit.balance, left_by(found.fit), own_noise(without))
-        gained -= sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
-    curves = lacking(how, without)
-    instead = bool(curves) and curves[0].gain > STANDS_IN * gained + (curves[0].asked if lacks is None else 0.0)
+    cost = sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
+    instead = standing_in(how, found.fit, found.effects, pushes, ask, cost if lacks is None else None)
     if instead or (lacks is not None and len(found.effects) >= MANY):
+        without = without_effects(found.fit, found.effects, ask)
         found = replace(found, fit=without, effects={}, gains={}, alternatives={})
-        lacks = dependence_of(curves) or lacks
+        lacks = dependence_of(instead) or dependence_of(lacking(how, without)) or lacks
     return found, lacks

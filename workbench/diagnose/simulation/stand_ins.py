@@ -1,0 +1,172 @@
+"""Whether what was found stands in for something that no effect is: one curve in its place.
+
+A push that follows a recorded signal (`lacking`) is judged to first order beside the fit with the effects, whose
+numbers go to where they do nothing. A curve over what the plant itself does (`plants.effects.curves`) may take over
+from an effect, however strong, with nothing else changed along the way: there first order leads to where it is fitted.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plants.effects.attach import possible
+from plants.effects.curves import CURVES, NODES
+from plants.effects.interface import Effect
+from plants.equation import NEGATIVE
+from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.fit import AS_IT_IS, QUICK, Fit, fit
+from workbench.diagnose.residuals.motion import signals_of
+from workbench.diagnose.selection.likelihood import asked, gained, left_by
+from workbench.diagnose.selection.search import away_of
+from workbench.diagnose.selection.selection import Effects
+from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.simulation.fits import settle
+from workbench.diagnose.simulation.lacking import CERTAIN, Lacking, balance_told, simulated_motion
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.fitting.least_squares import bounded_minimum
+
+NEARLY, FITTED = 0.1, 2
+"""Share of what effects gain that a curve may lose in their place, to first order, and be fitted there; and how many
+are, at most."""
+
+HIGHEST = 3.0
+"""Times the largest value of a curve to which first order leads, beyond which none of its values goes: a search in far
+too steep ones takes minutes."""
+
+PROMISED = 0.5
+"""Share of what a curve has to gain that a push gains beside the effects where it is worth looking for one: beside them
+a curve gains no less than in their place."""
+
+
+def standing_in(
+    how: Shooting, found: Fit, taken: Effects, pushes: Sequence[Lacking], ask: Asked, price: float | None
+) -> list[Lacking]:
+    """Curves each of which does in the place of all that was `taken`, from the best.
+
+    A curve loses likelihood there, and may lose what the effects cost, their `price`, less what is asked of the curve;
+    nothing, if `price` is None: where something is left beside the effects what they cost decides nothing.
+    """
+    place = _Place.of(found, taken, ask)
+
+    def told(curve: Lacking, lost: float) -> Lacking:
+        return replace(curve, gain=-lost, asked=0.0 if price is None else curve.asked - price)
+
+    curves = [told(push, place.without(found.weighing(push.columns))[0]) for push in pushes]
+    curves += [told(*pair) for pair in _fitted(how, place, pushes, ask, price or np.inf)]
+    return sorted((one for one in curves if one.is_certain), key=lambda one: one.asked - one.gain)
+
+
+def _fitted(
+    how: Shooting, place: "_Place", pushes: Sequence[Lacking], ask: Asked, price: float
+) -> list[tuple[Lacking, float]]:
+    """Curves of the plant's own that come near the effects, fitted in their place, each with what it loses there."""
+    found, plant = place.found, how.along.plant
+    able = {effect.name for effect in possible(plant)} - set(plant.effects)
+    offers = [(signal, effect) for (_, signal), effect in CURVES.items() if effect.name in able]
+    certain = CERTAIN * asked(NODES, 2 * max(len(offers), 1))
+    if PROMISED * (certain - price) > max((push.gain for push in pushes), default=0.0):
+        return []
+    along = [signals_of(simulated_motion(how, motion, found)) for motion in found.balance.motions]
+    flat = [
+        _flat(how, found, effect.along(plant.axis), signal, [signals[signal] for signals in along], ask)
+        for signal, effect in offers
+        if all(signal in signals for signals in along)
+    ]
+    ordered = sorted(((*place.without(curve.columns), curve) for curve in flat), key=lambda one: one[0])
+    whole, told = place.without(np.zeros((found.residual.size, 0)))[0], list[tuple[Lacking, float]]()
+    for lost, x, curve in ordered[:FITTED]:
+        if lost < NEARLY * whole:
+            fitted = curve.fitted(place, x, ask)
+            lost = -gained(found.balance, left_by(fitted), left_by(found))
+            told.append((Lacking(curve.balance, curve.signal, 0.0, certain, curve.columns), lost))
+    return told
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """The place of effects beside a fit, whose names are in `taken`: which of its unknowns are the plant's own, what
+    they change, what is known of them before any record, and what is left without the effects (weighed).
+    """
+
+    found: Fit
+    taken: frozenset[str]
+    own: Sequence[int]
+    changes: np.ndarray
+    known: np.ndarray
+    left: np.ndarray
+
+    @classmethod
+    def of(cls, found: Fit, taken: Effects, ask: Asked) -> "_Place":
+        """The place of these effects."""
+        names = frozenset(name for numbers in taken.values() for name in numbers)
+        jacobian, places = found.jacobian * found.free, {u.name: i for i, u in enumerate(found.unknowns)}
+        away: dict[int, float] = {}
+        for numbers in taken.values():
+            away |= away_of(found, numbers, ask)
+        left = found.weighed + jacobian[:, list(away)] @ np.array(list(away.values()))
+        for name in names & set(places):  # what has a value of its own in this direction has that of the other again
+            plain = name.removesuffix(f"_{NEGATIVE}")
+            if plain != name and plain in places:
+                jacobian[:, places[plain]] += jacobian[:, places[name]]
+        own = [i for name, i in places.items() if name not in names]
+        known = np.diag(found.curvature - found.jacobian.T @ found.jacobian)[own]
+        return cls(found, names, own, jacobian[:, own], known, left)
+
+    def without(self, columns: np.ndarray) -> tuple[float, np.ndarray]:
+        """Likelihood (its logarithm) that is lost with columns (weighed) in the effects' place, to first order, and how
+        far the plant's own unknowns and the columns' numbers then go.
+        """
+        stack, count = np.column_stack([self.changes, columns]), len(self.own)
+        curvature = stack.T @ stack
+        curvature[:count, :count] += np.diag(self.known)
+        wide = np.full(stack.shape[1], np.inf)
+        x = bounded_minimum(curvature, stack.T @ self.left, -wide, wide)
+        rest = self.left + stack @ x
+        return 0.5 * float(rest @ rest - self.found.weighed @ self.found.weighed), x
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """A curve that a plant can have: how the plant is simulated with it, the fit's values with the curve on and flat,
+    and a fit of its nodes alone.
+    """
+
+    balance: str
+    signal: str
+    nodes: tuple[str, ...]
+    how: Shooting
+    flat: Fit
+
+    @property
+    def columns(self) -> np.ndarray:
+        """What the nodes change, weighed."""
+        return self.flat.jacobian
+
+    def fitted(self, place: _Place, x: np.ndarray, ask: Asked) -> Fit:
+        """The plant with the curve in the effects' place, from where first order leads."""
+        found, count = place.found, len(place.own)
+        moved = found.places.copy()
+        moved[place.own] += x[:count]
+        low, high = (np.array([getattr(u, end) for u in found.unknowns]) for end in ("low", "high"))
+        values = found.at(np.clip(moved, low, high))
+        values = {name: value for name, value in values.items() if name not in place.taken}
+        values |= {name: ask.declared[name] for name in place.taken if name in ask.declared}
+        curve = {name: self.flat.values[name] for name in self.flat.values if name not in found.values}
+        curve |= {u.name: u.value(u.first + step) for u, step in zip(self.flat.unknowns, x[count:], strict=True)}
+        names = [*(found.unknowns[i].name for i in place.own), *self.nodes]
+        highest = HIGHEST * max(abs(curve[name]) for name in self.nodes)
+        bounds = {**ask.bounds, **dict.fromkeys(self.nodes, (-highest, highest))}
+        balance = self.how.balance(found.balance.motions, names)
+        fitted = fit(balance, {**values, **curve}, names, bounds, QUICK, found.weighing)
+        return settle(self.how, balance.motions, fitted, bounds)
+
+
+def _flat(how: Shooting, found: Fit, effect: Effect, signal: str, along: Sequence[np.ndarray], ask: Asked) -> _Curve:
+    """A curve that is on and flat, over the range of a signal `along` the records, beside a fit."""
+    share, low, high, *nodes = effect.own_names
+    values = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
+    values |= {low: min(map(np.min, along)), high: max(map(np.max, along))}
+    with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
+    flat = fit(with_it.balance(found.balance.motions, nodes), values, nodes, ask.bounds, AS_IT_IS, found.weighing)
+    return _Curve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat)
