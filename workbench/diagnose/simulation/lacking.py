@@ -25,8 +25,9 @@ since what happens at one place or speed alone is narrow."""
 DEGREE = 3
 """Of the polynomial over the signal that is one of a curve's shapes: what bends little has few numbers."""
 
-REFINED, LEADING = 0.3, 3
-"""Share of what the best curve gains from which another is refined, too; and how many are, at most."""
+REFINED, LEADING, SEEN = 0.3, 3, 0.25
+"""Share of what the best curve gains from which another is refined, too; how many are, at most; and the share of what
+is asked of a fine curve that a coarse one gains of it at least, whose steps are three times as wide."""
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make: to first order, and above the solver's error."""
@@ -104,7 +105,8 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     tried = [(curves, each) for each in wanted if (curves := over(*each, NODES))]
     most = max((curve.gain for curves, _ in tried for curve in curves), default=0.0)
     leading = sorted(tried, key=lambda one: -max(curve.gain for curve in one[0]))[:LEADING]
-    finer = [over(*each, FINE) for curves, each in leading if max(curve.gain for curve in curves) > REFINED * most]
+    least = max(REFINED * most, SEEN * CERTAIN_FINE * asked(FINE, 2 * len(wanted)))
+    finer = [over(*each, FINE) for curves, each in leading if max(curve.gain for curve in curves) > least]
     return sorted(
         (one for curves in [*(c for c, _ in tried), *finer] for one in curves), key=lambda one: one.asked - one.gain
     )

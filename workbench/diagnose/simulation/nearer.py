@@ -66,15 +66,10 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     return first if best is first else fitting.final(fitting.bettered(best))
 
 
-def fit_over_hollows(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
-    """The same by steps over hollows, from where it is and from `start`, if that leads nearer to noise."""
-    best = first
-    for how, values in ((first.how, first.fit.values), (replace(first.how, begins={}), start)):
-        if best.fit.excess > NEAR_NOISE:
-            begun = fitting.begun(how, values)
-            over = fitting.found(begun.how, _over_hollows(begun, fitting))
-            best = min(best, over, key=lambda one: one.fit.rms)
-    return first if best is first else fitting.final(best)
+def fit_over_hollows(first: Simulated, fitting: Fitting) -> Simulated:
+    """The same by steps over hollows, if that leads nearer to noise."""
+    over = fitting.found(first.how, _over_hollows(first, fitting))
+    return fitting.final(over) if over.fit.rms < first.fit.rms else first
 
 
 def fit_farther(first: Simulated, fitting: Fitting, start: Values) -> Simulated:

@@ -165,8 +165,8 @@ def _simulated(
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    for nearer in (fit_led, fit_over_hollows):
-        best = best if best.fit.excess < NEAR_NOISE else nearer(best, fitting, starts[0])
+    best = best if best.fit.excess < NEAR_NOISE else fit_led(best, fitting, starts[0])
+    best = best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting)
     best = along_valley(fitting, best)
     best = afresh(best, fitting) if best.is_near else best
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
