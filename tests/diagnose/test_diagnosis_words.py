@@ -35,6 +35,11 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
         "Unexplained: the force balance's residual depends on position (40 % of its variance); no known effect "
         "explains it."
     )
+    left = unexplained(diagnosis, "force", {"position": 1.0, "time": 0.6}, 250.0)
+    assert verdict_sentence(left) == (
+        "Unexplained: the simulated plant lacks something in the force balance over position (250) and time (150): by "
+        "so much a curve there raises the logarithm of its likelihood; no known effect explains it."
+    )
     none = without_effects(diagnosis)
     assert none.verdict == "none_missing"
     assert none.simulation is not None

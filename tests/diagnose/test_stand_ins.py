@@ -15,7 +15,7 @@ from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.stand_ins import standing_in
+from workbench.diagnose.simulation.stand_ins import Place, standing_in
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -73,8 +73,10 @@ def found_of(folder: Path, spring: str) -> Found:
 def test_a_curve_does_in_the_place_of_a_spring_that_is_none(tmp_path: Path, price: float | None) -> None:
     how, fitted, ask = found_of(tmp_path, "hardening")
     taken = {"spring_load": ("spring_stiffness",)}
-    told = dependence_of(standing_in(how, fitted, taken, lacking(how, fitted), ask, price))
+    told = dependence_of(standing_in(how, Place.of(fitted, taken, 1e4, ask), lacking(how, fitted), price))
     assert told is not None
+    assert told.gain is not None
+    assert told.gain > 1e4, "more than the spring"
     assert (told.balance, told.signals[0]) == ("force", "position")
 
 
@@ -84,4 +86,4 @@ def test_no_curve_does_in_the_place_of_a_spring(tmp_path: Path) -> None:
     assert fitted.rms == pytest.approx(1.0, abs=0.1)
     taken = {"spring_load": ("spring_stiffness",)}
     for price in (ask.of("spring_load", taken["spring_load"], fitted.balance), 15.0):
-        assert standing_in(how, fitted, taken, lacking(how, fitted), ask, price) == []
+        assert standing_in(how, Place.of(fitted, taken, 1e4, ask), lacking(how, fitted), price) == []

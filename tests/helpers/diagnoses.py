@@ -31,10 +31,12 @@ def without_effects(diagnosis: Diagnosis) -> Diagnosis:
     return replace(diagnosis, effects=[], unexplained=None)
 
 
-def unexplained(diagnosis: Diagnosis, balance: str, shares: Mapping[str, float]) -> Diagnosis:
-    """Nothing was found, and a balance depends on signals."""
+def unexplained(
+    diagnosis: Diagnosis, balance: str, shares: Mapping[str, float], gain: float | None = None
+) -> Diagnosis:
+    """Nothing was found, and a balance depends on signals; of a simulated plant with what a curve would `gain`."""
     term = OfferedTerm(next(iter(shares)), np.zeros(2), np.zeros(2), "N", TermErrors(1.0, 0.5))
-    return replace(diagnosis, effects=[], unexplained=Unexplained(Dependence(balance, shares), term))
+    return replace(diagnosis, effects=[], unexplained=Unexplained(Dependence(balance, shares, gain), term))
 
 
 def rejected(diagnosis: Diagnosis) -> Diagnosis:

@@ -89,9 +89,16 @@ def _numbers(parameters: Mapping[str, Estimate], axis: str) -> str:
 
 
 def dependence_words(dependence: Dependence, axis: str) -> str:
-    """On which signals a balance's residual depends."""
+    """On which signals a balance's residual depends, or over which a simulated plant lacks something."""
+    told = SHOWN[axis].said(dependence.balance)
+    if dependence.gain is not None:
+        gains = [f"{plain_name(name)} ({dependence.shares[name] * dependence.gain:.0f})" for name in dependence.signals]
+        return (
+            f"the simulated plant lacks something in the {told} balance over {listed(gains)}: by so much a curve there "
+            "raises the logarithm of its likelihood"
+        )
     shares = [f"{plain_name(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
-    return f"the {SHOWN[axis].said(dependence.balance)} balance's residual depends on {listed(shares)}"
+    return f"the {told} balance's residual depends on {listed(shares)}"
 
 
 def held_out_floors(diagnosis: Diagnosis, result: BalanceResult) -> float:

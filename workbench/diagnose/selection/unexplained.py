@@ -24,10 +24,14 @@ ABOVE = 1.3
 
 @dataclass(frozen=True)
 class Dependence:
-    """A balance that is not explained: the signals on which its residual depends, with the share that each explains."""
+    """A balance that is not explained: the signals on which its residual depends, with the share of its variance that
+    each explains. Of a simulated plant what a curve over the best of them gains in the logarithm of the likelihood, and
+    what those over each gain as shares of that.
+    """
 
     balance: str
     shares: Mapping[str, float]
+    gain: float | None = None
 
     @property
     def signals(self) -> list[str]:
@@ -113,6 +117,7 @@ class Unexplained:
             "balance": self.balance,
             "depends_on": self.dependence.signals,
             "shares": dict(self.dependence.shares),
+            "gain": self.dependence.gain,
             "data_driven_term": self.term.to_json(),
         }
 

@@ -127,7 +127,7 @@ def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
     shares = dict[str, float]()
     for one in beside:
         shares[one.signal] = max(shares.get(one.signal, 0.0), one.gain / best.gain)
-    return Dependence(best.balance, shares)
+    return Dependence(best.balance, shares, best.gain)
 
 
 def balance_told(how: Shooting, balance: str) -> str:

@@ -36,7 +36,7 @@ from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.stand_ins import standing_in
+from workbench.diagnose.simulation.stand_ins import Place, standing_in
 from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
 from workbench.progress import Progress
@@ -330,10 +330,11 @@ def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, 
     lacks = dependence_of(pushes)
     if not found.effects:
         return found, lacks
+    without = without_effects(found.fit, found.effects, ask)
     cost = sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
-    instead = standing_in(how, found.fit, found.effects, pushes, ask, cost if lacks is None else None)
+    place = Place.of(found.fit, found.effects, 0.5 * (without.squares - found.fit.squares), ask)
+    instead = standing_in(how, place, pushes, cost if lacks is None else None)
     if instead or (lacks is not None and len(found.effects) >= MANY):
-        without = without_effects(found.fit, found.effects, ask)
         found = replace(found, fit=without, effects={}, gains={}, alternatives={})
-        lacks = dependence_of(instead) or dependence_of(lacking(how, without)) or lacks
+        lacks = dependence_of(instead or lacking(how, without)) or lacks
     return found, lacks

@@ -39,29 +39,25 @@ PROMISED = 0.5
 a curve gains no less than in their place."""
 
 
-def standing_in(
-    how: Shooting, found: Fit, taken: Effects, pushes: Sequence[Lacking], ask: Asked, price: float | None
-) -> list[Lacking]:
-    """Curves each of which does in the place of all that was `taken`, from the best.
+def standing_in(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: float | None) -> list[Lacking]:
+    """Curves each of which does in the place of all effects that were found, from the best.
 
     A curve loses likelihood there, and may lose what the effects cost, their `price`, less what is asked of the curve;
     nothing, if `price` is None: where something is left beside the effects what they cost decides nothing.
     """
-    place = _Place.of(found, taken, ask)
 
     def told(curve: Lacking, lost: float) -> Lacking:
-        return replace(curve, gain=-lost, asked=0.0 if price is None else curve.asked - price)
+        more = 0.0 if price is None else curve.asked - price
+        return replace(curve, gain=place.worth - lost, asked=place.worth + more)
 
-    curves = [told(push, place.without(found.weighing(push.columns))[0]) for push in pushes]
-    curves += [told(*pair) for pair in _fitted(how, place, pushes, ask, price or np.inf)]
+    curves = [told(push, place.without(place.found.weighing(push.columns))[0]) for push in pushes]
+    curves += [told(*pair) for pair in _fitted(how, place, pushes, np.inf if price is None else price)]
     return sorted((one for one in curves if one.is_certain), key=lambda one: one.asked - one.gain)
 
 
-def _fitted(
-    how: Shooting, place: "_Place", pushes: Sequence[Lacking], ask: Asked, price: float
-) -> list[tuple[Lacking, float]]:
+def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: float) -> list[tuple[Lacking, float]]:
     """Curves of the plant's own that come near the effects, fitted in their place, each with what it loses there."""
-    found, plant = place.found, how.along.plant
+    found, plant, ask = place.found, how.along.plant, place.ask
     able = {effect.name for effect in possible(plant)} - set(plant.effects)
     offers = [(signal, effect) for (_, signal), effect in CURVES.items() if effect.name in able]
     certain = CERTAIN * asked(NODES, 2 * max(len(offers), 1))
@@ -77,27 +73,30 @@ def _fitted(
     whole, told = place.without(np.zeros((found.residual.size, 0)))[0], list[tuple[Lacking, float]]()
     for lost, x, curve in ordered[:FITTED]:
         if lost < NEARLY * whole:
-            fitted = curve.fitted(place, x, ask)
+            fitted = curve.fitted(place, x)
             lost = -gained(found.balance, left_by(fitted), left_by(found))
             told.append((Lacking(curve.balance, curve.signal, 0.0, certain, curve.columns), lost))
     return told
 
 
 @dataclass(frozen=True, eq=False)
-class _Place:
-    """The place of effects beside a fit, whose names are in `taken`: which of its unknowns are the plant's own, what
-    they change, what is known of them before any record, and what is left without the effects (weighed).
+class Place:
+    """The place of effects beside a fit, whose names are in `taken` and which are `worth` so much in the logarithm of
+    the likelihood: which of its unknowns are the plant's own, what they change, what is known of them before any
+    record, and what is left without the effects (weighed).
     """
 
     found: Fit
     taken: frozenset[str]
+    worth: float
+    ask: Asked
     own: Sequence[int]
     changes: np.ndarray
     known: np.ndarray
     left: np.ndarray
 
     @classmethod
-    def of(cls, found: Fit, taken: Effects, ask: Asked) -> "_Place":
+    def of(cls, found: Fit, taken: Effects, worth: float, ask: Asked) -> "Place":
         """The place of these effects."""
         names = frozenset(name for numbers in taken.values() for name in numbers)
         jacobian, places = found.jacobian * found.free, {u.name: i for i, u in enumerate(found.unknowns)}
@@ -111,7 +110,7 @@ class _Place:
                 jacobian[:, places[plain]] += jacobian[:, places[name]]
         own = [i for name, i in places.items() if name not in names]
         known = np.diag(found.curvature - found.jacobian.T @ found.jacobian)[own]
-        return cls(found, names, own, jacobian[:, own], known, left)
+        return cls(found, names, worth, ask, own, jacobian[:, own], known, left)
 
     def without(self, columns: np.ndarray) -> tuple[float, np.ndarray]:
         """Likelihood (its logarithm) that is lost with columns (weighed) in the effects' place, to first order, and how
@@ -143,9 +142,9 @@ class _Curve:
         """What the nodes change, weighed."""
         return self.flat.jacobian
 
-    def fitted(self, place: _Place, x: np.ndarray, ask: Asked) -> Fit:
+    def fitted(self, place: Place, x: np.ndarray) -> Fit:
         """The plant with the curve in the effects' place, from where first order leads."""
-        found, count = place.found, len(place.own)
+        found, ask, count = place.found, place.ask, len(place.own)
         moved = found.places.copy()
         moved[place.own] += x[:count]
         low, high = (np.array([getattr(u, end) for u in found.unknowns]) for end in ("low", "high"))
