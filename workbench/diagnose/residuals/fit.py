@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import fluctuation
-from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Values, unknown
+from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Values, unknown, values_at
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, differences, jacobian_of, least_squares
@@ -119,7 +119,7 @@ class Fit:
 
     def at(self, places: np.ndarray) -> dict[str, float]:
         """The values where the unknowns are elsewhere, as a search sees them."""
-        return _at(self.values, self.unknowns, places)
+        return values_at(self.values, self.unknowns, places)
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -178,7 +178,7 @@ def fit(
     unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
     def left(x: np.ndarray) -> np.ndarray:
-        return stacked(balance, _at(values, unknowns, x))
+        return stacked(balance, values_at(values, unknowns, x))
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
@@ -193,7 +193,7 @@ def fit(
     return Fit(
         balance=balance,
         names=tuple(names),
-        values=_at(values, unknowns, solution.x),
+        values=values_at(values, unknowns, solution.x),
         residual=left(solution.x),
         weighed=solution.residual[:size],
         vague=solution.residual[size:],
@@ -210,10 +210,6 @@ def _longest(unknowns: Sequence[Unknown]) -> np.ndarray:
     is positive, and bends, no farther than a search goes by itself.
     """
     return np.array([0.0 if u.logarithmic else min(SIZES, WITHIN * (u.high - u.low)) for u in unknowns])
-
-
-def _at(values: Values, unknowns: Sequence[Unknown], x: np.ndarray) -> dict[str, float]:
-    return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
 
 
 def stacked(balance: Balance, values: Values) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Parameters as a search sees them: logarithms of what is positive, multiples of a size of what has either sign."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,11 @@ def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknow
         return Unknown(name, start, start, True, least, most)
     least = low if plain in EITHER_SIGN else max(low, 0.0)
     return Unknown(name, start, max(abs(start), 1.0), False, least, high)
+
+
+def values_at(values: Values, unknowns: Sequence[Unknown], places: np.ndarray) -> dict[str, float]:
+    """The values with the unknowns where they are elsewhere, as a search sees them."""
+    return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, places, strict=True)}}
 
 
 def _number_of(name: str) -> Number | None:

@@ -15,7 +15,7 @@ import numpy as np
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacked
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values, unknown
+from workbench.diagnose.residuals.unknowns import Values, unknown, values_at
 from workbench.diagnose.simulation.fits import ASTRAY, AT_NOISE, BETTER, NOISE, PIECES, Fitting, Simulated
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
@@ -137,12 +137,10 @@ def _over_hollows(of: Simulated, fitting: Fitting) -> Values:
     """Values of the parameters that leave less, however rugged the way there is."""
     balance, values = of.how.balance(fitting.motions, ()), of.fit.values
     unknowns = [unknown(name, values, fitting.bounds, balance.scales) for name in fitting.names]
-
-    def at(x: np.ndarray) -> dict[str, float]:
-        return {**values, **{u.name: u.value(float(place)) for u, place in zip(unknowns, x, strict=True)}}
-
     first, low, high = (np.array([getattr(u, end) for u in unknowns]) for end in ("first", "low", "high"))
-    return at(descend(lambda x: stacked(balance, at(x)), first, low, high))
+    return values_at(
+        values, unknowns, descend(lambda x: stacked(balance, values_at(values, unknowns, x)), first, low, high)
+    )
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
