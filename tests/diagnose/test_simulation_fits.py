@@ -8,6 +8,7 @@ import pytest
 from driven import driven_shooting
 from scipy.signal import lfilter
 
+import workbench.diagnose.simulation.shooting as shooting_module
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
@@ -114,6 +115,21 @@ def test_a_plant_in_which_no_effect_acts_is_simulated_without_any(made: Made) ->
     assert how.along.acting(acts)[0] is how.along.plant
     without, with_one = (finer.simulated(motion, values)["position"] for values in (truth, acts))
     assert np.max(np.abs(without - with_one)) < 1e-3 * POSITION_NOISE
+
+
+def test_of_a_long_record_the_effects_that_act_are_simulated_alone_to_the_same_bits(
+    made: Made, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    how, motions, truth = made
+    (motion,) = motions
+    acts = {**truth, "drag_coefficient": 50.0, "backlash_width": 1e-4, "memory_time": 0.02}
+    plant, _ = how.along.acting(acts, alone=True)
+    assert set(plant.effects) == {"quadratic_drag", "frictional_memory", "backlash"}
+    among_all, gap = how.simulated(motion, acts)["position"], how.with_backlash_of(motion, acts)
+    monkeypatch.setattr(shooting_module, "LONG", 0)
+    np.testing.assert_array_equal(how.simulated(motion, acts)["position"], among_all)
+    np.testing.assert_array_equal(how.with_backlash_of(motion, acts).slack[0], gap.slack[0])
+    assert np.ptp(gap.slack[0]) > 0.5
 
 
 @pytest.mark.parametrize("factors", [(2.0, 0.5, 2.0)])

@@ -44,8 +44,10 @@ depends on where it was before."""
 PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
 """Signals that no force makes, and the share of a residual's variance from which it is theirs."""
 
-DRAWS = 8
-"""Of noise by which a balance's floor is found: one alone is off by up to a tenth."""
+DRAWS, FEWEST, DRAWN = 8, 2, 160_000
+"""Of noise by which a balance's floor is found, at most and at least, and samples that all of them have together: one
+alone of a short record is off by up to a tenth.
+"""
 
 RUNAWAY = 5.0
 """Times the declared value, or a part of it, beyond which no fit of a balance is a place to begin a simulation."""
@@ -119,12 +121,13 @@ def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bou
     motions, values = simulation.after.balance.motions, simulation.after.values
     how = begun(simulation.how, motions, values)
     simulated = [how.simulated(motion, values) for motion in motions]
+    samples = sum(motion.record.time.size for motion in motions)
     draws = [
         [
             surrogate(motion, seen, DRAWS * i + k)
             for i, (motion, seen) in enumerate(zip(motions, simulated, strict=True))
         ]
-        for k in range(DRAWS)
+        for k in range(min(max(DRAWN // samples, FEWEST), DRAWS))
     ]
     known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
     floors = [with_fitted_floor(result.balance, draws, known, bounds) for result in stage.results]

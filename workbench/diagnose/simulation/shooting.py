@@ -49,6 +49,10 @@ MOST_PIECES = 30
 SHOWN = 64
 """Simulations of which it is remembered what they are off by."""
 
+LONG = 20_000
+"""Samples of a record from which a plant is simulated with those effects alone that act: of shorter ones it costs more
+to compile such plants than they save."""
+
 REMEMBERED = 8
 """Sets of values for which it is remembered where the simulations of a record start."""
 
@@ -315,7 +319,8 @@ class Shooting:
             return motion
         gap = np.zeros(motion.record.time.size)
         for k, run in self._runs(motion, values):
-            gap[k : k + run.time.size] = run.states[:, names.index("sensor_gap")]
+            place = [item.name for item in fields(run.plant.State)].index("sensor_gap")
+            gap[k : k + run.time.size] = run.states[:, place]
         return with_slack(motion, -np.clip(gap / width, -0.5, 0.5))
 
     def _delayed(self, feed: Feed, delay: float) -> Feed:
@@ -341,7 +346,7 @@ class Shooting:
         setup = self.setups[record]
         followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
-        plant, parameters = along.acting(without)
+        plant, parameters = along.acting(without, alone=record.time.size > LONG)
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
         if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
@@ -360,8 +365,8 @@ class Shooting:
             starts, _starting(along, motion, tuple(values.items()), starts), begins, strict=True
         ):
             if np.any(begin) or plant is not along.plant:
-                begun = to_array(state) + begin
-                state = from_array(plant.State, begun[: len(fields(plant.State))].tolist())
+                begun = dict(zip(along.names, (to_array(state) + begin).tolist(), strict=True))
+                state = from_array(plant.State, [begun[item.name] for item in fields(plant.State)])
             yield (
                 k,
                 simulate(
