@@ -57,6 +57,17 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     assert verdict_sentence(worse).startswith("Rejected on held-out records: valve dead")
 
 
+def test_effects_that_only_stood_in_for_something_are_told_of(diagnosis: Diagnosis) -> None:
+    left = unexplained(diagnosis, "force", {"position": 1.0}, 250.0)
+    assert left.simulation is not None
+    assert not any("The search found" in line for line in sureness(left))
+    found = replace(left, simulation=replace(left.simulation, stood_in=("spring_load", "cogging")))
+    assert (
+        "The search found spring load and cogging, not named here: one curve over a signal does in the place of all of "
+        "them, or something is left beside so many."
+    ) in sureness(found)
+
+
 def test_what_gets_worse_and_rejects_nothing_is_told(diagnosis: Diagnosis) -> None:
     tested = diagnosis.errors.held_out
     before, after = replace(tested.before, load_pressure=1.0e4), replace(tested.after, load_pressure=1.45e4)

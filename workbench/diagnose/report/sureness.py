@@ -138,6 +138,11 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
     if simulation.dropped:
         lines.append(f"The simulated plant does without {listed_names(simulation.dropped)}: dropped.")
+    if simulation.stood_in:
+        lines.append(
+            f"The search found {listed_names(simulation.stood_in)}, not named here: one curve over a signal does in "
+            "the place of all of them, or something is left beside so many."
+        )
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.after.position is not None and after.position is not None:
         off, left, plain = (

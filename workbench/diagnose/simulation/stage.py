@@ -57,7 +57,8 @@ class SimulationStage:
     """The plant fitted to simulation error: without effects, with those that the balances named, and with what this
     stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters, `gains` what each
     gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
-    of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains.
+    of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains, and
+    `stood_in` were effects that only stood in for it.
     """
 
     how: Shooting
@@ -71,6 +72,7 @@ class SimulationStage:
     alternatives: Mapping[str, Sequence[str]]
     dropped: Sequence[str]
     lacks: Dependence | None = None
+    stood_in: Sequence[str] = ()
 
     @property
     def result(self) -> BalanceResult:
@@ -120,6 +122,7 @@ class SimulationStage:
             "beside_the_record": self.is_beside,
             "parameters_from_it": self.is_trusted,
             "dropped": list(self.dropped),
+            "stood_in": list(self.stood_in),
         }
 
 
@@ -282,14 +285,16 @@ def _stage(
             current, effects, how = with_them.fit, given, with_them.how
         else:  # the record itself speaks against them
             dropped = list(given)
-    lacks = None
+    lacks, stood_in = None, tuple[str, ...]()
     settled = lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
     ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)
         found = search(current, effects, ask)
         progress("what no effect explains", 0.8)
+        stood_in = tuple(found.effects)
         found, lacks = _without_stand_ins(how, found, ask)
+        stood_in = () if found.effects else stood_in
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
@@ -310,6 +315,7 @@ def _stage(
         alternatives=found.alternatives,
         dropped=dropped,
         lacks=lacks,
+        stood_in=stood_in,
     )
 
 
