@@ -16,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from plants.axis import AXES
+from plants.effects.chambers import ATMOSPHERE
 from plants.effects.interface import DISTURBANCE, FREE, Effect, Moment, Number
 from plants.effects.maps import FORCE_MAP
 from plants.effects.maps import NODES as MAP_NODES
@@ -29,9 +30,6 @@ NODES = 12
 """Of a curve."""
 
 WORDS = "not understood: what the {balance} balance lacks, over the {signal}"
-
-ATMOSPHERE = 101325.0
-"""Pa."""
 
 SHARE, LOW, HIGH = "share", "low", "high"
 """What a curve has beside its values, behind its name."""

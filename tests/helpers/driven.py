@@ -1,11 +1,14 @@
 """Records of a mass that a force drives, maybe against a spring that nobody declared, and their experiment."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
 from declared_parameters import write_declared
 
+from plants.effects.attach import meant
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
@@ -21,6 +24,8 @@ from workbench.simulation.simulate import simulate
 
 TRUE = read_parameters(named_sets()["owen2001_simulation"])
 """Of the mass and its friction."""
+
+NOTHING: Mapping[str, float] = MappingProxyType({})
 
 FORCE = 900.0
 """N: amplitude."""
@@ -46,12 +51,15 @@ def driven_experiment(
     duration: float,
     sensor: float | None = None,
     stroke: float = TRUE["stroke"],
+    acting: Mapping[str, float] = NOTHING,
 ) -> Path:
     """An experiment of `duration` (s) with a spring (N/m) and noise of the position (m); the force is a command, or
-    what a `sensor` with noise (N) shows; the `stroke` is in m. The friction is declared 1.5 times too large.
+    what a `sensor` with noise (N) shows; the `stroke` is in m. The friction is declared 1.5 times too large, and what
+    else is `acting` not at all.
     """
-    plant = plants()["drive_force"]
-    truth = {**TRUE, "spring_stiffness": stiffness, "stroke": stroke}
+    bare = plants()["drive_force"]
+    plant = bare.with_effects(*meant(bare, list(acting)))
+    truth = {**TRUE, "spring_stiffness": stiffness, "stroke": stroke, **acting}
     parameters = build(plant.Parameters, truth)
     state, inputs = plant.equilibrium(parameters, 0.0)
     time = 1e-3 * np.arange(round(1e3 * duration) + 1)
@@ -63,15 +71,17 @@ def driven_experiment(
     frame = pd.DataFrame({"time": run.time, "force": shown, "position": position})
     frame.to_parquet(folder / "record.parquet", index=False)
     declared = {**truth, "coulomb": 1.5 * truth["coulomb"], "spring_stiffness": 0.0}
-    write_declared(folder / "declared.toml", plant, declared)
+    write_declared(folder / "declared.toml", bare, declared)
     path = folder / "experiment.toml"
     path.write_text(EXPERIMENT.format(channel="command" if sensor is None else "force"), encoding="utf-8")
     return path
 
 
-def driven_shooting(folder: Path, noise: float, duration: float) -> tuple[Shooting, list[Motion], dict[str, float]]:
-    """How a mass that nothing holds is simulated along such a record, the record's motion, and what is declared."""
-    experiment = read_experiment(driven_experiment(folder, 0.0, noise, duration, stroke=1.0))
+def driven_shooting(
+    folder: Path, noise: float, duration: float, acting: Mapping[str, float] = NOTHING
+) -> tuple[Shooting, list[Motion], dict[str, float]]:
+    """How a mass that no spring holds is simulated along such a record, the record's motion, and what is declared."""
+    experiment = read_experiment(driven_experiment(folder, 0.0, noise, duration, stroke=1.0, acting=acting))
     motions = motions_of(experiment, read_records(experiment))
     how = shooting_of(experiment, motions, held=False)  # the force of this record is no computer's
     assert how is not None

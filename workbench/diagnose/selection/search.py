@@ -18,7 +18,7 @@ from workbench.diagnose.residuals.fit import Fit, again, fit
 from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
-from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import QUICK, Asked, after, declared_again, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
@@ -148,8 +148,7 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
             if -Outlook(current, {}).gain([], away_of(current, more, ask))[0] > REACH * spared:
                 continue
             names = [name for name in current.names if name not in more]
-            values = {name: value for name, value in current.values.items() if name not in more}
-            values |= {name: ask.declared[name] for name in more if name in ask.declared}
+            values = declared_again(current.values, more, ask.declared)
             fewer = fit(current.balance, values, names, ask.bounds, QUICK, current.weighing)
             if 0.5 * (fewer.squares - current.squares) < spared:
                 current, taken = fewer, {**taken, effect: tuple(name for name in own if name not in more)}

@@ -63,9 +63,14 @@ def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) ->
     dropped = {name for effect in proposal.dropped for name in taken[effect]}
     names = [name for name in current.names if name not in dropped]
     names += [name for trial in proposal.added for name in trial.names if name not in names]
-    values = {name: value for name, value in current.values.items() if name not in dropped}
-    values |= {name: ask.declared[name] for name in dropped if name in ask.declared}
+    values = declared_again(current.values, dropped, ask.declared)
     return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
+
+
+def declared_again(values: Values, dropped: Collection[str], declared: Values) -> dict[str, float]:
+    """The values with those numbers as they are declared that are `dropped`; without what is not declared."""
+    kept = {name: value for name, value in values.items() if name not in dropped}
+    return {**kept, **{name: declared[name] for name in dropped if name in declared}}
 
 
 def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:

@@ -18,7 +18,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
-from workbench.diagnose.selection.sets import Asked, without_effects
+from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
@@ -49,7 +49,7 @@ SETTLED = 16
 """Fits of which it is remembered where they settle: a search asks for some more than once."""
 
 MANY = 3
-"""Effects that together are less likely than one that nobody knows, unless they gain more than a curve does."""
+"""Effects that together are less likely than one that nobody knows, if something is left beside them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,8 +259,7 @@ def _held_otherwise(
         return found
     own = Fitting(motions, base.fit.names, experiment.bounds)
     effective = {name for numbers in found.effects.values() for name in numbers}
-    without = {name: value for name, value in otherwise.fit.values.items() if name not in effective}
-    without |= {name: start.declared[name] for name in effective if name in start.declared}
+    without = declared_again(otherwise.fit.values, effective, start.declared)
     plain = own.final(own.found(other, without))
     with_them = exactly(otherwise, fitting) if plain.fit.excess > NEAR_NOISE else None
     again = _stage(experiment, motions, start, plain, with_them, found.effects if with_them else {}, progress)
@@ -292,9 +291,9 @@ def _stage(
         progress("what the simulated plant lacks", 0.6)
         found = search(current, effects, ask)
         progress("what no effect explains", 0.8)
-        stood_in = tuple(found.effects)
+        named = tuple(found.effects)
         found, lacks = _without_stand_ins(how, found, ask)
-        stood_in = () if found.effects else stood_in
+        stood_in = () if found.effects else named
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]

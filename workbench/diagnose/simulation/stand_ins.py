@@ -20,7 +20,7 @@ from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.selection.likelihood import asked, gained, left_by
 from workbench.diagnose.selection.search import away_of
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.selection.sets import Asked, declared_again
 from workbench.diagnose.simulation.fits import settle
 from workbench.diagnose.simulation.lacking import CERTAIN, Lacking, balance_told, simulated_motion
 from workbench.diagnose.simulation.shooting import Shooting
@@ -148,9 +148,7 @@ class _Curve:
         moved = found.places.copy()
         moved[place.own] += x[:count]
         low, high = (np.array([getattr(u, end) for u in found.unknowns]) for end in ("low", "high"))
-        values = found.at(np.clip(moved, low, high))
-        values = {name: value for name, value in values.items() if name not in place.taken}
-        values |= {name: ask.declared[name] for name in place.taken if name in ask.declared}
+        values = declared_again(found.at(np.clip(moved, low, high)), place.taken, ask.declared)
         curve = {name: self.flat.values[name] for name in self.flat.values if name not in found.values}
         curve |= {u.name: u.value(u.first + step) for u, step in zip(self.flat.unknowns, x[count:], strict=True)}
         names = [*(found.unknowns[i].name for i in place.own), *self.nodes]
