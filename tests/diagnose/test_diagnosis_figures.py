@@ -15,8 +15,11 @@ from workbench.diagnose.report.figures.evidence import (
     draw_evidence,
 )
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
+from workbench.diagnose.report.figures.simulation import simulation_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.simulation.free_run import SETTLED
 
 
 def test_the_axis_of_parameters_is_that_of_the_values_however_wide_an_interval_is(diagnosis: Diagnosis) -> None:
@@ -50,6 +53,24 @@ def test_before_and_after_have_scales_of_their_own(diagnosis: Diagnosis) -> None
     asked = next(line.get_xdata()[0] for line in evidence.lines if line.get_linewidth() == 2.0)
     assert asked == pytest.approx(first.asked_deviations)
     assert evidence.texts[0].get_text() in (f"{first.deviations:.1f}", f"{first.deviations:.0f}")
+
+
+def test_the_simulated_curves_are_of_the_plants_whose_errors_are_told(diagnosis: Diagnosis) -> None:
+    """Far from noise these are fits to free runs: 8 mm was drawn where 1.84 mm stood in the table."""
+    assert diagnosis.simulation is not None
+    assert diagnosis.errors.runs is not None
+    before, after = diagnosis.errors.runs
+
+    def drawn(runs: tuple[Values, Values]) -> list[float]:
+        of = replace(diagnosis, errors=replace(diagnosis.errors, runs=runs))
+        (fitted, *_) = simulation_data(of, of.simulation).records
+        (position, *_) = fitted.quantities
+        off = [(position.measured - position.simulated[side])[SETTLED:] for side in ("before", "after")]
+        return [float(np.sqrt(np.mean(one**2))) / 1e3 for one in off]  # drawn in mm
+
+    told = [diagnosis.errors.fit.before.position, diagnosis.errors.fit.after.position]
+    assert drawn((before, after)) == pytest.approx(told, rel=1e-6)
+    assert drawn((after, before)) == pytest.approx(told[::-1], rel=1e-6)
 
 
 def test_a_bar_of_evidence_ends_where_its_candidate_stands_out() -> None:

@@ -32,13 +32,13 @@ def errors_of(
     held_out: Sequence[Motion],
 ) -> ErrorsByUse:
     """Errors of the baseline and of what was found, each with the parameters that were fitted to that kind of error."""
-    free = (None, None) if simulation is None else _free(experiment, simulation)
+    runs = None if simulation is None else _free(experiment, simulation)
 
     def on(motions: Sequence[Motion]) -> BeforeAfter:
         if not motions:
             return BeforeAfter(Errors({}), Errors({}))
         whole = None if simulation is None else shooting_of(experiment, motions, held=simulation.how.held)
-        before, after = free
+        before, after = (None, None) if runs is None else runs
         first = _errors(results, motions, baseline, whole, before)
         if after is before and corrected == baseline:
             return BeforeAfter(first, first)
@@ -48,7 +48,7 @@ def errors_of(
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fits(experiment, simulation, held_out)
-    found = ErrorsByUse(fitted, tested, own)
+    found = ErrorsByUse(fitted, tested, own, runs=runs)
     if simulation is not None and simulation.effects and found.runs_worse:
         return replace(found, gained=_gained(experiment, simulation, held_out))
     return found
@@ -59,17 +59,17 @@ def _errors(
     motions: Sequence[Motion],
     values: Values,
     whole: Shooting | None,
-    simulated: Fit | None,
+    simulated: Values | None,
 ) -> Errors:
-    """Errors of one model: `values` in the balances, those of the fit `simulated` in a free run; that of a balance is
-    infinite where the plant runs away.
+    """Errors of one model: `values` in the balances, `simulated` in a free run; that of a balance is infinite where the
+    plant runs away.
     """
     balances = {}
     for result in results:
         over = replace(result.balance, motions=behind_backlash(whole, motions, values))
         rms = float(np.sqrt(np.mean(over.stacked(values) ** 2)))
         balances[over.name] = float(np.nan_to_num(rms, nan=np.inf)) * over.floor
-    run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated.values)
+    run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated)
     units = {result.balance.name: result.balance.unit for result in results}
     speed, axis = _of_pump(results, motions, values), results[0].balance.axis
     return Errors(balances, speed, run.position, run.load_pressure, axis, units)
@@ -93,21 +93,21 @@ def _drifts(fitted: Errors, tested: Errors) -> bool:
     return tested.position > DRIFTS * fitted.position
 
 
-def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Fit, Fit]:
-    """The fits before and after by whose values the plant runs freely: those of the simulation, or of a plant that is
-    far from noise those of free runs themselves.
+def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Values, Values]:
+    """The parameters before and after by which the plant runs freely: those of the simulation, or of a plant that is
+    far from noise those of fits to free runs themselves.
     """
     if not all(Simulated(simulation.how, one).is_astray for one in (simulation.before, simulation.after)):
-        return simulation.before, simulation.after
+        return simulation.before.values, simulation.after.values
     return _freely(experiment, simulation, simulation.after.balance.motions)
 
 
-def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Fit, Fit]:
+def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Values, Values]:
     """The plant before and after fitted to free runs of records, as `as_simulated` has them."""
     whole = _whole(experiment, simulation, motions)
 
-    def fitted(one: Fit) -> Fit:
-        return freely(Fitting(motions, one.names, experiment.bounds), whole, one.values)
+    def fitted(one: Fit) -> Values:
+        return freely(Fitting(motions, one.names, experiment.bounds), whole, one.values).values
 
     before = fitted(simulation.before)
     return before, before if simulation.after is simulation.before else fitted(simulation.after)
@@ -124,7 +124,7 @@ def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Seq
     """Free-run errors of held-out records with parameters fitted to these: the least that the plant can leave."""
     held_out = as_simulated(experiment, held_out)
     whole = _whole(experiment, simulation, held_out)
-    runs = [free_run(whole, held_out, one.values) for one in _freely(experiment, simulation, held_out)]
+    runs = [free_run(whole, held_out, values) for values in _freely(experiment, simulation, held_out)]
     axis = experiment.plant.axis
     return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
 

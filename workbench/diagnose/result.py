@@ -179,13 +179,15 @@ class ErrorsByUse:
 
     `own_parameters` are those on held-out records with the same parameters fitted to these, which nothing that differs
     between records is in, `gained` is by how much the logarithm of these records' likelihood rises with what was found;
-    None where that was not asked.
+    None where that was not asked. `runs` are the parameters before and after by which the plant ran freely, None of a
+    plant that cannot be simulated.
     """
 
     fit: BeforeAfter
     held_out: BeforeAfter
     own_parameters: BeforeAfter | None = None
     gained: float | None = None
+    runs: tuple[Values, Values] | None = None
 
     def is_worse(self, balances: Sequence[str]) -> bool:
         """Whether one of these balances of the held-out records has a larger error with what was found."""

@@ -12,6 +12,7 @@ from workbench.diagnose.report.figures.frame import WIDE, Side, legend
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
@@ -79,9 +80,13 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
 def _compared(diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion) -> list[Compared]:
     """Position, and the load pressure where both pressures are measured."""
     whole = shooting_of(diagnosis.experiment, [motion], held=simulation.how.held)
+    runs = diagnosis.errors.runs
     assert whole is not None  # the diagnosis has simulated such records
-    fits = {"before": simulation.before, "after": simulation.after}
-    simulated = {side: whole.simulated(motion, fitted.values) for side, fitted in fits.items()}
+    assert runs is not None  # and told their errors
+    simulated = {
+        side: begun(whole, [motion], values).simulated(motion, values)
+        for side, values in zip(("before", "after"), runs, strict=True)
+    }
     scale, unit = SHOWN[diagnosis.axis].factor, SHOWN[diagnosis.axis].unit
     shown = {side: scale * channels["position"] for side, channels in simulated.items()}
     quantities = [
