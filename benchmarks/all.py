@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from suite.cases import cases
-from suite.loops import seconds, stiffness
+from suite.loops import seconds, stiffness, together
 from suite.page import write_page
 from suite.part import FULL, QUICK, Part, Size
 from suite.peers import peers
@@ -26,6 +26,7 @@ PARTS: dict[str, Callable[[Size, Path], Part | list[Part]]] = {
     "peers": peers,
     "seconds": seconds,
     "stiffness": stiffness,
+    "together": together,
     "cases": cases,
     "records": records,
 }

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import workbench as wb
 from suite.part import Part, Ratio, Size
 from suite.studies import KP
 from workbench.publish.style import COLOURS, MARKERS, plain_numbers
-from workbench.simulation.simulate import simulate, solver_error
+from workbench.simulation.simulate import LANES, simulate, simulate_together, solver_error
 
 OWN_DAMPING = 2.28e4
 """N s/m. Bristle damping of the parameter set, which the ratio of stiffness is over."""
@@ -20,6 +21,9 @@ OWN_DAMPING = 2.28e4
 
 SOME = 20
 """Cases of which a mean is taken."""
+
+AT_ONCE = (1, 2, 4, 8)
+"""Runs that are simulated together."""
 
 
 def loop(seconds: float, damping: float | None = None, kp: float = 500.0) -> Any:
@@ -94,6 +98,44 @@ def seconds(size: Size, folder: Path) -> Part:
         ratios={
             "a simulated second of the longest run over one of the shortest": Ratio(
                 tuple(each[-1] / each[0] / longest for each in rounds)
+            )
+        },
+    )
+
+
+def together(size: Size, folder: Path) -> Part:
+    """Time of a run over how many of them are simulated at once."""
+    setups = [loop(3.0, kp=kp).simulation for kp in np.linspace(*KP, AT_ONCE[-1])]
+    setups = [replace(each, reference=setups[0].reference) for each in setups]
+
+    def calls() -> list[Callable[[], object]]:
+        return [lambda some=setups[:count]: simulate_together(some) for count in AT_ONCE]
+
+    rounds = [
+        [each / count for each, count in zip(least(calls(), size.turns), AT_ONCE, strict=True)]
+        for _ in range(size.rounds)
+    ]
+    times = [min(each) for each in zip(*rounds, strict=True)]
+
+    def draw(axes: Axes) -> None:
+        axes.plot(AT_ONCE, [1e3 * t for t in times], marker=MARKERS[0], color=COLOURS[0], label="simulation")
+        axes.set_xlabel("runs at once")
+        axes.set_ylabel("3 s of closed loop, ms for each run")
+        axes.set_xticks(AT_ONCE)
+        axes.set_ylim(bottom=0.0)
+        axes.legend()
+
+    return Part(
+        "together",
+        "Time of a run among several",
+        f"`simulate_together`: setups that differ in their gains, of which {LANES} are solved at once, to the same "
+        "bits as one by one. A diagnosis asks for most of its simulations so.",
+        ("runs at once", "ms for each", "over one alone"),
+        [(f"{n}", f"{1e3 * t:.3g}", f"{t / times[0]:.3g}") for n, t in zip(AT_ONCE, times, strict=True)],
+        draw,
+        ratios={
+            f"a run of {LANES} at once over one alone": Ratio(
+                tuple(each[AT_ONCE.index(LANES)] / each[0] for each in rounds)
             )
         },
     )

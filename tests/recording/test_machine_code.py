@@ -89,6 +89,32 @@ def test_what_waits_on_a_side_changes_no_result(x: float, y: float) -> None:
 NESTED = called(nested)
 
 
+@pytest.mark.parametrize("lanes", [2, 4])
+def test_several_lanes_have_the_bits_of_one(lanes: int) -> None:
+    """Every operation of two numbers and of one, conditions, and what a scalar function would branch on."""
+
+    def every(first: Any, second: Any) -> tuple[Any, ...]:
+        ones = [getattr(np, name)(first) + 0.0 * second for name in ONE]
+        twos = [getattr(np, name)(first, second) for name in TWO]
+        conditions = [getattr(np, name)(first, second) for name in ORDERING]
+        both = [select(np.logical_not(first > second) & (second > 0.0), first, 3.0), nested(first, second)]
+        return (*ones, *twos, *both, *(select(condition, 1.0, 0.0) for condition in conditions))
+
+    size = len(every(np.float64(0.3), np.float64(0.2)))
+    one = machine_code(lambda pair: every(*pair), (Pair,), into=1)
+    several = machine_code(lambda pair: every(*pair), (2,), into=1, lanes=lanes)
+    pairs = [(a, b) for a in EDGES for b in EDGES]
+    pairs += [pairs[0]] * (-len(pairs) % lanes)
+    for at in range(0, len(pairs), lanes):
+        some = np.array(pairs[at : at + lanes])
+        numbers, out = (ctypes.c_double * (2 * lanes))(*some.T.ravel()), (ctypes.c_double * (size * lanes))()
+        several.ctypes(numbers, out)
+        for lane, pair in enumerate(some):
+            alone = (ctypes.c_double * size)()
+            one.ctypes((ctypes.c_double * 2)(*pair), alone)
+            np.testing.assert_array_equal(np.array(out).reshape(size, lanes)[:, lane], np.array(alone))
+
+
 def test_results_are_stored_behind_their_pointer_whatever_it_shares() -> None:
     """A state that is read and written at one place: nothing is written before all is read."""
     code = machine_code(lambda pair: Pair(pair.second, pair.first + pair.second), (Pair,), into=0)

@@ -11,6 +11,9 @@ from workbench.recording.symbols import INPUT, NUMBER, Recording, needed
 NUMBER_TYPE = ir.DoubleType()
 POINTER_TYPE = NUMBER_TYPE.as_pointer()
 
+ALIGNED = 8
+"""Bytes to which every double is aligned, and no vector to more."""
+
 ARITHMETIC = {"add": "fadd", "subtract": "fsub", "multiply": "fmul", "divide": "fdiv", "negative": "fneg"}
 
 ORDER = {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">=", "equal": "=="}
@@ -41,13 +44,20 @@ LIBRARY = {
 class Function:
     """A function of LLVM in the making. Arguments are doubles, and pointers to consecutive ones.
 
-    `reads` says of each input of the recording which argument it is, or which double behind it.
+    `reads` says of each input of the recording which argument it is, or which double behind it. Of several `lanes` each
+    number is a vector of so many, and what a scalar function would branch on is chosen.
     """
 
     def __init__(
-        self, recording: Recording, pointers: Sequence[bool], reads: Mapping[str, tuple[int, int | None]], gives: bool
+        self,
+        recording: Recording,
+        pointers: Sequence[bool],
+        reads: Mapping[str, tuple[int, int | None]],
+        gives: bool,
+        lanes: int = 1,
     ) -> None:
-        self._recording, self._reads = recording, reads
+        self._recording, self._reads, self._lanes = recording, reads, lanes
+        self._kind = NUMBER_TYPE if lanes == 1 else ir.VectorType(NUMBER_TYPE, lanes)
         self.module = ir.Module(name="equations")
         kinds = [POINTER_TYPE if pointer else NUMBER_TYPE for pointer in pointers]
         kind = ir.FunctionType(NUMBER_TYPE if gives else ir.VoidType(), kinds)
@@ -60,10 +70,13 @@ class Function:
         """Compute places of the recording: those `stored` behind the pointer `into`, and the one that is returned."""
         results = [*stored, *([] if given is None else [given])]
         places = needed(self._recording, results)
-        self._branches = branches_of(self._recording.instructions, places, results)
+        if self._lanes == 1:
+            self._branches = branches_of(self._recording.instructions, places, results)
+        else:
+            self._branches = Branches(dict.fromkeys(places, WHOLE))
         self._compute(WHOLE)
         for i, place in enumerate(stored):
-            self._builder.store(self._values[place], self._at(into, i))
+            self._builder.store(self._values[place], self._at(into, i), align=ALIGNED)
         if given is None:
             self._builder.ret_void()
         else:
@@ -77,9 +90,11 @@ class Function:
         instruction = self._recording.instructions[place]
         if instruction.operation == INPUT:
             argument, index = self._reads[instruction.text]
-            return self._function.args[argument] if index is None else self._builder.load(self._at(argument, index))
+            if index is None:
+                return self._function.args[argument]
+            return self._builder.load(self._at(argument, index), align=ALIGNED)
         if instruction.operation == NUMBER:
-            return ir.Constant(NUMBER_TYPE, float(instruction.text))
+            return constant(self._kind, float(instruction.text))
         if instruction.operation == "where" and self._branches.branches(place):
             return self._branch(place, *instruction.operands)
         return self._operation(instruction.operation, [self._values[operand] for operand in instruction.operands])
@@ -111,15 +126,32 @@ class Function:
             return getattr(builder, LOGIC[name])(*operands)
         if name in COMPARING:
             return COMPARING[name](builder, *operands)
-        called = f"llvm.{LLVM[name]}.f64" if name in LLVM else LIBRARY[name]
-        return builder.call(self._callee(called, len(operands)), operands)
+        if name in LLVM:
+            lanes = f"v{self._lanes}" if self._lanes > 1 else ""
+            return builder.call(self._callee(f"llvm.{LLVM[name]}.{lanes}f64", self._kind, len(operands)), operands)
+        callee = self._callee(LIBRARY[name], NUMBER_TYPE, len(operands))
+        if self._lanes == 1:
+            return builder.call(callee, operands)
+        result = ir.Constant(self._kind, ir.Undefined)
+        for lane in range(self._lanes):
+            place = ir.Constant(ir.IntType(32), lane)
+            own = builder.call(callee, [builder.extract_element(operand, place) for operand in operands])
+            result = builder.insert_element(result, own, place)
+        return result
 
-    def _callee(self, name: str, arguments: int) -> Any:
+    def _callee(self, name: str, kind: Any, arguments: int) -> Any:
         found = self.module.globals.get(name)
-        return found or ir.Function(self.module, ir.FunctionType(NUMBER_TYPE, [NUMBER_TYPE] * arguments), name=name)
+        return found or ir.Function(self.module, ir.FunctionType(kind, [kind] * arguments), name=name)
 
     def _at(self, argument: int, index: int) -> Any:
-        return self._builder.gep(self._function.args[argument], [ir.Constant(ir.IntType(64), index)])
+        builder = self._builder
+        place = builder.gep(self._function.args[argument], [ir.Constant(ir.IntType(64), index * self._lanes)])
+        return place if self._lanes == 1 else builder.bitcast(place, self._kind.as_pointer())
+
+
+def constant(kind: Any, number: float) -> Any:
+    """A number, in every lane of a vector's type."""
+    return ir.Constant(kind, number if kind == NUMBER_TYPE else [number] * kind.count)
 
 
 def _not_equal(builder: Any, one: Any, other: Any) -> Any:
@@ -141,7 +173,7 @@ def _extreme(order: str) -> Callable[..., Any]:
 
 
 def _sign(builder: Any, one: Any) -> Any:
-    zero, plus, minus = (ir.Constant(NUMBER_TYPE, number) for number in (0.0, 1.0, -1.0))
+    zero, plus, minus = (constant(one.type, number) for number in (0.0, 1.0, -1.0))
     negative = builder.select(builder.fcmp_ordered("<", one, zero), minus, one)
     return builder.select(builder.fcmp_ordered(">", one, zero), plus, negative)
 

@@ -3,6 +3,9 @@
 An equation is recorded with symbols in place of numbers, and what was recorded is compiled as it is: in the order of
 the equation, in double precision, without what would round otherwise. That takes some hundredths of a second, so that
 nothing is kept on disk.
+
+Of an equation that is wanted for several sets of numbers at once, processors compute some side by side: its function
+then takes and gives so many numbers, its `lanes`, in the place of each, one behind another.
 """
 
 import ctypes
@@ -37,40 +40,46 @@ class MachineCode:
 
 
 def machine_code(
-    equation: Equation, given: Sequence[type[NamedTuple] | None], into: int, gives: bool = False
+    equation: Equation, given: Sequence[type[NamedTuple] | int | None], into: int, gives: bool = False, lanes: int = 1
 ) -> MachineCode:
     """An equation as a C function.
 
     Args:
-        equation: a function of numbers and NamedTuples.
-        given: what it takes: None for a number, a double in C, or the class of a NamedTuple, a pointer.
+        equation: a function of numbers, tuples of them and NamedTuples.
+        given: what it takes: None for a number, a double in C; or the class of a NamedTuple or the size of a tuple, a
+            pointer.
         into: behind which pointer the NamedTuple that the equation gives is stored: one of the arguments, or a
             further one, the last.
         gives: whether the equation gives (number, NamedTuple), of which the number is returned.
+        lanes: for how many sets of numbers it is computed at once, to the same bits; of pointers alone if several.
 
     Raises:
         UnrecordableError: the equation does what cannot be recorded.
     """
     recording, reads, arguments = Recording(), dict[str, tuple[int, int | None]](), list[Any]()
     for number, cls in enumerate(given):
-        names = [f"{number}"] if cls is None else [f"{number}.{i}" for i in range(size_of(cls))]
+        size = cls if isinstance(cls, int) else 1 if cls is None else size_of(cls)
+        names = [f"{number}"] if cls is None else [f"{number}.{i}" for i in range(size)]
         reads |= {name: (number, None if cls is None else i) for i, name in enumerate(names)}
         symbols = [recording.input(name) for name in names]
-        arguments.append(symbols[0] if cls is None else from_array(cls, symbols))
+        if isinstance(cls, int):
+            arguments.append(tuple(symbols))
+        else:
+            arguments.append(symbols[0] if cls is None else from_array(cls, symbols))
     result = equation(*arguments)
     returned, stored = result if gives else (None, result)
     pointers = tuple(cls is not None for cls in given) + (True,) * (into == len(given))
-    function = Function(recording, pointers, reads, gives)
+    function = Function(recording, pointers, reads, gives, lanes)
     function.write(
         [recording.number_place(value) for value in leaves(stored)],
         into,
         recording.number_place(returned) if gives else None,
     )
-    engine = _compiled(str(function.module))
+    engine = compiled(str(function.module))
     return MachineCode(engine.get_function_address("equations"), pointers, gives, engine)
 
 
-def _compiled(text: str) -> Any:
+def compiled(text: str) -> Any:
     """LLVM's engine that holds a module, optimised for this processor."""
     machine = _machine()
     module = llvm.parse_assembly(text)

@@ -18,6 +18,8 @@ from plants.plugins import OURS
 from workbench.errors import UserError
 from workbench.recording.machine_code import MachineCode, machine_code
 from workbench.simulation.arrays import owner_of
+from workbench.simulation.integrators.interface import IntegrationMethod
+from workbench.simulation.whole_step import filtered_rates, sizes_of, whole_step
 
 FOLDERS = (*(Path(__file__).parents[2] / name for name in OURS), Path(np.__file__).parent)
 """Where code lies that is no author's of a plug-in."""
@@ -29,6 +31,11 @@ MEASURE = types.void(POINTER, POINTER, POINTER)
 """C signature: state, parameters, measurement (out)."""
 
 call_derivatives, call_measure = caller(DERIVATIVES), caller(MEASURE)
+
+WHOLE_STEP = types.void(types.int64, *(POINTER,) * 8)
+"""C signature: `workbench.simulation.whole_step`."""
+
+call_whole_step = caller(WHOLE_STEP)
 
 ADVANCE = types.float64(types.float64, types.float64, POINTER, POINTER)
 """C signature of a machine that solves itself: start, end, inputs, state (out) -> 0, or else it has failed."""
@@ -69,6 +76,20 @@ def compile_measure(plant: Plant) -> MachineCode:
     return machine_code(plant.measure, (plant.State, plant.Parameters), into=2)
 
 
+def compile_rates(plant: Plant, filtered: bool, lanes: int) -> MachineCode:
+    """What a whole step of the plant integrates: of one lane a C function of signature `DERIVATIVES`; of several the
+    time, too, is behind a pointer.
+    """
+    if lanes == 1 and not filtered:
+        return compile_derivatives(plant)
+    states, _, parameters = sizes_of(plant, filtered)
+    own = filtered_rates(plant) if filtered else plant.derivatives
+    known = (states, plant.Inputs, parameters) if filtered else (plant.State, plant.Inputs, plant.Parameters)
+    if lanes == 1:
+        return machine_code(own, (None, *known), into=4)
+    return machine_code(lambda time, *given: own(time[0], *given), (1, *known), into=4, lanes=lanes)
+
+
 def compile_step(controller: Controller) -> MachineCode:
     """The controller's step as a C function of signature `STEP`."""
     given = (Reference, Measurement, controller.State, controller.Gains, None)
@@ -87,8 +108,22 @@ def plant_addresses(plant: Plant) -> tuple[int, int]:
         UserError: it cannot be compiled, and why.
     """
     with COMPILING:
-        derivatives, measure = _compiled_plant(plant)
+        derivatives, measure = _compiled_rates(plant, filtered=False, lanes=1), _compiled_measure(plant)
     return derivatives.address, measure.address
+
+
+def step_addresses(plant: Plant, method: IntegrationMethod, filtered: bool, lanes: int) -> tuple[int, int, int]:
+    """Addresses of a whole step by a method, for so many lanes, and of what it integrates: rates of the plant, and of
+    filters of its sensors if these are `filtered`; and of the plant's readings.
+
+    Raises:
+        UserError: it cannot be compiled, and why.
+    """
+    states, inputs, _ = sizes_of(plant, filtered)
+    with COMPILING:
+        step = whole_step(method, states, inputs, lanes)
+        rates, measure = _compiled_rates(plant, filtered, lanes), _compiled_measure(plant)
+    return step.address, rates.address, measure.address
 
 
 def controller_addresses(controller: Controller) -> tuple[int, int]:
@@ -105,10 +140,16 @@ def controller_addresses(controller: Controller) -> tuple[int, int]:
 
 
 @functools.cache
-def _compiled_plant(plant: Plant) -> tuple[MachineCode, MachineCode]:
-    """The plant's C functions; kept, since only their addresses go to the engine."""
+def _compiled_measure(plant: Plant) -> MachineCode:
+    """Kept, as all of these, since only their addresses go to the engine."""
     with _told(f'plant "{plant.name}"', plant):
-        return compile_derivatives(plant), compile_measure(plant)
+        return compile_measure(plant)
+
+
+@functools.cache
+def _compiled_rates(plant: Plant, filtered: bool, lanes: int) -> MachineCode:
+    with _told(f'plant "{plant.name}"', plant):
+        return compile_rates(plant, filtered, lanes)
 
 
 @functools.cache

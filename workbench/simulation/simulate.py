@@ -7,7 +7,9 @@ solver_error(setup, run)         # how far the positions are off (m)
 Importing this module loads the compiled engine; what only sets up imports `setup`, what only reads `run`.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,14 +19,15 @@ from plants.interface import Measurement
 from plants.motor import Motor
 from workbench.fmu.machine import FmuMachine
 from workbench.simulation import engine
-from workbench.simulation.compilation import controller_addresses, plant_addresses
+from workbench.simulation.compilation import controller_addresses, step_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.motor_limits import at_a_limit
 from workbench.simulation.references import Signal
 from workbench.simulation.run import COMPLETED, HARDLY_MOVES, MACHINE_FAILED, STUCK_SPEED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
-from workbench.simulation.steppers import SELF_SOLVING, scheme
+from workbench.simulation.steppers import CONTROLLED, FIXED_STEP, ITS_OWN
+from workbench.simulation.whole_step import sizes_of, work_size
 from workbench.stopping import ADDRESS
 
 __all__ = [
@@ -40,8 +43,16 @@ __all__ = [
     "largest_distance",
     "ready",
     "simulate",
+    "simulate_together",
     "solver_error",
 ]
+
+LANES = 4
+"""Setups that are solved at once: as many numbers as the vectors of common processors hold."""
+
+Code: TypeAlias = tuple[tuple[int, int, int], tuple[int, float, int, int]]
+"""Addresses of a whole step, of a plant's rates, or of `ADVANCE`, and of its readings; and the method: how it steps,
+the order of its error, its number of slopes, and how many numbers of a lane it works on."""
 
 LIMITED_SHARE = 0.05
 """Of the run. A rod that comes to speed from standstill takes some tens of milliseconds at the limit, and so does a
@@ -54,7 +65,7 @@ VACUUM = -101325.0
 def ready(setup: Setup) -> None:
     """Have the compiled code of a run at hand, so that processes made later need not compile it, each for itself."""
     if setup.machine is None:
-        plant_addresses(setup.plant)
+        _code_of(setup, 1)
     for loop in (setup.loop, setup.rotary or NO_LOOP):
         controller_addresses(loop.controller)
 
@@ -74,6 +85,46 @@ def simulate(setup: Setup) -> Run:
     return replace(run, outcome=run.outcome or _outcome(run, limit))
 
 
+def simulate_together(setups: Sequence[Setup]) -> list[Run]:
+    """The runs of some setups, to the same bits as one by one: those that are alike several at once, in a fraction of
+    the time. Alike are setups of one plant, without a machine of its own, that differ in parameters, state, inputs,
+    what feeds show, and gains alone.
+
+    Raises:
+        KeyboardInterrupt: it was stopped, as `workbench.stopping` says.
+        UserError: a machine may not be run, or not here.
+    """
+    groups = list[tuple[object, list[int]]]()
+    for place, setup in enumerate(setups):
+        alike = _alike(setup)
+        own = next((places for other, places in groups if other == alike and setup.machine is None), None)
+        if own is None:
+            groups.append((alike, [place]))
+        else:
+            own.append(place)
+    found = dict[int, tuple[Run, float]]()
+    for _, places in groups:
+        for at in range(0, len(places), LANES):
+            some = places[at : at + LANES]
+            if len(some) == 1:
+                found[some[0]] = _integrated(setups[some[0]])
+            else:
+                several = [setups[place] for place in (*some, *[some[-1]] * (LANES - len(some)))]
+                found |= zip(some, _solved(several, _code_of(several[0], LANES)), strict=False)
+    return [
+        replace(run, outcome=run.outcome or _outcome(run, limit))
+        for run, limit in map(found.__getitem__, range(len(setups)))
+    ]
+
+
+def _alike(setup: Setup) -> tuple[object, ...]:
+    """What setups that go side by side have in common."""
+    loops = [None if loop is None else (loop.controller, loop.drives) for loop in (setup.loop, setup.rotary)]
+    linear = [(feed.input, feed.linear, _changes_within_samples(feed, setup)) for feed in setup.feeds]
+    numbers = setup.duration, setup.sample_time, setup.seed, setup.rotation_speed, setup.farthest
+    return setup.plant, setup.reference, *loops, linear, setup.sensors, setup.integrator, *numbers
+
+
 def _integrated(setup: Setup, known: Signal | None = None) -> tuple[Run, float]:
     """The run of a setup, whose outcome is "" unless it ended early, and the limit of its command.
 
@@ -81,8 +132,25 @@ def _integrated(setup: Setup, known: Signal | None = None) -> tuple[Run, float]:
     """
     if setup.machine is not None:
         return _solved_by(setup.machine, setup)
-    method = INTEGRATORS.working()[setup.integrator.method]
-    return _solved(setup, plant_addresses(setup.plant), scheme(method), known)
+    return _solved([setup], _code_of(setup, 1), known)[0]
+
+
+def _code_of(setup: Setup, lanes: int) -> Code:
+    """The compiled code of the plant of a setup, for so many lanes."""
+    method, filtered = INTEGRATORS.working()[setup.integrator.method], bool(_cutoffs(setup).any())
+    states, inputs, _ = sizes_of(setup.plant, filtered)
+    kind = CONTROLLED if method.errors else FIXED_STEP
+    how = kind, float(max(method.order, 1)), method.count, work_size(method, states, inputs)
+    return step_addresses(setup.plant, method, filtered, lanes), how
+
+
+def _cutoffs(setup: Setup) -> np.ndarray:
+    """Of the filters of the sensors (rad/s), 0 for none: where no sensor is, there is no filter."""
+    cutoffs = setup.sensors.cutoffs()
+    if not cutoffs.any():
+        return cutoffs
+    reading = to_array(setup.plant.measure(setup.state, setup.parameters))
+    return np.where(np.isnan(reading), 0.0, cutoffs)
 
 
 def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
@@ -92,90 +160,115 @@ def _solved_by(machine: FmuMachine, setup: Setup) -> tuple[Run, float]:
     with running(machine, to_array(setup.inputs).tolist()) as fmu:
         start = fmu.begin(setup.integrator.tolerance)
         begun = replace(setup, state=from_array(setup.plant.State, start.tolist()))
-        run, limit = _solved(replace(begun, duration=0.0) if fmu.failure else begun, fmu.addresses, SELF_SOLVING)
+        if fmu.failure:
+            begun = replace(begun, duration=0.0)
+        ((run, limit),) = _solved([begun], ((0, *fmu.addresses), (ITS_OWN, 1.0, 1, 0)))
     if fmu.stopped is not None:
         raise fmu.stopped
     return (replace(run, outcome=f"{MACHINE_FAILED}: {fmu.failure}") if fmu.failure else run), limit
 
 
-def _solved(
-    setup: Setup,
-    addresses: tuple[int, int],
-    how: tuple[int, int, float, np.ndarray],
-    known: Signal | None = None,
-) -> tuple[Run, float]:
-    """The same of what stands at these addresses, solved as `scheme` says."""
-    plant, h = setup.plant, setup.sample_time
+def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) -> list[tuple[Run, float]]:
+    """The same of some setups alike, by the code of their plant."""
+    setup = setups[0]
+    plant, h, sensors = setup.plant, setup.sample_time, setup.sensors
+    addresses, how = code
+    fixed = how[0] == FIXED_STEP
     samples = round(setup.duration / h) + 1
-    time = h * np.arange(samples)
-    state = to_array(setup.state)
-    parameters = to_array(setup.parameters)
-    inputs = to_array(setup.inputs)
+    time, cutoffs, errors = h * np.arange(samples), _cutoffs(setup), setup.sensors.errors()
+    profile = setup.reference(time) if known is None and setup.reference is not None else known
+    references = np.zeros((samples, 3)) if profile is None else np.column_stack(profile)
+    rotary_references = np.zeros((samples if setup.rotary else 0, 3))
+    rotary_references[:, 0] = setup.rotation_speed
+    lanes = [_lane(each, samples, cutoffs, errors) for each in setups]
+    state, inputs, parameters, scales, memory, gains, rotary_memory, rotary_gains, limits, exogenous, lines = (
+        np.stack(each) for each in zip(*(lane.arrays for lane in lanes), strict=True)
+    )
+    linear, rotary = lanes[0].linear, setup.rotary or NO_LOOP
+    widths = (len(fields(plant.State)), inputs.shape[1], len(Measurement._fields), memory.shape[1])
+    log = tuple(np.empty((len(lanes) * samples, width)) for width in widths)
+    delay_samples, delay_rest = _in_samples(sensors.delay, h)
+    past = int(np.max(lines[..., 1], initial=0))
+    integrator = setup.integrator
+    results = np.zeros((len(lanes), 3))
+    sizes = (state.shape[1], inputs.shape[1], parameters.shape[1], cutoffs.size)
+    stopped = engine.run_loop(
+        len(lanes),
+        addresses,
+        controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
+        (state, inputs, parameters, scales),
+        (memory, gains, rotary_memory, rotary_gains),
+        (
+            plant.input_index(_driven(setup)),
+            plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
+            limits,
+        ),
+        (references, rotary_references, exogenous.reshape(-1, exogenous.shape[-1]), linear),
+        (sensors.noise(samples, setup.seed), sensors.resolution(), cutoffs, errors),
+        (delay_samples, delay_rest),
+        lines.reshape(-1, lines.shape[-1]),
+        (
+            h,
+            int(np.ceil(h / integrator.step - 1e-9)) if fixed else integrator.fewest,
+            integrator.tolerance,
+        ),
+        setup.farthest,
+        how,
+        log,
+        results,
+        np.empty(engine.scratch_size(len(lanes), sizes, how[-1], delay_samples, past)),
+        ADDRESS,
+    )
+    if stopped == engine.STOPPED:
+        raise KeyboardInterrupt
+    found = list[tuple[Run, float]]()
+    for lane, (each, (ended, count, steps)) in enumerate(zip(setups, results.astype(int).tolist(), strict=True)):
+        states, realised, measurements, remembered = (table[lane * samples : lane * samples + count] for table in log)
+        run = Run(
+            plant,
+            each.loop,
+            each.parameters,
+            time[:count],
+            states,
+            realised,
+            measurements,
+            remembered,
+            None if profile is None else (profile[0][:count], profile[1][:count], profile[2][:count]),
+            EARLY.get(ended, ""),
+            steps,
+        )
+        found.append((run, float(limits[lane, 0])))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Lane:
+    """One setup as the engine takes it: arrays in its order, and which of the inputs are ramps within a sample."""
+
+    arrays: tuple[np.ndarray, ...]
+    linear: np.ndarray
+
+
+def _lane(setup: Setup, samples: int, cutoffs: np.ndarray, errors: np.ndarray) -> _Lane:
+    plant, state, inputs = setup.plant, to_array(setup.state), to_array(setup.inputs)
     scales = np.array([item.scale for item in fields(plant.State)])
     reading = plant.measure(setup.state, setup.parameters)
-    cutoffs = np.where(np.isnan(to_array(reading)), 0.0, setup.sensors.cutoffs())  # no sensor, no filter
     if cutoffs.any():
         analogue = np.where(cutoffs > 0.0, to_array(reading), 0.0)
         state = np.concatenate([state, analogue])
         typical = np.where(cutoffs > 0.0, np.maximum(np.abs(analogue), 1e-3), 1.0)
         scales = np.concatenate([scales, typical])
-
-    errors = setup.sensors.errors()
     shown = _shown(reading, errors)
-    profile = setup.reference(time) if known is None and setup.reference is not None else known
-    references = np.zeros((samples, 3)) if profile is None else np.column_stack(profile)
-    rotary_references = np.zeros((samples if setup.rotary else 0, 3))
-    rotary_references[:, 0] = setup.rotation_speed
     exogenous, linear, lines = _sampled_feeds(setup, samples, inputs)
-    rotary = setup.rotary or NO_LOOP
-    memory = _memory(setup.loop, shown)
-    widths = (len(fields(plant.State)), inputs.size, len(Measurement._fields), memory[0].size)
-    log = tuple(np.empty((samples, width)) for width in widths)
-    delay_samples, delay_rest = _in_samples(setup.sensors.delay, h)
-    past = int(np.max(lines[:, 1], initial=0))
-    integrator = setup.integrator
-    method = INTEGRATORS.working()[integrator.method]
-    driven = setup.loop.drives or plant.command
-    limit = float(plant.command_limit(setup.parameters)) if driven == plant.command else np.inf
-    ended, count, steps = engine.run_loop(
-        addresses,
-        controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
-        (state, inputs, parameters, scales),
-        (*memory, *_memory(rotary, shown)),
-        (
-            plant.input_index(driven),
-            limit,
-            plant.input_index(plant.rotary_command) if setup.rotary and plant.rotary_command else -1,
-            float(plant.rotary_limit(setup.parameters)),
-        ),
-        (references, rotary_references, exogenous, linear),
-        (setup.sensors.noise(samples, setup.seed), setup.sensors.resolution(), cutoffs, errors),
-        (delay_samples, delay_rest),
-        lines,
-        (h, integrator.fewest if method.errors else int(np.ceil(h / integrator.step - 1e-9)), integrator.tolerance),
-        setup.farthest,
-        how,
-        log,
-        np.empty(engine.scratch_size(state.size, inputs.size, cutoffs.size, delay_samples, method.count, past)),
-        ADDRESS,
-    )
-    if ended == engine.STOPPED:
-        raise KeyboardInterrupt
-    states, realised, measurements, remembered = (table[:count] for table in log)
-    run = Run(
-        plant,
-        setup.loop,
-        setup.parameters,
-        time[:count],
-        states,
-        realised,
-        measurements,
-        remembered,
-        None if profile is None else (profile[0][:count], profile[1][:count], profile[2][:count]),
-        EARLY.get(ended, ""),
-        steps,
-    )
-    return run, limit
+    limit = float(plant.command_limit(setup.parameters)) if _driven(setup) == plant.command else np.inf
+    limits = np.array([limit, float(plant.rotary_limit(setup.parameters))])
+    loops = (*_memory(setup.loop, shown), *_memory(setup.rotary or NO_LOOP, shown))
+    return _Lane((state, inputs, to_array(setup.parameters), scales, *loops, limits, exogenous, lines), linear)
+
+
+def _driven(setup: Setup) -> str:
+    """The input that the controller drives."""
+    return setup.loop.drives or setup.plant.command
 
 
 def first_reading(setup: Setup) -> Measurement:
