@@ -72,7 +72,7 @@ def test_a_simulation_that_leaves_its_record_is_over(fine: tuple[Shooting, list[
     """A negative spring takes the mass away ever faster; what is stiff would take ever shorter steps."""
     how, (motion,), declared = fine
     pushed = {**declared, "spring_stiffness": -10.0 * declared["viscous"], "end_stop_stiffness": 0.0}
-    (_, run), *_ = how._runs(motion, pushed)
+    (_, run), *_ = how.runs(motion, pushed)
     assert run.outcome == "diverged"
     farthest = AWAY * np.max(np.abs(motion.measured["position"]))
     assert farthest < np.max(np.abs(run.state("position"))) * 1.1 < 3.0 * farthest

@@ -14,12 +14,20 @@ from workbench.diagnose.residual_stage import (
     with_floors,
     with_simulated_floors,
 )
+from workbench.diagnose.residuals.fit import NEAR_NOISE
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
 from workbench.diagnose.simulation.setup import as_simulated
-from workbench.diagnose.simulation.stage import SimulationStage, simulated_baseline, simulation_stage
+from workbench.diagnose.simulation.stage import (
+    SimulationStage,
+    nearer_baseline,
+    nearer_with,
+    simulated_baseline,
+    simulated_with,
+    simulation_stage,
+)
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
@@ -39,7 +47,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     motions, held_out = both[: len(records)], both[len(records) :]
     declared = declared_values(experiment)
     offset = sensor_offset(motions, declared)
-    stage = baselines(experiment, motions, declared, offset, progress)
+    plain = stage = baselines(experiment, motions, declared, offset, progress)
     sensor = [offset] if offset is not None else []
     simulated = as_simulated(experiment, motions)
     base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
@@ -49,7 +57,15 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     simulation = None
     if base is not None:
         start = stage.simulation_start(effects)
-        simulation = simulation_stage(experiment, base.fit.balance.motions, start, base, progress)
+        them = simulated_with(experiment, base, start, progress)
+        if not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
+            base = nearer_baseline(experiment, base, start, progress)
+            if base.is_near:  # balances stood far from noise, and what they show is no guide
+                stage, effects, start = plain, sensor, plain.simulation_start(sensor)
+                them = simulated_with(experiment, base, start, progress)
+        if them is not None and them.fit.excess > NEAR_NOISE:
+            them = nearer_with(experiment, base, them, start)
+        simulation = simulation_stage(experiment, start, base, them, progress)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
 

@@ -88,21 +88,28 @@ class Solution:
 
 Residual = Callable[[np.ndarray], np.ndarray]
 
+Residuals = Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]]
+"""A residual at several places at once."""
+
+
+def one_by_one(residual: Residual) -> Residuals:
+    """A residual at several places, each for itself, in threads."""
+    return lambda places: side_by_side(residual, places)
+
 
 def jacobian_of(
-    residual: Residual, x: np.ndarray, base: np.ndarray, steps: np.ndarray, which: Sequence[int] | None = None
+    residuals: Residuals, x: np.ndarray, base: np.ndarray, steps: np.ndarray, which: Sequence[int] | None = None
 ) -> np.ndarray:
     """Forward differences of a residual (rows) over `steps` of each unknown, or of those `which`, shape (rows,
     unknowns).
     """
-
-    def column(i: int) -> np.ndarray:
-        moved = x.copy()
-        moved[i] += steps[i]
-        return np.asarray((residual(moved) - base) / steps[i])
-
     asked = range(x.size) if which is None else which
-    return np.column_stack(side_by_side(column, asked)) if len(asked) else np.zeros((base.size, 0))
+    if not len(asked):
+        return np.zeros((base.size, 0))
+    moved = [x.copy() for _ in asked]
+    for place, i in zip(moved, asked, strict=True):
+        place[i] += steps[i]
+    return np.column_stack([(new - base) / steps[i] for new, i in zip(residuals(moved), asked, strict=True)])
 
 
 def least_squares(
@@ -112,6 +119,7 @@ def least_squares(
     high: np.ndarray,
     search: Search,
     longest: np.ndarray | float = 0.0,
+    together: Residuals | None = None,
 ) -> Solution:
     """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
@@ -121,9 +129,11 @@ def least_squares(
         low, high: shape (unknowns,), infinite where there is none.
         search: when it ends.
         longest: steps up to which difference quotients may go where the search's own are too short to be felt.
+        together: the residual at several places, of one that costs less so.
     """
+    residuals = together or one_by_one(residual)
     x = np.asarray(start, dtype=float)
-    base = residual(x)
+    (base,) = residuals([x])
     if not x.size:
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
     damping, cost = FIRST, float(base @ base)
@@ -131,10 +141,10 @@ def least_squares(
     def steps_of(x: np.ndarray, jacobian: np.ndarray, cost: float) -> np.ndarray:
         return differences(x, high, search.step, jacobian, cost, longest)
 
-    jacobian = _first_jacobian(residual, x, base, high, search.step, longest)
+    jacobian = _first_jacobian(residuals, x, base, high, search.step, longest)
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
-        way = _Way(residual, x, base, jacobian, damping, low, high)
+        way = _Way(residuals, x, base, jacobian, damping, low, high)
         trial, new, bends = way.bent(BENDS if search.is_near(cost, base.size) else 0)
         evaluations += 1
         gained, expected, least = cost - float(new @ new), way.expected, search.least(cost, base.size)
@@ -146,13 +156,13 @@ def least_squares(
             learnt = search.learns and not bends and gained > FORESEEN * expected
             fresh = not learnt or (flat and not ends)
             if fresh:
-                jacobian = jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
+                jacobian = jacobian_of(residuals, x, base, steps_of(x, jacobian, cost))
             else:
                 jacobian = jacobian + np.outer(shown - jacobian @ step, step / (step @ step))
             if ends:
                 break
         elif not fresh:
-            fresh, jacobian = True, jacobian_of(residual, x, base, steps_of(x, jacobian, cost))
+            fresh, jacobian = True, jacobian_of(residuals, x, base, steps_of(x, jacobian, cost))
         elif expected < least or damping >= MOST:
             break
         share = gained / expected if expected > 0.0 else 0.0
@@ -166,11 +176,11 @@ def least_squares(
 
 
 def _first_jacobian(
-    residual: Residual, x: np.ndarray, base: np.ndarray, high: np.ndarray, step: float, longest: np.ndarray | float
+    residuals: Residuals, x: np.ndarray, base: np.ndarray, high: np.ndarray, step: float, longest: np.ndarray | float
 ) -> np.ndarray:
     """That of steps of which nothing is known yet, and of those that turn out to be far off of better ones."""
     steps, cost = _within(x, high, step * np.maximum(1.0, np.abs(x))), float(base @ base)
-    jacobian = jacobian_of(residual, x, base, steps)
+    jacobian = jacobian_of(residuals, x, base, steps)
     for _ in range(TRIED):
         felt = differences(x, high, step, jacobian, cost, longest)
         share = np.abs(felt / steps)
@@ -178,7 +188,7 @@ def _first_jacobian(
         if not again:
             break
         steps[again] = felt[again]
-        jacobian[:, again] = jacobian_of(residual, x, base, steps, again)
+        jacobian[:, again] = jacobian_of(residuals, x, base, steps, again)
     return jacobian
 
 
@@ -207,7 +217,7 @@ def _within(x: np.ndarray, high: np.ndarray, steps: np.ndarray) -> np.ndarray:
 class _Way:
     """From `x`, whose residual is `base`, the damped Gauss-Newton step within bounds, and where it leads."""
 
-    residual: Residual
+    residuals: Residuals
     x: np.ndarray
     base: np.ndarray
     jacobian: np.ndarray
@@ -261,7 +271,7 @@ class _Way:
 
     def _at(self, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         place = np.clip(self.x + step, self.low, self.high)
-        return place, self.residual(place)
+        return place, self.residuals([place])[0]
 
 
 def bounded_minimum(curvature: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

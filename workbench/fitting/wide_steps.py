@@ -6,11 +6,9 @@ what is narrower (steps of implicit filtering: Kelley 2011, here with a Gauss-Ne
 the best is taken, wherever that leads.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from workbench.fitting.threads import side_by_side
+from workbench.fitting.least_squares import Residual, Residuals, one_by_one
 
 WIDTHS = (0.3, 0.1, 0.03, 0.01)
 """Steps of a difference quotient, of an unknown or of 1, whichever is larger: from the widest."""
@@ -24,20 +22,22 @@ FARTHEST = 2.0
 FELL, ROUNDS = 0.99, 20
 """Share of the sum of squares that a step leaves at most, if another is made with such quotients; and their number."""
 
-Residual = Callable[[np.ndarray], np.ndarray]
 
-
-def descend(residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def descend(
+    residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, together: Residuals | None = None
+) -> np.ndarray:
     """Unknowns between `low` and `high` with a lower sum of squares of a residual than at `start`, shape (unknowns,).
 
-    Every point that is looked at may be the next, those of the quotients, too.
+    Every point that is looked at may be the next, those of the quotients, too. A residual that costs less at several
+    places at once comes `together`.
     """
+    residuals = together or one_by_one(residual)
     x = np.clip(np.asarray(start, dtype=float), low, high)
-    base = residual(x)
+    (base,) = residuals([x])
     for width in WIDTHS if x.size else ():
         for _ in range(ROUNDS):
             sides = _sides(x, width, low, high)
-            seen = side_by_side(residual, sides)
+            seen = list(residuals(sides))
             jacobian = np.column_stack(
                 [
                     (after - before) / max(float(np.max(np.abs(up - down))), np.finfo(float).tiny)
@@ -45,7 +45,7 @@ def descend(residual: Residual, start: np.ndarray, low: np.ndarray, high: np.nda
                 ]
             )
             steps = _steps(x, base, jacobian, low, high)
-            seen += side_by_side(residual, steps)
+            seen += residuals(steps)
             squares = [float(one @ one) for one in seen]
             best = int(np.argmin(squares))
             if not squares[best] < FELL * float(base @ base):

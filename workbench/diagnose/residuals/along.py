@@ -25,6 +25,10 @@ ARRIVES = "command_delay"
 REMEMBERED = 8
 """Machines of which the plant at rest is remembered."""
 
+LONG = 5_000
+"""Instants of a motion from which a plant goes along it with those effects alone that act: to compile such plants costs
+more than that saves on shorter ones."""
+
 SLOWEST_CREEP = 1e-9
 """m/s. At the creep of a record without noise no contact could be seen to slip."""
 
@@ -79,21 +83,33 @@ class Along:
 
     def parameters(self, values: Values) -> Any:
         """The plant's parameters (SI)."""
-        return _built(self.plant, tuple(values.items()), self.flow)
+        return self.parameters_of(self.plant, values)
+
+    def acts(self, values: Values) -> frozenset[str]:
+        """The plant's effects that do something."""
+        parameters = self.parameters(values)
+        if self.plant.bare is None:
+            return frozenset()
+        idle = type(parameters.effects)()
+        return frozenset(name for name, own in parameters.effects._asdict().items() if own != getattr(idle, name))
+
+    def having(self, acting: Collection[str], alone: bool = False) -> Plant:
+        """The plant, without effects where none of them is `acting`; or with those `alone` that are: that costs half as
+        much, and a tenth of a second for each set of them.
+        """
+        bare = self.plant.bare
+        if bare is None or (acting and not alone):
+            return self.plant
+        return bare.with_effects(*(effect for effect in possible(bare) if effect.name in acting))
 
     def acting(self, values: Values, alone: bool = False) -> tuple[Plant, Any]:
-        """The plant and its parameters, without effects where none of them does anything; or with those `alone` that
-        do: that costs half as much, and a tenth of a second for each set of them.
-        """
-        parameters, bare = self.parameters(values), self.plant.bare
-        if bare is None:
-            return self.plant, parameters
-        idle = type(parameters.effects)()
-        does = [name for name, own in parameters.effects._asdict().items() if own != getattr(idle, name)]
-        if does and not alone:
-            return self.plant, parameters
-        plant = bare.with_effects(*(effect for effect in possible(bare) if effect.name in does))
-        return plant, _built(plant, tuple(values.items()), self.flow)
+        """The plant that has what acts, and its parameters."""
+        plant = self.having(self.acts(values), alone)
+        return plant, self.parameters_of(plant, values)
+
+    def parameters_of(self, plant: Plant, values: Values) -> Any:
+        """The parameters (SI) of the plant with all its effects or with some."""
+        return _built(plant, tuple(values.items()), self.flow)
 
     @property
     def parameter_names(self) -> frozenset[str]:
@@ -148,7 +164,7 @@ class Along:
             np.ascontiguousarray(motion.resting[:until]),
             max(motion.creep, SLOWEST_CREEP),
             np.ascontiguousarray(seen.acceleration[:until]),
-            NUDGE * self.magnitudes(motion, values),
+            NUDGE * self._magnitudes(motion, rest, idle, values),
             motion.sample_time,
         )
         columns = np.concatenate([self._columns(shown_here), simulated])
@@ -156,14 +172,17 @@ class Along:
 
     def magnitudes(self, motion: Motion, values: Values) -> np.ndarray:
         """What is typical of each state, shape (states,): of a contact how far the fastest motion bends it."""
-        parameters = self.parameters(values)
-        rest, idle = map(to_array, self._at_rest(motion, values, parameters))
+        rest, idle = map(to_array, self._at_rest(motion, values, self.parameters(values)))
+        return self._magnitudes(motion, rest, idle, values)
+
+    def _magnitudes(self, motion: Motion, rest: np.ndarray, idle: np.ndarray, values: Values) -> np.ndarray:
+        """The same of a plant whose states and inputs at rest are known."""
         return np.asarray(
             bent_by(
                 plant_addresses(self.plant)[0],
                 rest,
                 idle,
-                to_array(parameters),
+                to_array(self.parameters(values)),
                 self._columns(self.contact),
                 self.names.index("velocity"),
                 float(np.max(np.abs(motion.velocity[motion.valid]))),
@@ -210,7 +229,7 @@ class Along:
             velocity,
             max(motion.creep, SLOWEST_CREEP),
             seen.acceleration[rows],
-            NUDGE * self.magnitudes(motion, values),
+            NUDGE * self._magnitudes(motion, tracked.rest, tracked.idle, values),
         )
         return [from_array(self.plant.State, row.tolist()) for row in states]
 
@@ -260,6 +279,8 @@ class Along:
         kinks of a valve. The force is 0 where the contact rests: friction is then whatever holds it.
         """
         motion = motion.walked
+        if motion.time.size > LONG and (plant := self.having(self.acts(values), alone=True)) is not self.plant:
+            return _going(plant, self.flow).residuals(motion, values, balance)
         chosen, seen, every = self.plant.balances[balance], true_motion(motion, values), motion.thinning
         tracked = self.tracked(motion, values, self.hidden(motion, chosen.states), chosen.states)
         made, left = self._made_by_inputs(motion, tracked, chosen.states), []
@@ -292,6 +313,12 @@ class Along:
 def _built(plant: Plant, values: tuple[tuple[str, float], ...], flow: str) -> Any:
     """A plant's parameters: of one simulation they are asked for more than once."""
     return build(plant.Parameters, dict(values), flow)
+
+
+@functools.cache
+def _going(plant: Plant, flow: str) -> Along:
+    """A plant along records."""
+    return Along(plant, flow)
 
 
 @functools.cache

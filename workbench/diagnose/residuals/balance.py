@@ -27,6 +27,9 @@ SIMULATION = "simulation"
 Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 """The residuals of a balance at the thinned instants of a motion, one array or more."""
 
+Together = Callable[[Sequence[tuple[Motion, Values]]], Sequence[Sequence[np.ndarray]]]
+"""The same of several motions or values at once."""
+
 Beside = Callable[[Values], tuple[np.ndarray, Sequence[np.ndarray]]]
 """What no parameter decides: directions (rows of the stack, directions) in which residuals may move, and the groups of
 rows that do so on their own."""
@@ -46,7 +49,8 @@ class Balance:
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
     these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
     nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
-    `axis` is that of the plant, "m" or "rad"; `beside` is what no parameter decides.
+    `axis` is that of the plant, "m" or "rad"; `beside` is what no parameter decides. Residuals that are dear one by one
+    come `together` where several are asked for.
     """
 
     name: str
@@ -63,6 +67,7 @@ class Balance:
     axis: str = LINEAR
     beside: Beside = nothing
     null: Sequence[Motion] = ()
+    together: Together | None = None
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something: a simulation is not smoothed, and says
@@ -81,16 +86,30 @@ class Balance:
         """Residuals of all records over the floor, 0 where nothing is known, as large as their mean square over what is
         known: of records of which different shares are, the errors can be compared. NaN where a plant runs away.
         """
+        return self.stacks([values])[0]
+
+    def stacks(self, several: Sequence[Values]) -> list[np.ndarray]:
+        """The same of several values."""
+        asked = [(motion, values) for values in several for motion in self.motions]
+        found = side_by_side(self._residuals, asked) if self.together is None else self.together(asked)
+        count = len(self.motions)
+        return [self.stack(found[at : at + count]) for at in range(0, len(found), count)]
+
+    def stack(self, residuals: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
+        """The stack of residuals that are those of all records."""
         known = [self.known(motion) for motion in self.motions]
         share = sum(map(np.sum, known)) / max(sum(map(np.size, known)), 1)
         scale = 1.0 / (self.floor * np.sqrt(share)) if share > 0.0 else 0.0
-
-        def over_floor(motion: Motion, where: np.ndarray) -> list[np.ndarray]:
-            with np.errstate(over="ignore", invalid="ignore"):
-                return [np.where(where, scale * part, 0.0) for part in self.residuals(motion, values)]
-
-        stack = np.concatenate([part for parts in side_by_side(over_floor, self.motions, known) for part in parts])
+        with np.errstate(over="ignore", invalid="ignore"):
+            parts = [
+                np.where(where, scale * part, 0.0) for where, own in zip(known, residuals, strict=True) for part in own
+            ]
+        stack = np.concatenate(parts)
         return np.where(np.abs(stack) < RUNS_AWAY, stack, np.nan)
+
+    def _residuals(self, asked: tuple[Motion, Values]) -> Sequence[np.ndarray]:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self.residual(*asked)
 
     @cached_property
     def series(self) -> list[list[slice]]:

@@ -12,6 +12,7 @@ from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Value
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, differences, jacobian_of, least_squares
+from workbench.fitting.threads import side_by_side
 
 VAGUE = 0.5 * float(np.log(WIDEST))
 """Standard deviation of the logarithm of a positive parameter about its start, before any record: two that records
@@ -110,7 +111,7 @@ class Fit:
         """What a unit of each unknown changes of the residual (rows, unknowns), for noise of any colour to weigh."""
         x, high = self.places, np.array([u.high for u in self.unknowns])
         steps = differences(x, high, THOROUGH.step, self.jacobian, self.squares, _longest(self.unknowns))
-        return jacobian_of(lambda places: stacked(self.balance, self.at(places)), x, self.residual, steps)
+        return jacobian_of(lambda places: stacks(self.balance, list(map(self.at, places))), x, self.residual, steps)
 
     @cached_property
     def beside(self) -> tuple[np.ndarray, Sequence[np.ndarray]]:
@@ -162,8 +163,12 @@ class Fit:
 
     def seen_at(self, values: Values) -> float:
         """The squares of other values, in the same noise."""
-        weighed = self.weighing(stacked(self.balance, values))
-        return float(weighed @ weighed + self.vague @ self.vague)
+        return self.seen_at_each([values])[0]
+
+    def seen_at_each(self, several: Sequence[Values]) -> list[float]:
+        """The same of several."""
+        weighed = map(self.weighing, stacks(self.balance, several))
+        return [float(one @ one + self.vague @ self.vague) for one in weighed]
 
 
 def fit(
@@ -177,24 +182,25 @@ def fit(
     """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
     unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
 
-    def left(x: np.ndarray) -> np.ndarray:
-        return stacked(balance, values_at(values, unknowns, x))
+    def lefts(places: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return stacks(balance, [values_at(values, unknowns, x) for x in places])
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
     logarithmic = np.array([float(u.logarithmic) for u in unknowns]) / VAGUE
-    weigh = plain(balance.series, left(start).size) if weighing is None else weighing
+    weigh = plain(balance.series, lefts([start])[0].size) if weighing is None else weighing
 
-    def residual(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([weigh(left(x)), logarithmic * x])
+    def residuals(places: Sequence[np.ndarray]) -> list[np.ndarray]:
+        weighed = side_by_side(weigh, lefts(places))
+        return [np.concatenate([one, logarithmic * x]) for one, x in zip(weighed, places, strict=True)]
 
-    solution = least_squares(residual, start, low, high, search, _longest(unknowns))
+    solution = least_squares(lambda x: residuals([x])[0], start, low, high, search, _longest(unknowns), residuals)
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
     return Fit(
         balance=balance,
         names=tuple(names),
         values=values_at(values, unknowns, solution.x),
-        residual=left(solution.x),
+        residual=lefts([solution.x])[0],
         weighed=solution.residual[:size],
         vague=solution.residual[size:],
         jacobian=solution.jacobian[:size],
@@ -214,8 +220,18 @@ def _longest(unknowns: Sequence[Unknown]) -> np.ndarray:
 
 def stacked(balance: Balance, values: Values) -> np.ndarray:
     """The residuals of a balance over its floor, `LOST` where the plant diverges."""
-    residual = balance.stacked(values)
-    return np.where(np.isfinite(residual), residual, np.resize((LOST, -LOST), residual.size))
+    return stacks(balance, [values])[0]
+
+
+def stacks(balance: Balance, several: Sequence[Values]) -> list[np.ndarray]:
+    """The same of several values."""
+    return list(map(without_lost, balance.stacks(several)))
+
+
+def without_lost(stack: np.ndarray) -> np.ndarray:
+    """A stack with `LOST` where the plant diverges."""
+    finite = np.isfinite(stack)
+    return stack if np.all(finite) else np.where(finite, stack, np.resize((LOST, -LOST), stack.size))
 
 
 def over(fitted: Fit, balance: Balance) -> Fit:

@@ -74,7 +74,9 @@ def declared_again(values: Values, dropped: Collection[str], declared: Values) -
 
 
 def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:
-    """The fit without its effects, by the same noise."""
+    """The fit without its effects, by the same noise; itself if it has none."""
+    if not taken:
+        return found
     return fitted_with(found, taken, Proposal((), tuple(taken), 0.0, 0.0, {}), ask)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -11,10 +11,9 @@ from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import Fit, stacked
+from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
 from workbench.diagnose.selection.lines import band_of, matched, references, swinging
-from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
 FELT = 10.0
@@ -163,9 +162,10 @@ def _lines(fitted: Fit, effect: Effect, name: str) -> tuple[float, ...]:
     number, (cosine, sine) = effect.numbers[name], [*effect.numbers][:2]
     signal, band = number.period_of or number.frequency_of, band_of(fitted.balance, number)
     shapes = [((name, 1.0 / one if number.period_of else one),) for one in references(band)]
-    first = _column(fitted, (cosine, shapes[0]), {}, None).step
+    (first,) = _columns(fitted, [(cosine, shapes[0])], {}, {})
     kinds = [(wave, shape) for shape in shapes for wave in (cosine, sine)]
-    changes = side_by_side(lambda kind: fitted.weighing(_column(fitted, kind, {}, first).change), kinds)
+    known = dict.fromkeys((cosine, sine), first.step)
+    changes = [fitted.weighing(column.change) for column in _columns(fitted, kinds, {}, known)]
     made = [real + 1j * imaginary for real, imaginary in zip(changes[::2], changes[1::2], strict=True)]
     return tuple(matched(fitted, signal, band, made))
 
@@ -225,13 +225,10 @@ def seen_of(fitted: Fit, trials: Sequence[Trial], bounds: Bounds, before: Seen |
     steps = {name: column.step for (name, _), column in reversed(list(last.items()))}
     first = {name: (name, shapes) for name, shapes in reversed(wanted) if name not in steps}
 
-    def made(kind: Kind) -> Column:
-        return _column(fitted, kind, bounds, steps.get(kind[0]))
-
-    found |= zip(first.values(), side_by_side(made, first.values()), strict=True)
+    found |= zip(first.values(), _columns(fitted, list(first.values()), bounds, steps), strict=True)
     steps |= {name: found[kind].step for name, kind in first.items()}
     rest = [kind for kind in wanted if kind not in found]
-    found |= zip(rest, side_by_side(made, rest), strict=True)
+    found |= zip(rest, _columns(fitted, rest, bounds, steps), strict=True)
     return Seen(fitted, found)
 
 
@@ -249,40 +246,78 @@ def _value(values: Values, name: str) -> float:
     return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
 
 
-def _column(fitted: Fit, kind: Kind, bounds: Bounds, first: float | None) -> Column:
-    """What a change of one number does to the residual, of a size that is felt: at `first`, if that is known."""
-    name, shapes = kind
-    values = {**fitted.values, **dict(shapes)}
-    searched = unknown(name, values, bounds, fitted.balance.scales)
-    start = _value(values, name)
-    place = searched.place(start) if not searched.logarithmic or start > 0.0 else 0.0
-    room = searched.high - place if searched.high - place > place - searched.low else searched.low - place
-    sign = 1.0 if room > 0.0 else -1.0
-
-    def within(size: float) -> float:
-        return sign * min(abs(size), 0.5 * abs(room))
-
-    def change(step: float) -> np.ndarray:
-        return stacked(fitted.balance, {**values, name: searched.value(place + step)}) - fitted.residual
-
-    def felt_of(moved: np.ndarray) -> float:
-        return float(np.linalg.norm(fitted.weighing(moved)))
-
-    step = within(first if first is not None else CHANGE if searched.logarithmic else 1.0)
-    moved, power = change(step), 1.0
-    felt = felt_of(moved)
-    for _ in range(LOOKS):
-        if LITTLE * FELT < felt < MUCH * FELT:
+def _columns(fitted: Fit, kinds: Sequence[Kind], bounds: Bounds, steps: Mapping[str, float]) -> list[Column]:
+    """What a change of each number does to the residual, of a size that is felt: at the step that is known of it."""
+    looked = [_Look.at_first(fitted, kind, bounds, steps.get(kind[0])) for kind in kinds]
+    going = list(looked)
+    for last in range(LOOKS, -1, -1):
+        stacks_there = stacks(fitted.balance, [look.values for look in going])
+        for look, there in zip(going, stacks_there, strict=True):
+            look.sees(there - fitted.residual, float(np.linalg.norm(fitted.weighing(there - fitted.residual))))
+        going = [look for look in going if last and look.moves_on()]
+        if not going:
             break
-        more = max(FELT / max(felt, 1e-12), 1e-12) ** (1.0 / power)
-        wanted = within(step * min(max(more, 1e-6), 1e3))
-        if abs(wanted / step - 1.0) < 0.1:
-            break
-        before, step = (step, felt), wanted
-        moved = change(step)
-        felt = felt_of(moved)
-        if felt > 0.0 < before[1]:
-            power = math.log(felt / before[1]) / math.log(step / before[0])
-            power = min(max(power, 1.0 / STEEPEST), STEEPEST)
-    shows = bool(np.isfinite(felt)) and felt * abs(room / step) >= UNSEEN
-    return Column(searched, place, step, moved / step, shows)
+    return [look.column for look in looked]
+
+
+@dataclass(eq=False)
+class _Look:
+    """A number that is moved from `place` by a step, with its values otherwise; what the last step changed, how much of
+    it is felt, the step before with what was felt of that, and the power with which a change is felt.
+    """
+
+    searched: Unknown
+    others: Values
+    place: float
+    room: float
+    step: float
+    change: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    felt: float = 0.0
+    before: tuple[float, float] | None = None
+    power: float = 1.0
+
+    @classmethod
+    def at_first(cls, fitted: Fit, kind: Kind, bounds: Bounds, first: float | None) -> "_Look":
+        """At the `first` step, if that is known."""
+        name, shapes = kind
+        values = {**fitted.values, **dict(shapes)}
+        searched = unknown(name, values, bounds, fitted.balance.scales)
+        start = _value(values, name)
+        place = searched.place(start) if not searched.logarithmic or start > 0.0 else 0.0
+        room = searched.high - place if searched.high - place > place - searched.low else searched.low - place
+        look = cls(searched, values, place, room, 0.0)
+        look.step = look.within(first if first is not None else CHANGE if searched.logarithmic else 1.0)
+        return look
+
+    def within(self, size: float) -> float:
+        """A step of a size, where there is room for it."""
+        return math.copysign(min(abs(size), 0.5 * abs(self.room)), 1.0 if self.room > 0.0 else -1.0)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Where the step leads."""
+        return {**self.others, self.searched.name: self.searched.value(self.place + self.step)}
+
+    def sees(self, change: np.ndarray, felt: float) -> None:
+        """What the step changes."""
+        self.change, self.felt = change, felt
+        if self.before is not None and felt > 0.0 < self.before[1]:
+            power = math.log(felt / self.before[1]) / math.log(self.step / self.before[0])
+            self.power = min(max(power, 1.0 / STEEPEST), STEEPEST)
+
+    def moves_on(self) -> bool:
+        """Take a step that is felt as it should be, if the last one is not and there is room for another."""
+        if LITTLE * FELT < self.felt < MUCH * FELT:
+            return False
+        more = max(FELT / max(self.felt, 1e-12), 1e-12) ** (1.0 / self.power)
+        wanted = self.within(self.step * min(max(more, 1e-6), 1e3))
+        if abs(wanted / self.step - 1.0) < 0.1:
+            return False
+        self.before, self.step = (self.step, self.felt), wanted
+        return True
+
+    @property
+    def column(self) -> Column:
+        """What was seen last."""
+        shows = bool(np.isfinite(self.felt)) and self.felt * abs(self.room / self.step) >= UNSEEN
+        return Column(self.searched, self.place, self.step, self.change / self.step, shows)

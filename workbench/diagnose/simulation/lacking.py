@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit, stacked
+from workbench.diagnose.residuals.fit import Fit, stacked, without_lost
 from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
 from workbench.diagnose.selection.likelihood import asked, gain_of
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.shooting import Push, Shooting
-from workbench.fitting.threads import side_by_side
+from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.records.reading import Record
 
 NODES, FINE = 8, 24
@@ -179,12 +179,17 @@ def _columns(
 ) -> np.ndarray:
     """What each push changes of the residual, which without it is `base`, in units that make as much of it."""
 
-    def moved(push: Mapping[Record, np.ndarray], size: float) -> np.ndarray:
-        series = {record: size * values for record, values in push.items()}
-        pushed = replace(how, push=Push(balance == FLOW, series)).balance(fitted.balance.motions, ())
-        return stacked(pushed, fitted.values) - base
+    def moved(several: Sequence[Mapping[Record, np.ndarray]], size: float) -> list[np.ndarray]:
+        pushed = [
+            replace(how, push=Push(balance == FLOW, {record: size * values for record, values in push.items()}))
+            for push in several
+        ]
+        motions, plain = fitted.balance.motions, how.balance(fitted.balance.motions, ())
+        errors = errors_of([Asked(one, motion, fitted.values) for one in pushed for motion in motions])
+        count = len(motions)
+        return [without_lost(plain.stack(errors[at : at + count])) - base for at in range(0, len(errors), count)]
 
     size = FIRST * how.push_scale(balance == FLOW)
-    felt = float(np.linalg.norm(fitted.weighing(moved(pushes[len(pushes) // 2], size))))
+    felt = float(np.linalg.norm(fitted.weighing(moved([pushes[len(pushes) // 2]], size)[0])))
     size *= float(np.clip(FELT / max(felt, 1e-12), 1e-6, 1e6))
-    return np.column_stack(side_by_side(lambda push: moved(push, size), pushes))
+    return np.column_stack(moved(pushes, size))

@@ -12,14 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacked
+from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacks
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values, unknown, values_at
 from workbench.diagnose.simulation.fits import ASTRAY, AT_NOISE, BETTER, NOISE, PIECES, Fitting, Simulated
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.fitting.threads import side_by_side
 from workbench.fitting.wide_steps import descend
 from workbench.parameters.sets import EITHER_SIGN
 
@@ -138,9 +136,11 @@ def _over_hollows(of: Simulated, fitting: Fitting) -> Values:
     balance, values = of.how.balance(fitting.motions, ()), of.fit.values
     unknowns = [unknown(name, values, fitting.bounds, balance.scales) for name in fitting.names]
     first, low, high = (np.array([getattr(u, end) for u in unknowns]) for end in ("first", "low", "high"))
-    return values_at(
-        values, unknowns, descend(lambda x: stacked(balance, values_at(values, unknowns, x)), first, low, high)
-    )
+
+    def residuals(places: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return stacks(balance, [values_at(values, unknowns, x) for x in places])
+
+    return values_at(values, unknowns, descend(lambda x: residuals([x])[0], first, low, high, residuals))
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
@@ -158,13 +158,11 @@ def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
         balance, values = best.fit.balance, dict(best.fit.values)
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
 
-        def left(changed: Values, of: Balance = balance, width: float = width) -> float:
-            return float(np.mean(np.log1p((stacked(of, changed) / width) ** 2)))
-
         for name in fitting.names:
             if name not in EITHER_SIGN and values[name] > 0.0:
                 tried = [{**values, name: factor * values[name]} for factor in FACTORS]
-                values = tried[int(np.argmin(side_by_side(left, tried)))]
+                left = [float(np.mean(np.log1p((one / width) ** 2))) for one in stacks(balance, tried)]
+                values = tried[int(np.argmin(left))]
         again = fitting.found(best.how, values)
         if again.fit.rms > BETTER * best.fit.rms:
             break

@@ -5,9 +5,9 @@ is left. One simulation from end to end tells most. What runs away before the en
 seconds (multiple shooting).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from plants.axis import name_along
 from plants.effects.interface import Scales
 from plants.equation import fields, from_array, replaced, to_array
-from plants.interface import Measurement
+from plants.interface import Measurement, Plant
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
@@ -24,10 +24,10 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import Followed, held, led, quickest
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
+from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.fitting.replay import Sampled
-from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
-from workbench.simulation.simulate import Feed, Run, Setup, simulate
+from workbench.simulation.simulate import Feed, Run, Setup, simulate_together
 
 SOLVER = 1e-6
 """Share of a channel's largest value that counts as its noise at least: no simulation is nearer than its solver."""
@@ -45,9 +45,6 @@ beside what the balance of forces asks of it.
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
-
-SHOWN = 64
-"""Simulations of which it is remembered what they are off by."""
 
 LONG = 20_000
 """Samples of a record from which a plant is simulated with those effects alone that act: of shorter ones it costs more
@@ -126,6 +123,7 @@ class Shooting:
             simulated=True,
             axis=self.along.plant.axis,
             beside=lambda values: self.undecided(motions, values),
+            together=lambda asked: errors_of([Asked(self, *each) for each in asked]),
         )
 
     def undecided(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -145,17 +143,17 @@ class Shooting:
         for place, name in enumerate(self.channels):
             if coarse[place]:
                 waves = np.nan_to_num(over_steps(motion, name, seen[name]))
-                out[place, :, place] = self._in_noise(motion, name, waves)
+                out[place, :, place] = self._in_noise(motion, name, waves, self.tells(motion))
         return out.reshape(len(self.channels) * rows, -1)
 
-    def _in_noise(self, motion: Motion, name: str, errors: np.ndarray) -> np.ndarray:
+    def _in_noise(self, motion: Motion, name: str, errors: np.ndarray, tells: np.ndarray) -> np.ndarray:
         """Errors of a channel, shape (samples, ...), as rows of a stack: means over the times between a fit's instants,
-        in standard deviations of the noise of such a mean; 0 where nothing is told.
+        in standard deviations of the noise of such a mean; 0 where nothing is told: where it is not, as `tells` says.
         """
         edges = np.arange(0, motion.record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, motion.record.time.size))
         noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
-        told = np.where(self.tells(motion).reshape(-1, *(1,) * (errors.ndim - 1)), errors, 0.0)
+        told = np.where(tells.reshape(-1, *(1,) * (errors.ndim - 1)), errors, 0.0)
         return np.add.reduceat(told, edges) / np.sqrt(sizes).reshape(-1, *(1,) * (errors.ndim - 1)) / noise
 
     def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -165,7 +163,8 @@ class Shooting:
         changed = list[np.ndarray]()
         for motion in motions:
             moves = [np.zeros(len(self.along.names)), *self.moves(motion, values)]
-            base, *others = side_by_side(lambda moved, of=motion: self._stacked(of, values, moved), moves)
+            asked = [Asked(self, motion, values, moved) for moved in moves]
+            base, *others = (np.concatenate(errors) for errors in errors_of(asked))
             changed.append(np.nan_to_num(np.column_stack(others) - base[:, None], posinf=0.0, neginf=0.0))
         return np.concatenate(changed), self.groups(motions)
 
@@ -179,9 +178,6 @@ class Shooting:
                 groups.append(np.concatenate([before + kind * size + place for kind in range(len(self.channels))]))
             before += size * len(self.channels)
         return groups
-
-    def _stacked(self, motion: Motion, values: Values, moved: np.ndarray) -> np.ndarray:
-        return np.concatenate(self.errors(motion, values, moved))
 
     @property
     def _own(self) -> list[str]:
@@ -252,12 +248,12 @@ class Shooting:
         between a fit's instants; NaN where it diverges, 0 where none is simulated. The states at each start may be
         `moved`.
         """
-        return _remembered(_Asked(self, motion, values, moved))
+        return errors_of([Asked(self, motion, values, moved)])[0]
 
-    def errors_anew(self, motion: Motion, values: Values, moved: np.ndarray | None) -> list[np.ndarray]:
-        """The same, simulated whether it was before or not."""
-        seen = self.simulated(motion, values, moved)
-        return [self._in_noise(motion, name, motion.measured[name] - seen[name]) for name in self.channels]
+    def off_by(self, motion: Motion, runs: Iterable[tuple[int, Run]]) -> list[np.ndarray]:
+        """The same of runs, each with the sample at which it starts."""
+        seen, tells = self._seen(motion, runs), self.tells(motion)
+        return [self._in_noise(motion, name, motion.measured[name] - seen[name], tells) for name in self.channels]
 
     def with_tolerance(self, tolerance: float) -> "Shooting":
         """The same with another tolerance of the solver."""
@@ -282,18 +278,23 @@ class Shooting:
         every = range(0, motion.record.time.size, self.samples(motion))
         return every[:: -(-len(every) // self.most)]
 
-    def simulated(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> dict[str, np.ndarray]:
+    def simulated(self, motion: Motion, values: Values) -> dict[str, np.ndarray]:
         """What the sensors would have shown, at every sample, and the force that a plant beside the record had; NaN
         where the plant diverges.
         """
-        seen = np.full((motion.record.time.size, len(Measurement._fields)), np.nan)
-        command = np.full(motion.record.time.size, np.nan)
-        for k, run in self._runs(motion, values, moved):
-            if not run.diverged:
-                seen[k : k + run.time.size] = run.measurements
-                command[k : k + run.time.size] = run.command
-        driven = {"force": command} if self.is_beside(motion) else {}
-        return {**{name: seen[:, Measurement._fields.index(name)] for name in self.channels}, **driven}
+        return self._seen(motion, self.runs(motion, values))
+
+    def _seen(self, motion: Motion, runs: Iterable[tuple[int, Run]]) -> dict[str, np.ndarray]:
+        samples, driven = motion.record.time.size, ("force",) if self.is_beside(motion) else ()
+        seen = {name: np.full(samples, np.nan) for name in (*self.channels, *driven)}
+        for k, run in runs:
+            if run.diverged:
+                continue
+            for name in self.channels:
+                seen[name][k : k + run.time.size] = run.measurements[:, Measurement._fields.index(name)]
+            for name in driven:
+                seen[name][k : k + run.time.size] = run.command
+        return seen
 
     def tells(self, motion: Motion) -> np.ndarray:
         """At which samples it tells something: where it is simulated, and no rest decides."""
@@ -318,7 +319,7 @@ class Shooting:
         if width == 0.0 or "sensor_gap" not in names:
             return motion
         gap = np.zeros(motion.record.time.size)
-        for k, run in self._runs(motion, values):
+        for k, run in self.runs(motion, values):
             place = [item.name for item in fields(run.plant.State)].index("sensor_gap")
             gap[k : k + run.time.size] = run.states[:, place]
         return with_slack(motion, -np.clip(gap / width, -0.5, 0.5))
@@ -339,14 +340,27 @@ class Shooting:
             for feed in feeds
         ]
 
-    def _runs(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> Iterator[tuple[int, Run]]:
+    def runs(self, motion: Motion, values: Values) -> list[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
+        plant = self.having(motion, self.along.acts(values))
+        places, setups = zip(*self.pieces(motion, values, plant), strict=True)
+        return list(zip(places, simulate_together(setups), strict=True))
+
+    def having(self, motion: Motion, acting: Collection[str]) -> Plant:
+        """The plant by which a record is simulated where these effects are acting."""
+        return self.along.having(acting, alone=motion.record.time.size > LONG)
+
+    def pieces(
+        self, motion: Motion, values: Values, plant: Plant, moved: np.ndarray | None = None
+    ) -> Iterator[tuple[int, Setup]]:
+        """The setups of the simulations along a record of a plant that has what acts, each with the sample at which it
+        starts; the states there may be `moved`.
+        """
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
         followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
-        plant, parameters = along.acting(without, alone=record.time.size > LONG)
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
         if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
@@ -369,49 +383,17 @@ class Shooting:
                 state = from_array(plant.State, [begun[item.name] for item in fields(plant.State)])
             yield (
                 k,
-                simulate(
-                    replace(
-                        setup,
-                        plant=plant,
-                        parameters=parameters,
-                        state=state,
-                        inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
-                        duration=record.sample_time * (min(per, size - k) - 1),
-                        feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
-                        reference=setup.reference if followed is None else followed.since(k * record.sample_time),
-                    )
+                replace(
+                    setup,
+                    plant=plant,
+                    parameters=along.parameters_of(plant, without),
+                    state=state,
+                    inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
+                    duration=record.sample_time * (min(per, size - k) - 1),
+                    feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
+                    reference=setup.reference if followed is None else followed.since(k * record.sample_time),
                 ),
             )
-
-
-@dataclass(frozen=True, eq=False)
-class _Asked:
-    """A simulation along a record that is asked for: the same as another one if it would show the same."""
-
-    how: Shooting
-    motion: Motion
-    values: Values
-    moved: np.ndarray | None
-
-    @cached_property
-    def _key(self) -> tuple[object, ...]:
-        how, record = self.how, self.motion.record
-        arrays = (how.begins.get(record), self.moved)
-        begun = tuple(b"" if array is None or not np.any(array) else array.tobytes() for array in arrays)
-        ways = how.setups[record], self.motion, how.push
-        return (*map(id, ways), how.length, how.most, *begun, *self.values.items())
-
-    def __hash__(self) -> int:
-        return hash(self._key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Asked) and self._key == other._key
-
-
-@lru_cache(SHOWN)
-def _remembered(asked: _Asked) -> list[np.ndarray]:
-    """What a simulation is off by: searches ask for the same more than once."""
-    return asked.how.errors_anew(asked.motion, asked.values, asked.moved)
 
 
 @lru_cache(REMEMBERED)

@@ -144,12 +144,29 @@ def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
     """The declared plant simulated along the records from end to end, the motions of whose fit are those to go on with;
-    None where they cannot be simulated.
+    None where they cannot be simulated. One that is astray may have lost its way, or lack much: `nearer_baseline`.
     """
     progress("simulating the declared plant", 0.2)
-    base = _simulated(experiment, motions, [start.baseline], start.free)
-    if base is None or not (base.is_near and is_coloured(base.fit)):
+    begun = _begun(experiment, motions, [start.baseline], start.free)
+    if begun is None:
+        return None
+    best, fitting = begun
+    best = _nearer(best, fitting, start.baseline) if best.is_near else best
+    return _baseline(experiment, _settled(experiment, best, fitting))
+
+
+def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
+    """The same once more, by ways that lead nearer to noise."""
+    progress("simulating the declared plant", 0.45)
+    fitting = Fitting(base.fit.balance.motions, base.fit.names, experiment.bounds)
+    return _baseline(experiment, _settled(experiment, _nearer(base, fitting, start.baseline), fitting))
+
+
+def _baseline(experiment: Experiment, base: Simulated) -> Simulated:
+    """The same on motions that show what noise is like that has memory."""
+    if not (base.is_near and is_coloured(base.fit)):
         return base
+    motions = base.fit.balance.motions
     finer = as_coloured(motions)
     if all(motion.thinning == before.thinning for motion, before in zip(finer, motions, strict=True)):
         return base
@@ -157,25 +174,75 @@ def simulated_baseline(
     return exactly(afresh(fitting.final(fitting.found(base.how, base.fit.values)), fitting), fitting)
 
 
-def _simulated(
-    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
+def simulated_with(
+    experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress
 ) -> Simulated | None:
-    """The plant fitted to simulation error from some starts, with those parameters that it has; None where the records
-    cannot be simulated. The voltage of a valve holds from sample to sample, or is a straight line: what leaves less.
+    """The plant with the effects that balances found; None if there are none that it can have. One that does not
+    follow may have lost its way: `nearer_with`.
     """
-    held, ramps = (shooting_of(experiment, motions, held=held) for held in (True, False))
-    if held is None or ramps is None:
+    given = _given(base, start)
+    if not given:
+        return None
+    progress("simulating the plant with what was found", 0.5)
+    names = [*base.fit.names, *(name for own in given.values() for name in own)]
+    begun = _begun(experiment, base.fit.balance.motions, [_beside(base, start, names), start.corrected], names)
+    assert begun is not None  # the plant without effects was
+    return _settled(experiment, *begun)
+
+
+def nearer_with(experiment: Experiment, base: Simulated, them: Simulated, start: SimulationStart) -> Simulated:
+    """The same once more, by ways that lead nearer to noise."""
+    fitting = Fitting(them.fit.balance.motions, them.fit.names, experiment.bounds)
+    return _settled(experiment, _nearer(them, fitting, _beside(base, start, them.fit.names)), fitting)
+
+
+def _beside(base: Simulated, start: SimulationStart, names: Sequence[str]) -> dict[str, float]:
+    """The values of the plant without effects, and of what it has not those that balances found."""
+    return {**base.fit.values, **{name: start.corrected[name] for name in names if name not in base.fit.names}}
+
+
+def _given(base: Simulated, start: SimulationStart) -> Effects:
+    """The effects that balances found and that the simulated plant can have."""
+    known = base.how.along.parameter_names
+    return {effect: names for effect, names in start.effects.items() if set(names) <= known}
+
+
+def _begun(
+    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
+) -> tuple[Simulated, Fitting] | None:
+    """The plant fitted to simulation error from some starts, with those parameters that it has, over hollows where that
+    is far from noise, and how it was; None where the records cannot be simulated. The voltage of a valve holds from
+    sample to sample.
+    """
+    held = shooting_of(experiment, motions, held=True)
+    if held is None:
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     best = fit_simulation(held, fitting, starts)
-    best = best if best.fit.excess < NEAR_NOISE else fit_led(best, fitting, starts[0])
-    best = best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting)
+    return best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting), fitting
+
+
+def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
+    """The same, if it is far from noise, by loops that lead it from `start` on, and from there over hollows."""
+    if best.fit.excess < NEAR_NOISE:
+        return best
+    led = fit_led(best, fitting, start)
+    return led if led is best or led.fit.excess < NEAR_NOISE else fit_over_hollows(led, fitting)
+
+
+def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
+    """The same out of the last hollows, and with a voltage that is a straight line between samples, if that leaves
+    less.
+    """
+    motions = fitting.motions
     best = along_valley(fitting, best)
     best = afresh(best, fitting) if best.is_near else best
+    ramps = shooting_of(experiment, motions, held=False)
+    assert ramps is not None  # the other was
     if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:
-            best = straight
+            held, best = replace(best.how, begins={}), straight
             if best.fit.excess > AT_NOISE:  # or it was, and this has led out of a hollow
                 again = fitting.final(fitting.found(held, best.fit.values))
                 best = min(best, again, key=lambda one: one.fit.rms)
@@ -209,19 +276,17 @@ def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated
 
 
 def simulation_stage(
-    experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, base: Simulated, progress: Progress
+    experiment: Experiment,
+    start: SimulationStart,
+    base: Simulated,
+    with_them: Simulated | None,
+    progress: Progress,
 ) -> SimulationStage:
-    """Fit the plant to simulation error with the effects that the balances found, and let further ones compete.
+    """Let effects compete for what the plant leaves, without any and with those that the balances found.
 
     A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
     """
-    with_them = None
-    given = {effect: names for effect, names in start.effects.items() if set(names) <= base.how.along.parameter_names}
-    if given:
-        progress("simulating the plant with what was found", 0.5)
-        names = [*base.fit.names, *(name for own in given.values() for name in own)]
-        further = {name: start.corrected[name] for name in names if name not in base.fit.names}
-        with_them = _simulated(experiment, motions, [{**base.fit.values, **further}, start.corrected], names)
+    motions, given = base.fit.balance.motions, _given(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
@@ -292,15 +357,17 @@ def _stage(
         found = search(current, effects, ask)
         progress("what no effect explains", 0.8)
         named = tuple(found.effects)
-        found, lacks = _without_stand_ins(how, found, ask)
+        without = without_effects(found.fit, found.effects, ask)
+        found, lacks = _without_stand_ins(how, found, without, ask)
         stood_in = () if found.effects else named
     else:  # so far from noise stand-ins gain most
         found = Found(current, effects, [Step(current, [])], {}, {}, {})
+        without = without_effects(current, effects, ask)
     dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
     if not found.effects and how is base.how and before.rms < found.fit.rms:
         found = replace(found, fit=before)
     if found.fit.rms < before.rms:  # what is left without what was found is no effect's
-        plain = ask.settled(without_effects(found.fit, found.effects, ask)) if found.effects else found.fit
+        plain = ask.settled(without) if found.effects else found.fit
         before = min(before, plain, key=lambda one: one.rms)
     return SimulationStage(
         how=how,
@@ -326,16 +393,15 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
     return Fitting(motions, (), {}).begun(shorter, of.fit.values).fit.rms if of.how.length > length else np.inf
 
 
-def _without_stand_ins(how: Shooting, found: Found, ask: Asked) -> tuple[Found, Dependence | None]:
+def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
     beside many effects, or beside few where one curve in their place loses nothing; nor where effects leave nothing,
-    but one curve would do for them.
+    but one curve would do for them. `without` is the fit without effects.
     """
     pushes = lacking(how, found.fit)
     lacks = dependence_of(pushes)
     if not found.effects:
         return found, lacks
-    without = without_effects(found.fit, found.effects, ask)
     cost = sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     place = Place.of(found.fit, found.effects, 0.5 * (without.squares - found.fit.squares), ask)
     instead = standing_in(how, place, pushes, cost if lacks is None else None)

@@ -11,11 +11,10 @@ which a valley is a round basin.
 import numpy as np
 from cmaes import CMA
 
-from workbench.diagnose.residuals.fit import Fit, fit
+from workbench.diagnose.residuals.fit import Fit, fit, stacks
 from workbench.diagnose.residuals.unknowns import Bounds
 from workbench.diagnose.simulation.fits import AT_NOISE, BETTER, SETTLES, Fitting, Simulated
 from workbench.fitting.least_squares import Search
-from workbench.fitting.threads import side_by_side
 
 AWAY = tuple(side * away for away in (1.0, 3.0, 10.0, 30.0) for side in (1.0, -1.0))
 """Deviations of a fit along each of its principal directions, at which another place may be likelier."""
@@ -53,7 +52,7 @@ def along_valley(fitting: Fitting, first: Simulated) -> Simulated:
 def _is_in_hollow(of: Fit) -> bool:
     """Whether a place along a principal direction is likelier than where a fit ended, by the noise that it leaves."""
     ways = _ways(of).T
-    squares = side_by_side(lambda away: of.seen_at(_at(of, away)), [away * way for way in ways for away in AWAY])
+    squares = of.seen_at_each([_at(of, away * way) for way in ways for away in AWAY])
     return bool(min(squares) < of.squares - SETTLES)
 
 
@@ -66,7 +65,7 @@ def _evolved(of: Fit, bounds: Bounds) -> dict[str, float]:
     for _ in range(GENERATIONS):
         asked = [strategy.ask() for _ in range(PLACES)]
         places = [_at(wide, ways @ away) for away in asked]
-        left = side_by_side(lambda values: fit(of.balance, values, ()).rms, places)
+        left = [float(np.sqrt(np.mean(one**2))) for one in stacks(of.balance, places)]
         if min(left) < least:
             least, best = min(left), places[int(np.argmin(left))]
         strategy.tell(list(zip(asked, left, strict=True)))
