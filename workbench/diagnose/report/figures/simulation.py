@@ -18,6 +18,7 @@ from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
+from workbench.publish.thinning import thinned
 from workbench.toml.units import factor
 
 MEASURED: dict[str, Any] = {**REFERENCE, "color": COLOURS[2], "alpha": 0.45}
@@ -26,6 +27,9 @@ NOISE: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0}
 
 THICKNESS = {"before": 0.9, "after": 0.7}
 """Points of the curves: what came later is drawn over what was before."""
+
+BUCKETS = 800
+"""Of a curve, of which extremes are drawn: more than a page has columns of dots for it."""
 
 MARGIN = 1.15
 """Of a panel beyond what it shows, on either side."""
@@ -134,13 +138,15 @@ def draw_simulation(data: SimulationData) -> Picture:
 def _draw(panels: np.ndarray, time: np.ndarray, compared: Compared, sides: Sequence[Side]) -> None:
     """One quantity above, its error of each side below."""
     upper = panels[0]
-    upper.plot(time, compared.measured, label="measured", **MEASURED)
+    kept = thinned(compared.measured, buckets=BUCKETS)
+    upper.plot(time[kept], compared.measured[kept], label="measured", **MEASURED)
     for axes, side in zip(panels[1:], sides, strict=True):
         values, width = compared.simulated[side.key], THICKNESS[side.key]
         error = compared.measured - values
-        upper.plot(time, values, color=side.colour, linewidth=width, rasterized=True)
+        kept = thinned(values, error, buckets=BUCKETS)
+        upper.plot(time[kept], values[kept], color=side.colour, linewidth=width, rasterized=True)
         axes.axhspan(-2.0 * compared.noise, 2.0 * compared.noise, label="noise (2 std)", **NOISE)
-        axes.plot(time, error, color=side.colour, linewidth=width, label=side.label, rasterized=True)
+        axes.plot(time[kept], error[kept], color=side.colour, linewidth=width, label=side.label, rasterized=True)
         most = float(np.nanquantile(np.abs(error), 0.995)) if np.isfinite(error).any() else 0.0
         limit = MARGIN * max(most, 3.0 * compared.noise)
         axes.set_ylim(-limit, limit)
