@@ -189,16 +189,19 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
     for trial in trials_of(current, list(taken), ask.shapes):
         if trial.effect not in largest or len(trial.names) > len(largest[trial.effect].names):
             largest[trial.effect] = trial
-    tried: list[tuple[Proposal, Fit]] = []
-    for trial in largest.values():
+
+    def fitted(trial: Trial) -> tuple[Proposal, Fit]:
         names = [*current.names, *(name for name in trial.names if name not in current.names)]
         start = {**current.values, **own, **dict(trial.shapes)}
         found = fit(current.balance, start, names, ask.bounds, FIRST_STEPS)
         gain = 0.5 * found.residual.size * float(np.log(current.rms**2 / found.rms**2))
-        tried.append((Proposal((trial,), (), gain, gain - ask.of_trial(trial, current.balance), {}), found))
+        return Proposal((trial,), (), gain, gain - ask.of_trial(trial, current.balance), {}), found
+
+    tried = side_by_side(fitted, largest.values())
     tried.sort(key=lambda pair: -pair[0].score)
     near = [(p, found) for p, found in tried if p.score > NEARLY * max(tried[0][0].score, 0.0)][:TRIED]
-    return [(p, again(found, found.weighing, ask.bounds, QUICK)) for p, found in near]
+    further = side_by_side(lambda pair: again(pair[1], pair[1].weighing, ask.bounds, QUICK), near)
+    return [(proposal, found) for (proposal, _), found in zip(near, further, strict=True)]
 
 
 def _outlook(current: Fit, taken: Effects, ask: Asked, before: Seen | None) -> tuple[Outlook, Seen]:
