@@ -9,7 +9,6 @@ from driven import driven_shooting
 
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.simulation import shooting as shooting_module
 from workbench.diagnose.simulation import together
 from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.diagnose.simulation.together import Asked, errors_of
@@ -40,10 +39,11 @@ def asked_of(made: Made) -> list[Asked]:
     ]
 
 
-@pytest.mark.parametrize("long", [0, 10**6])
-def test_together_they_are_the_same_bits(made: Made, long: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the effects that act in each chunk alone, or all of them."""
-    monkeypatch.setattr(shooting_module, "LONG", long)
+@pytest.mark.parametrize("worth", [0, 30_000, 10**9])
+def test_together_they_are_the_same_bits(made: Made, worth: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With what acts in each of them alone, or in several, or with all effects."""
+    monkeypatch.setattr(together, "WORTH", worth)
+    monkeypatch.setattr(together, "_spent", together._Spent())
     monkeypatch.setattr(together, "_memory", together._Memory())
     several = errors_of(asked_of(made))
     for asked, errors in zip(asked_of(made), several, strict=True):
@@ -58,12 +58,12 @@ def test_what_is_asked_for_twice_is_simulated_once(made: Made, monkeypatch: pyte
     monkeypatch.setattr(together, "_memory", together._Memory())
     counted = list[int]()
 
-    def counting(chunk: list[Asked]) -> list[list[np.ndarray]]:
-        counted.append(len(chunk))
+    def counting(chunk: together._Chunk) -> list[list[np.ndarray]]:
+        counted.append(len(chunk.asked))
         return simulated(chunk)
 
-    simulated = together._errors
-    monkeypatch.setattr(together, "_errors", counting)
+    simulated = together._Chunk.errors
+    monkeypatch.setattr(together._Chunk, "errors", counting)
     first, second, *_ = asked_of(made)
     one, other, again = errors_of([first, second, first])
     assert sum(counted) == 2
@@ -79,7 +79,32 @@ def test_every_thread_has_about_as_much_to_do(made: Made, count: int, sizes: lis
     assert (LANES, THREADS) == (4, 2)
     how, (motion,), values = made
     asked = [Asked(how, motion, {**values, "viscous": 1.0 + i}) for i in range(count)]
-    assert [len(chunk) for chunk in together._chunks(asked)] == sizes
+    assert [len(chunk.asked) for chunk in together._chunks(asked)] == sizes
+
+
+def test_a_plant_is_compiled_for_what_acts_where_that_pays(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three candidates together, or one that is simulated again and again."""
+    how, (motion,), values = made
+    steps = motion.record.time.size  # of a run, at least
+
+    def chunks(*acting: dict[str, float]) -> list[tuple[int, bool]]:
+        asked = [Asked(how, motion, {**values, **own}) for own in acting]
+        return [(len(chunk.asked), chunk.alone) for chunk in together._chunks(asked)]
+
+    candidates = [
+        {"drag_coefficient": 50.0},
+        {"memory_time": 0.02},
+        {"backlash_width": 1e-4},
+    ]
+    for worth, found in ((2 * steps, [(2, True), (1, True)]), (10**9, [(1, False)] * 3)):
+        monkeypatch.setattr(together, "WORTH", worth)
+        monkeypatch.setattr(together, "_spent", together._Spent())
+        assert chunks(*candidates) == found
+    monkeypatch.setattr(together, "WORTH", 10 * steps)
+    assert chunks(candidates[0]) == [(1, False)]
+    for i in range(10):
+        errors_of([Asked(how, motion, {**values, "drag_coefficient": 40.0 + i})])
+    assert chunks(candidates[0], {"drag_coefficient": 60.0}, candidates[1]) == [(1, True), (1, True), (1, False)]
 
 
 @pytest.mark.parametrize("acting", [{}, {"viscous_negative": 900.0}, {"backlash_width": 1e-4, "memory_time": 0.02}])

@@ -5,7 +5,7 @@ is left. One simulation from end to end tells most. What runs away before the en
 seconds (multiple shooting).
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -342,13 +342,9 @@ class Shooting:
 
     def runs(self, motion: Motion, values: Values) -> list[tuple[int, Run]]:
         """The simulations along a record, each with the sample at which it starts."""
-        plant = self.having(motion, self.along.acts(values))
+        plant = self.along.having(self.along.acts(values), alone=motion.record.time.size > LONG)
         places, setups = zip(*self.pieces(motion, values, plant), strict=True)
         return list(zip(places, simulate_together(setups), strict=True))
-
-    def having(self, motion: Motion, acting: Collection[str]) -> Plant:
-        """The plant by which a record is simulated where these effects are acting."""
-        return self.along.having(acting, alone=motion.record.time.size > LONG)
 
     def pieces(
         self, motion: Motion, values: Values, plant: Plant, moved: np.ndarray | None = None

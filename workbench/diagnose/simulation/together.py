@@ -1,28 +1,34 @@
 """Simulations that are asked for together go side by side: columns of a Jacobian, starts that are moved, candidates.
 
-Several of one record share its plant and its input, and are solved at once (`simulate_together`); effects that act in
-one of them alone do nothing in the others, whose bits they leave as they are.
+Several of one record share its plant and its input, and are solved at once (`simulate_together`) by a plant that has
+what acts in any of them: an effect leaves the bits as they are of one in which it does nothing. To compile such a plant
+costs as much as some simulations; where it does not pay, each goes by itself, by the plant with all its effects, which
+is there already, and of which what does nothing is skipped.
 """
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.threads import THREADS, side_by_side
-from workbench.simulation.simulate import LANES, simulate_together
+from workbench.simulation.simulate import LANES, simulate, simulate_together
 
 if TYPE_CHECKING:
     from workbench.diagnose.simulation.shooting import Shooting
 
 SHOWN = 64
 """Simulations of which it is remembered what they are off by."""
+
+WORTH = 200_000
+"""Steps of simulations with some effects from which on it pays to compile a plant that has these alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,41 +93,97 @@ def errors_of(asked: Sequence[Asked]) -> list[list[np.ndarray]]:
     chunks = list(_chunks(wanted))
     made = {
         one: errors
-        for chunk, several in zip(chunks, side_by_side(_errors, chunks), strict=True)
-        for one, errors in zip(chunk, several, strict=True)
+        for chunk, several in zip(chunks, side_by_side(_Chunk.errors, chunks), strict=True)
+        for one, errors in zip(chunk.asked, several, strict=True)
     }
     _memory.add(made)
     found |= made
     return [found[one] for one in asked]
 
 
-def _chunks(wanted: Sequence[Asked]) -> Iterator[list[Asked]]:
-    """Simulations that go side by side: as many as are solved at once, and on every thread about as many."""
-    groups: dict[tuple[object, ...], list[Asked]] = {}
-    for one in wanted:
-        groups.setdefault(one.kin, []).append(one)
-    for group in groups.values():
-        first = group[0]
-        most = 1 if len(first.how.starts(first.motion)) >= LANES else LANES
-        for size in _sizes(len(group), most):
-            yield group[:size]
-            group = group[size:]
-
-
-def _sizes(count: int, most: int) -> list[int]:
-    """Of parts of so many, `most` at most: whole ones for every thread, and about as many of what is left; one or two
-    go alone, since those that are solved at once take as long whether there are two or four.
+@dataclass(frozen=True, eq=False)
+class _Chunk:
+    """Simulations along one record that are made in one go, by a plant that has what is `acting`, and that alone where
+    it is compiled for them.
     """
-    whole = count // (THREADS * most) * THREADS
-    left = count - whole * most
-    parts = min(THREADS, left)
-    return [most] * whole + [left // parts + (i < left % parts) for i in range(parts)]
+
+    asked: Sequence[Asked]
+    acting: frozenset[str]
+    alone: bool
+
+    def errors(self) -> list[list[np.ndarray]]:
+        """What each is off by."""
+        how, motion = self.asked[0].how, self.asked[0].motion
+        plant = how.along.having(self.acting, alone=self.alone)
+        pieces = [list(one.how.pieces(motion, one.values, plant, one.moved)) for one in self.asked]
+        setups = [setup for own in pieces for _, setup in own]
+        made = simulate_together(setups) if self.alone else list(map(simulate, setups))
+        _spent.add(self, sum(run.steps for run in made))
+        runs = iter(made)
+        return [
+            one.how.off_by(motion, [(k, next(runs)) for k, _ in own])
+            for one, own in zip(self.asked, pieces, strict=True)
+        ]
 
 
-def _errors(chunk: Sequence[Asked]) -> list[list[np.ndarray]]:
-    """Those of simulations along one record."""
-    how, motion = chunk[0].how, chunk[0].motion
-    plant = how.having(motion, frozenset[str]().union(*(how.along.acts(one.values) for one in chunk)))
-    pieces = [list(one.how.pieces(motion, one.values, plant, one.moved)) for one in chunk]
-    runs = iter(simulate_together([setup for own in pieces for _, setup in own]))
-    return [one.how.off_by(motion, [(k, next(runs)) for k, _ in own]) for one, own in zip(chunk, pieces, strict=True)]
+class _Spent:
+    """Integration steps that simulations took: of each record and way to simulate it the last one's, and of each set of
+    acting effects all. They decide what is compiled, which no result depends on.
+    """
+
+    def __init__(self) -> None:
+        self._last: OrderedDict[tuple[object, ...], int] = OrderedDict()
+        self._total: Counter[tuple[Plant, frozenset[str]]] = Counter()
+
+    def add(self, chunk: _Chunk, steps: int) -> None:
+        """Those of a chunk."""
+        first = chunk.asked[0]
+        self._last[first.kin] = steps // len(chunk.asked)
+        self._total[first.how.along.plant, chunk.acting] += steps
+        while len(self._last) > SHOWN:
+            self._last.popitem(last=False)
+
+    def expected(self, one: Asked) -> int:
+        """Of one more like this: a step a sample, if nothing is known."""
+        return self._last.get(one.kin, one.motion.record.time.size)
+
+    def pays(self, one: Asked, acting: frozenset[str], count: int) -> bool:
+        """Whether a plant is to be compiled for so many like this one, or is there."""
+        steps = self._total[one.how.along.plant, acting] + count * self.expected(one)
+        return not acting or steps > WORTH
+
+
+_spent = _Spent()
+
+
+def _chunks(wanted: Sequence[Asked]) -> Iterator[_Chunk]:
+    """Simulations that go side by side: as many as are solved at once, and on every thread about as many."""
+    groups: dict[tuple[object, ...], dict[frozenset[str], list[Asked]]] = {}
+    for one in wanted:
+        acting = one.how.along.acts(one.values)
+        groups.setdefault(one.kin, {}).setdefault(acting, []).append(one)
+    for by_acting in groups.values():
+        rest = list[tuple[Asked, frozenset[str]]]()
+        for acting, own in by_acting.items():
+            if not _spent.pays(own[0], acting, len(own)):
+                rest += [(one, acting) for one in own]
+                continue
+            most = 1 if len(own[0].how.starts(own[0].motion)) >= LANES else LANES
+            yield from (_Chunk(part, acting, alone=True) for part in _parts(own, most))
+        if rest and LANES * _spent.expected(rest[0][0]) > WORTH:
+            for part in _parts(rest, LANES):
+                yield _Chunk([one for one, _ in part], frozenset[str]().union(*(own for _, own in part)), alone=True)
+        else:
+            yield from (_Chunk([one], acting, alone=False) for one, acting in rest)
+
+
+def _parts(items: Sequence[Any], most: int) -> Iterator[Sequence[Any]]:
+    """Parts of so many, `most` at most: whole ones for every thread, and about as many of what is left; one or two go
+    alone, since those that are solved at once take as long whether there are two or four.
+    """
+    whole = len(items) // (THREADS * most) * THREADS
+    left = len(items) - whole * most
+    parts, at = min(THREADS, left), 0
+    for size in [most] * whole + [left // parts + (i < left % parts) for i in range(parts)]:
+        yield items[at : at + size]
+        at += size
