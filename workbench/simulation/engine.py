@@ -51,8 +51,7 @@ _table = types.float64[:, ::1]
 _number = types.float64
 _integer = types.int64
 
-_SIGNATURE = _integer(
-    _integer,  # lanes
+_ARGUMENTS = (
     types.UniTuple(_integer, 3),  # addresses of a whole step, of the plant's rates, or `ADVANCE`, and of its measure
     types.UniTuple(_integer, 4),  # of step and commit of the controller, and of the rotary one
     types.Tuple((_table, _table, _table, _table)),  # of each lane y, inputs, parameters, scales
@@ -73,14 +72,18 @@ _SIGNATURE = _integer(
 """What there is of every sample of every lane, or of every line of every lane, stands lane by lane."""
 
 
-def _scalar_loops(function: Callable[..., int]) -> Callable[..., int]:
-    """Compile for `_SIGNATURE` without vectorised loops: over a handful of states they cost more than they give."""
-    vectorize = numba.config.LOOP_VECTORIZE
-    numba.config.LOOP_VECTORIZE = 0
-    try:
-        return njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy")(function)
-    finally:
-        numba.config.LOOP_VECTORIZE = vectorize
+def _compiled(*arguments: Any) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Compile for these without vectorised loops: over a handful of states they cost more than they give."""
+
+    def compiled(function: Callable[..., int]) -> Callable[..., int]:
+        vectorize = numba.config.LOOP_VECTORIZE
+        numba.config.LOOP_VECTORIZE = 0
+        try:
+            return njit(_integer(*arguments), cache=True, nogil=True, error_model="numpy")(function)
+        finally:
+            numba.config.LOOP_VECTORIZE = vectorize
+
+    return compiled
 
 
 def scratch_size(lanes: int, sizes: tuple[int, int, int, int], step: int, delay_samples: int, past: int) -> int:
@@ -201,28 +204,9 @@ def _stop_behind(at: float, within: Any, turns: Any, parts: Any) -> float:
     return until
 
 
-@_scalar_loops
-def run_loop(
-    lanes: Any,
-    plant: Any,
-    control: Any,
-    vectors: Any,
-    memory: Any,
-    channels: Any,
-    signals: Any,
-    sensors: Any,
-    delay: Any,
-    lines: Any,
-    clock: Any,
-    farthest: Any,
-    method: Any,
-    logs: Any,
-    results: Any,
-    scratch: Any,
-    flag: Any,
-) -> int:
-    """Run the loops of `lanes` plants alike from t = 0 over all samples of the logs; the arguments are those of
-    `_SIGNATURE`.
+@register_jitable(forceinline=True, **INNER)
+def _loops(lanes: int, given: Any) -> int:
+    """Run the loops of `lanes` plants alike from t = 0 over all samples of the logs; `given` are `_ARGUMENTS`.
 
     At sample k: the sensors deliver y(k h - delay), those of the motor's drive y(k h), with systematic error, noise and
     quantisation; the controllers step; the sum of each command and its exogenous input is saturated and committed; the
@@ -233,6 +217,8 @@ def run_loop(
     Returns:
         whether it was `STOPPED`, else `COMPLETED`.
     """
+    plant, control, vectors, memory, channels, signals, sensors, delay = given[:8]
+    lines, clock, farthest, method, logs, results, scratch, flag = given[8:]
     code, rates, measure = plant
     step, commit, rotary_step, rotary_commit = control
     y, base, parameters, scales = vectors
@@ -433,3 +419,33 @@ def run_loop(
     for lane in range(lanes):
         p_results[3 * lane + STEPS] = p_tried[lane]
     return COMPLETED
+
+
+@_compiled(*_ARGUMENTS)
+def run_loop(
+    plant: Any,
+    control: Any,
+    vectors: Any,
+    memory: Any,
+    channels: Any,
+    signals: Any,
+    sensors: Any,
+    delay: Any,
+    lines: Any,
+    clock: Any,
+    farthest: Any,
+    method: Any,
+    logs: Any,
+    results: Any,
+    scratch: Any,
+    flag: Any,
+) -> int:
+    """`_loops` of one plant, compiled for that: a loop over one lane costs nothing."""
+    first = (plant, control, vectors, memory, channels, signals, sensors, delay)
+    return _loops(1, (*first, lines, clock, farthest, method, logs, results, scratch, flag))
+
+
+@_compiled(_integer, types.Tuple(_ARGUMENTS))
+def run_loops(lanes: Any, given: Any) -> int:
+    """`_loops` of several plants."""
+    return _loops(lanes, given)

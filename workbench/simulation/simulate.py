@@ -192,8 +192,7 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
     integrator = setup.integrator
     results = np.zeros((len(lanes), 3))
     sizes = (state.shape[1], inputs.shape[1], parameters.shape[1], cutoffs.size)
-    stopped = engine.run_loop(
-        len(lanes),
+    given = (
         addresses,
         controller_addresses(setup.loop.controller) + controller_addresses(rotary.controller),
         (state, inputs, parameters, scales),
@@ -219,6 +218,7 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
         np.empty(engine.scratch_size(len(lanes), sizes, how[-1], delay_samples, past)),
         ADDRESS,
     )
+    stopped = engine.run_loop(*given) if len(lanes) == 1 else engine.run_loops(len(lanes), given)
     if stopped == engine.STOPPED:
         raise KeyboardInterrupt
     found = list[tuple[Run, float]]()
