@@ -19,15 +19,9 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
+from workbench.diagnose.simulation.reached import nearer_baseline, nearer_with, simulated_baseline, simulated_with
 from workbench.diagnose.simulation.setup import as_simulated
-from workbench.diagnose.simulation.stage import (
-    SimulationStage,
-    nearer_baseline,
-    nearer_with,
-    simulated_baseline,
-    simulated_with,
-    simulation_stage,
-)
+from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
 from workbench.progress import Progress, silent
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records

@@ -17,8 +17,9 @@ from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes
 from workbench.diagnose.selection.unexplained import Dependence, dependence
 from workbench.diagnose.simulation.fits import begun
+from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import behind_backlash
-from workbench.diagnose.simulation.stage import SimulationStage, SimulationStart
+from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.parameters.sets import EITHER_SIGN
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment

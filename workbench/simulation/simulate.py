@@ -14,16 +14,14 @@ from typing import TypeAlias
 import numpy as np
 
 from plants.equation import fields, from_array, to_array
-from plants.hydraulics import Hydraulic
 from plants.interface import Measurement
-from plants.motor import Motor
 from workbench.fmu.machine import FmuMachine
 from workbench.simulation import engine
 from workbench.simulation.compilation import controller_addresses, step_addresses
 from workbench.simulation.integrators.registry import INTEGRATORS
-from workbench.simulation.motor_limits import at_a_limit
+from workbench.simulation.outcomes import outcome_of
 from workbench.simulation.references import Signal
-from workbench.simulation.run import COMPLETED, HARDLY_MOVES, MACHINE_FAILED, STUCK_SPEED, TORQUE_LIMITED, Run
+from workbench.simulation.run import COMPLETED, MACHINE_FAILED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
 from workbench.simulation.steppers import CONTROLLED, FIXED_STEP, ITS_OWN
@@ -54,13 +52,6 @@ Code: TypeAlias = tuple[tuple[int, int, int], tuple[int, float, int, int]]
 """Addresses of a whole step, of a plant's rates, or of `ADVANCE`, and of its readings; and the method: how it steps,
 the order of its error, its number of slopes, and how many numbers of a lane it works on."""
 
-LIMITED_SHARE = 0.05
-"""Of the run. A rod that comes to speed from standstill takes some tens of milliseconds at the limit, and so does a
-step's reversal; beyond a twentieth of the run it is the motor that says how the rod turns, not the command."""
-
-VACUUM = -101325.0
-"""Pa over the ambient pressure, of which pressures of oil are counted."""
-
 
 def ready(setup: Setup) -> None:
     """Have the compiled code of a run at hand, so that processes made later need not compile it, each for itself."""
@@ -82,7 +73,7 @@ def simulate(setup: Setup) -> Run:
         UserError: its machine may not be run, or not here.
     """
     run, limit = _integrated(setup)
-    return replace(run, outcome=run.outcome or _outcome(run, limit))
+    return replace(run, outcome=run.outcome or outcome_of(run, limit))
 
 
 def simulate_together(setups: Sequence[Setup]) -> list[Run]:
@@ -112,7 +103,7 @@ def simulate_together(setups: Sequence[Setup]) -> list[Run]:
                 several = [setups[place] for place in (*some, *[some[-1]] * (LANES - len(some)))]
                 found |= zip(some, _solved(several, _code_of(several[0], LANES)), strict=False)
     return [
-        replace(run, outcome=run.outcome or _outcome(run, limit))
+        replace(run, outcome=run.outcome or outcome_of(run, limit))
         for run, limit in map(found.__getitem__, range(len(setups)))
     ]
 
@@ -323,62 +314,6 @@ def _changes_within_samples(feed: Feed, setup: Setup) -> bool:
     """
     plain = not feed.linear and feed.input == setup.plant.command and setup.loop is NO_LOOP
     return plain and not setup.plant.delayed and _in_samples(feed.delay, setup.sample_time)[1] > 0.0
-
-
-def _outcome(run: Run, limit: float) -> str:
-    """What happened in a run to its end, in words; the first that applies."""
-    position = run.state("position")
-    if max(-position.min(), position.max()) > 0.5 * run.plant.travel(run.parameters):
-        return "end stop"
-    if abs(run.command[0]) >= limit and np.all(np.abs(run.command) >= limit):
-        return "saturated throughout"
-    if run.reference is not None:
-        asked, velocity = run.reference[0], run.state("velocity")
-        if max(-velocity.min(), velocity.max()) < STUCK_SPEED and _range(asked) > 0.0:
-            return "stuck"
-        if _hardly_moves(asked, position):
-            return "hardly moves"
-    if _cavitates(run):
-        return "cavitates"
-    return TORQUE_LIMITED if _torque_limited(run) else COMPLETED
-
-
-def _cavitates(run: Run) -> bool:
-    """Whether the oil of a chamber is pulled below vacuum: no oil is, and no plant here knows of its vapour."""
-    states = {item.name for item in fields(run.plant.State)}
-    if "pressure_1" not in states and not run.plant.effects:
-        return False  # both are between tank and supply by its equations
-    if not isinstance(run.parameters, Hydraulic):
-        return False
-    pressures = [run.state(name) if name in states else run.signals[name] for name in ("pressure_1", "pressure_2")]
-    return any(np.min(pressure) < VACUUM for pressure in pressures)
-
-
-def _torque_limited(run: Run) -> bool:
-    """Whether a motor turns the rod and is at its limit in more than `LIMITED_SHARE` of the run."""
-    motor, command = getattr(run.parameters, "motor", None), run.plant.rotary_command
-    driven = "motor_current" in [item.name for item in fields(run.plant.State)]
-    if command is None or not driven or not isinstance(motor, Motor):
-        return False
-    voltage = run.inputs[:, run.plant.input_index(command)]
-    return bool(np.mean(at_a_limit(run.state("motor_current"), voltage, motor)) > LIMITED_SHARE)
-
-
-def _hardly_moves(asked: np.ndarray, position: np.ndarray) -> bool:
-    """Whether the position covers less than `HARDLY_MOVES` of what it is asked for (m), from its start or lately.
-
-    The second half of the run tells of a rod that goes to where a sine begins and does not follow it.
-    """
-    late = asked.size // 2
-    low, high, start = asked.min(), asked.max(), position[0]
-    wanted = max(high - low, high - start, start - low)
-    return bool(
-        _range(position) < HARDLY_MOVES * wanted or _range(position[late:]) < HARDLY_MOVES * _range(asked[late:])
-    )
-
-
-def _range(values: np.ndarray) -> float:
-    return float(values.max() - values.min())
 
 
 def solver_error(setup: Setup, run: Run) -> float | None:

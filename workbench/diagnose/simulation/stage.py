@@ -19,31 +19,24 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
-from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import (
-    AT_NOISE,
     NOISE,
     TRUSTED,
     Fitting,
     Simulated,
-    afresh,
     exactly,
-    fit_simulation,
     settle,
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
-from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
-from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
+from workbench.diagnose.simulation.nearer import fit_farther
+from workbench.diagnose.simulation.reached import SimulationStart, given_by, may_leave_less
+from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stand_ins import Place, standing_in
 from workbench.diagnose.simulation.valleys import along_valley
-from workbench.fitting.covariance import inverse
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
-
-STRAIGHTENED = 1.25
-"""Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
 
 SETTLED = 16
 """Fits of which it is remembered where they settle: a search asks for some more than once."""
@@ -126,139 +119,6 @@ class SimulationStage:
         }
 
 
-@dataclass(frozen=True)
-class SimulationStart:
-    """What the residual stage hands on: the plant's own `free` parameters, as `declared`; the values at which searches
-    begin, without effects and with those that were found, which are in `effects`; and the `shapes` of others.
-    """
-
-    free: Sequence[str]
-    declared: Values
-    baseline: Values
-    corrected: Values
-    effects: Effects
-    shapes: Shapes
-
-
-def simulated_baseline(
-    experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
-) -> Simulated | None:
-    """The declared plant simulated along the records from end to end, the motions of whose fit are those to go on with;
-    None where they cannot be simulated. One that is astray may have lost its way, or lack much: `nearer_baseline`.
-    """
-    progress("simulating the declared plant", 0.2)
-    begun = _begun(experiment, motions, [start.baseline], start.free)
-    if begun is None:
-        return None
-    best, fitting = begun
-    best = _nearer(best, fitting, start.baseline) if best.is_near else best
-    return _baseline(experiment, _settled(experiment, best, fitting))
-
-
-def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
-    """The same once more, by ways that lead nearer to noise."""
-    progress("simulating the declared plant", 0.45)
-    fitting = Fitting(base.fit.balance.motions, base.fit.names, experiment.bounds)
-    return _baseline(experiment, _settled(experiment, _nearer(base, fitting, start.baseline), fitting))
-
-
-def _baseline(experiment: Experiment, base: Simulated) -> Simulated:
-    """The same on motions that show what noise is like that has memory."""
-    if not (base.is_near and is_coloured(base.fit)):
-        return base
-    motions = base.fit.balance.motions
-    finer = as_coloured(motions)
-    if all(motion.thinning == before.thinning for motion, before in zip(finer, motions, strict=True)):
-        return base
-    fitting = Fitting(finer, base.fit.names, experiment.bounds)
-    return exactly(afresh(fitting.final(fitting.found(base.how, base.fit.values)), fitting), fitting)
-
-
-def simulated_with(
-    experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress
-) -> Simulated | None:
-    """The plant with the effects that balances found; None if there are none that it can have. One that does not
-    follow may have lost its way: `nearer_with`.
-    """
-    given = _given(base, start)
-    if not given:
-        return None
-    progress("simulating the plant with what was found", 0.5)
-    names = [*base.fit.names, *(name for own in given.values() for name in own)]
-    begun = _begun(experiment, base.fit.balance.motions, [_beside(base, start, names), start.corrected], names)
-    assert begun is not None  # the plant without effects was
-    return _settled(experiment, *begun)
-
-
-def nearer_with(experiment: Experiment, base: Simulated, them: Simulated, start: SimulationStart) -> Simulated:
-    """The same once more, by ways that lead nearer to noise."""
-    fitting = Fitting(them.fit.balance.motions, them.fit.names, experiment.bounds)
-    return _settled(experiment, _nearer(them, fitting, _beside(base, start, them.fit.names)), fitting)
-
-
-def _beside(base: Simulated, start: SimulationStart, names: Sequence[str]) -> dict[str, float]:
-    """The values of the plant without effects, and of what it has not those that balances found."""
-    return {**base.fit.values, **{name: start.corrected[name] for name in names if name not in base.fit.names}}
-
-
-def _given(base: Simulated, start: SimulationStart) -> Effects:
-    """The effects that balances found and that the simulated plant can have."""
-    known = base.how.along.parameter_names
-    return {effect: names for effect, names in start.effects.items() if set(names) <= known}
-
-
-def _begun(
-    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
-) -> tuple[Simulated, Fitting] | None:
-    """The plant fitted to simulation error from some starts, with those parameters that it has, over hollows where that
-    is far from noise, and how it was; None where the records cannot be simulated. The voltage of a valve holds from
-    sample to sample.
-    """
-    held = shooting_of(experiment, motions, held=True)
-    if held is None:
-        return None
-    fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
-    best = fit_simulation(held, fitting, starts)
-    return best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting), fitting
-
-
-def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
-    """The same, if it is far from noise, by loops that lead it from `start` on, and from there over hollows."""
-    if best.fit.excess < NEAR_NOISE:
-        return best
-    led = fit_led(best, fitting, start)
-    return led if led is best or led.fit.excess < NEAR_NOISE else fit_over_hollows(led, fitting)
-
-
-def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
-    """The same out of the last hollows, and with a voltage that is a straight line between samples, if that leaves
-    less.
-    """
-    motions = fitting.motions
-    best = along_valley(fitting, best)
-    best = afresh(best, fitting) if best.is_near else best
-    ramps = shooting_of(experiment, motions, held=False)
-    assert ramps is not None  # the other was
-    if best.is_near and _may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
-        straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
-        if straight.fit.rms < best.fit.rms:
-            held, best = replace(best.how, begins={}), straight
-            if best.fit.excess > AT_NOISE:  # or it was, and this has led out of a hollow
-                again = fitting.final(fitting.found(held, best.fit.values))
-                best = min(best, again, key=lambda one: one.fit.rms)
-    return exactly(best, fitting) if best.is_near else best
-
-
-def _may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:
-    """Whether another way to simulate may leave less, by what it leaves beside `values` to first order in the
-    parameters of a fit.
-    """
-    left, own = fitted.weighing(how.balance(fitted.balance.motions, ()).stacked(values)), fitted.jacobian
-    own = own * fitted.free
-    left = left - own @ (inverse(fitted.curvature) @ (own.T @ left))
-    return bool(left @ left < STRAIGHTENED * (fitted.weighed @ fitted.weighed))
-
-
 def _as_late(fitted: Fit, sample_time: float, held: bool) -> Values:
     """The values of a fit; of a delay that it found half a sample less where a voltage is now `held`, which makes it so
     much later than a straight line between samples.
@@ -286,7 +146,7 @@ def simulation_stage(
 
     A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
     """
-    motions, given = base.fit.balance.motions, _given(base, start) if with_them is not None else {}
+    motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
@@ -316,7 +176,7 @@ def _held_otherwise(
     if other is None or not (found.effects and found.is_near):
         return found
     values = _as_late(found.after, motions[0].record.sample_time, other.held)
-    if not _may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
+    if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found
     fitting = Fitting(motions, found.after.names, experiment.bounds)
     otherwise = fitting.final(fitting.found(other, values))
