@@ -8,7 +8,7 @@ from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, fit, over
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import floored, surrogate, with_fitted_floor
+from workbench.diagnose.residuals.null import floored, null_motion, surrogate, with_fitted_floor
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
 from workbench.diagnose.selection.search import search
@@ -120,19 +120,38 @@ def with_floors(stage: ResidualStage, experiment: Experiment, progress: Progress
 def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bounds: Bounds) -> ResidualStage:
     """The balances over what they leave of the plant that follows the records from end to end."""
     motions, values = simulation.after.balance.motions, simulation.after.values
+    samples = sum(motion.record.time.size for motion in motions)
+    count = min(max(DRAWN // samples, FEWEST), DRAWS)
+    draws = _beside(simulation, count) if simulation.is_beside else _freely(simulation, count)
+    known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
+    if not draws:
+        return stage
+    floors = [with_fitted_floor(result.balance, draws, known, bounds) for result in stage.results]
+    return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
+
+
+def _freely(simulation: SimulationStage, count: int) -> list[list[Motion]]:
+    """Records of the plant that follows, with noise of the spectrum that it leaves."""
+    motions, values = simulation.after.balance.motions, simulation.after.values
     how = begun(simulation.how, motions, values)
     simulated = [how.simulated(motion, values) for motion in motions]
-    samples = sum(motion.record.time.size for motion in motions)
-    draws = [
+    return [
         [
             surrogate(motion, seen, DRAWS * i + k)
             for i, (motion, seen) in enumerate(zip(motions, simulated, strict=True))
         ]
-        for k in range(min(max(DRAWN // samples, FEWEST), DRAWS))
+        for k in range(count)
     ]
-    known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
-    floors = [with_fitted_floor(result.balance, draws, known, bounds) for result in stage.results]
-    return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
+
+
+def _beside(simulation: SimulationStage, count: int) -> list[list[Motion]]:
+    """Records of a plant that a force alone keeps beside them, with its sensors' noise; none if it does not stay."""
+    along, motions, values = simulation.how.along, simulation.after.balance.motions, simulation.after.values
+    draws = list[list[Motion]]()
+    for k in range(count):
+        null = [null_motion(along, motion, values, DRAWS * i + k) for i, motion in enumerate(motions)]
+        draws.append([motion for motion in null if motion is not None])
+    return draws if all(len(draw) == len(motions) for draw in draws) else []
 
 
 def _over(result: BalanceResult, balance: Balance) -> BalanceResult:

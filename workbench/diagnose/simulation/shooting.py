@@ -16,12 +16,13 @@ from plants.axis import name_along
 from plants.effects.interface import Scales
 from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import Measurement, Plant
+from plants.observed import observed
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.beside import Followed, held, led, quickest
+from workbench.diagnose.simulation.beside import Followed, kept_beside, led, quickest
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.together import Asked, errors_of
@@ -42,6 +43,9 @@ BENDS, BENT = "bristle_deflection", 3.0
 """The state of a contact that carries a force, and times the deflection at which it breaks away that one may begin
 beside what the balance of forces asks of it.
 """
+
+LINEARISED = 2
+"""Times that a filter that keeps a plant beside its record is found along the run that the one before led."""
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
@@ -150,6 +154,9 @@ class Shooting:
         """Errors of a channel, shape (samples, ...), as rows of a stack: means over the times between a fit's instants,
         in standard deviations of the noise of such a mean; 0 where nothing is told: where it is not, as `tells` says.
         """
+        followed = self._followed(motion)
+        if followed is not None:
+            errors = errors / followed.spread.reshape(-1, *(1,) * (errors.ndim - 1))
         edges = np.arange(0, motion.record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, motion.record.time.size))
         noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
@@ -255,6 +262,28 @@ class Shooting:
         seen, tells = self._seen(motion, runs), self.tells(motion)
         return [self._in_noise(motion, name, motion.measured[name] - seen[name], tells) for name in self.channels]
 
+    def filtered(self, motions: Sequence[Motion], values: Values) -> "Shooting":
+        """The same with filters that know a plant with `values`, where such keep it beside its records."""
+        if not self.is_beside(motions[0]):
+            return self
+        setups = dict[Record, Setup]()
+        for motion in motions:
+            known = self.along, motion, values
+            setups[motion.record] = kept_beside(self.setups[motion.record], *known)
+            for _ in range(LINEARISED):
+                ((_, run),) = replace(self, setups=setups).runs(motion, values)
+                if run.diverged:
+                    break
+                setups[motion.record] = kept_beside(setups[motion.record], *known, run)
+        return replace(self, setups=setups)
+
+    def beside_as(self, other: "Shooting") -> "Shooting":
+        """The same with the filters by which another way to simulate keeps the plant beside its records, if it does."""
+        setups = {
+            record: replace(setup, reference=other.setups[record].reference) for record, setup in self.setups.items()
+        }
+        return replace(self, setups=setups)
+
     def with_tolerance(self, tolerance: float) -> "Shooting":
         """The same with another tolerance of the solver."""
         setups = {
@@ -285,24 +314,22 @@ class Shooting:
         return self._seen(motion, self.runs(motion, values))
 
     def _seen(self, motion: Motion, runs: Iterable[tuple[int, Run]]) -> dict[str, np.ndarray]:
-        samples, driven = motion.record.time.size, ("force",) if self.is_beside(motion) else ()
-        seen = {name: np.full(samples, np.nan) for name in (*self.channels, *driven)}
+        samples = motion.record.time.size
+        seen = {name: np.full(samples, np.nan) for name in self.channels}
         for k, run in runs:
             if run.diverged:
                 continue
             for name in self.channels:
                 seen[name][k : k + run.time.size] = run.measurements[:, Measurement._fields.index(name)]
-            for name in driven:
-                seen[name][k : k + run.time.size] = run.command
         return seen
 
     def tells(self, motion: Motion) -> np.ndarray:
-        """At which samples it tells something: where it is simulated, and no rest decides."""
+        """At which samples it tells something: where it is simulated, and noise does not decide."""
         covered = np.zeros(motion.record.time.size, dtype=bool)
         for start in self.starts(motion):
             covered[start : start + self.samples(motion)] = True
         followed = self._followed(motion)
-        return covered if followed is None else covered & ~held(motion, followed.crossover)
+        return covered if followed is None else covered & followed.tells
 
     def is_beside(self, motion: Motion) -> bool:
         """Whether a loop keeps the plant beside the record, which shows with noise what drives it."""
@@ -366,6 +393,9 @@ class Shooting:
             feeds = self._pushed(feeds, record, self.push)
         inputs = along.at_rest(motion, without)[1]
         inputs = replaced(inputs, {feed.input: 0.0 for feed in feeds})
+        if followed is not None:
+            plant, feeds = observed(plant), [*feeds, *followed.feeds]
+            inputs = plant.Inputs(*inputs)
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
         sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time)[0]
         begins = self.begins.get(record, np.zeros((len(starts), len(along.names))))
@@ -374,7 +404,7 @@ class Shooting:
         for k, state, begin in zip(
             starts, _starting(along, motion, tuple(values.items()), starts), begins, strict=True
         ):
-            if np.any(begin) or plant is not along.plant:
+            if np.any(begin) or plant.State is not along.plant.State:
                 begun = dict(zip(along.names, (to_array(state) + begin).tolist(), strict=True))
                 state = from_array(plant.State, [begun[item.name] for item in fields(plant.State)])
             yield (

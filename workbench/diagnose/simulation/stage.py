@@ -175,6 +175,7 @@ def _held_otherwise(
     other = shooting_of(experiment, motions, held=not found.how.held)
     if other is None or not (found.effects and found.is_near):
         return found
+    other = other.beside_as(found.how)
     values = _as_late(found.after, motions[0].record.sample_time, other.held)
     if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found

@@ -34,6 +34,10 @@ HIGHEST = 3.0
 """Times the largest value of a curve to which first order leads, beyond which none of its values goes: a search in far
 too steep ones takes minutes."""
 
+UNSEEN = 1e-3
+"""Of what that number of a curve changes that shows most, below which another stays where it is: a record that is
+nearly never there says nothing of it."""
+
 PROMISED = 0.5
 """Share of what a curve has to gain that a push gains beside the effects where it is worth looking for one: beside them
 a curve gains no less than in their place."""
@@ -119,6 +123,8 @@ class Place:
         stack, count = np.column_stack([self.changes, columns]), len(self.own)
         curvature = stack.T @ stack
         curvature[:count, :count] += np.diag(self.known)
+        nodes = np.arange(count, stack.shape[1])
+        curvature[nodes, nodes] += UNSEEN**2 * float(np.max(curvature[nodes, nodes], initial=0.0))
         wide = np.full(stack.shape[1], np.inf)
         x = bounded_minimum(curvature, stack.T @ self.left, -wide, wide)
         rest = self.left + stack @ x
