@@ -60,7 +60,7 @@ BALANCES = {
     "flow": "What the valve (or the pump) delivers, less what the piston and the compressed oil take up.",
     "force": "What drives the mass, less its inertia and the friction of the plant along the measured motion.",
     SIMULATION: "What the sensors would have shown of the plant, driven by the measured input alone; where a sensor "
-    "with noise shows what drives it, kept beside the record by a loop. Nothing is smoothed "
+    "with noise shows what drives it, kept beside the record by a filter. Nothing is smoothed "
     "here: where the plant lacks nothing, the sensors' noise is all that is left.",
 }
 """Each balance for a reader who has not met it."""

@@ -332,11 +332,11 @@ class Shooting:
         return covered if followed is None else covered & followed.tells
 
     def is_beside(self, motion: Motion) -> bool:
-        """Whether a loop keeps the plant beside the record, which shows with noise what drives it."""
+        """Whether a filter keeps the plant beside the record, which shows with noise what drives it."""
         return self._followed(motion) is not None
 
     def _followed(self, motion: Motion) -> Followed | None:
-        """The position that such a loop follows."""
+        """The position that such a filter sees."""
         reference = self.setups[motion.record].reference
         return reference if isinstance(reference, Followed) else None
 

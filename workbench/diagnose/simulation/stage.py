@@ -81,7 +81,7 @@ class SimulationStage:
 
     @property
     def is_beside(self) -> bool:
-        """Whether a loop keeps the plant beside its records, since a sensor shows with noise what drives it."""
+        """Whether a filter keeps the plant beside its records, since a sensor shows with noise what drives it."""
         return self.how.is_beside(self.after.balance.motions[0])
 
     @property

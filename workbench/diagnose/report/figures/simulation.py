@@ -77,7 +77,7 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
         ComparedRecord(use, motion.record.label, motion.record.time, _compared(diagnosis, simulation, motion))
         for use, motion in motions
     ]
-    way = "and kept beside the record by a loop" if simulation.is_beside else "from the measured input alone"
+    way = "and kept beside the record by a filter" if simulation.is_beside else "from the measured input alone"
     return SimulationData(records, sides, way)
 
 
