@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.equation import fields
+from plants.equation import fields, from_array, leaves
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion, load_pressure
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.linear.linearise import symbolic
+from workbench.recording.symbols import Recording, needed
 
 SHOWN_BY: Mapping[str, tuple[str, ...]] = {
     "position": ("position",),
@@ -81,15 +81,23 @@ class Dependences(NamedTuple):
 @functools.cache
 def dependences(plant: Plant) -> Dependences:
     """The structure of a plant's equations, whatever its parameters."""
-    rates, states = symbolic(plant), [item.name for item in fields(plant.State)]
-    patterns = []
-    for argument, cls in enumerate((plant.State, plant.Inputs, plant.Parameters)):
-        names, pattern = [item.name for item in fields(cls)], rates.jac_sparsity(0, argument)
-        on: dict[str, set[str]] = {state: set() for state in states}
-        for row, column in zip(pattern.row(), pattern.get_col(), strict=True):
-            on[states[row]].add(names[column])
-        patterns.append({state: frozenset(those) for state, those in on.items()})
-    return Dependences(*patterns)
+    recording, classes = Recording(), (plant.State, plant.Inputs, plant.Parameters)
+    names = [[item.name for item in fields(cls)] for cls in classes]
+    symbols = [[recording.input(f"{argument}.{name}") for name in own] for argument, own in enumerate(names)]
+    given = [from_array(cls, own) for cls, own in zip(classes, symbols, strict=True)]
+    rates = plant.derivatives(recording.input("time"), *given)
+    places = {
+        state: set(needed(recording, [recording.number_place(rate)]))
+        for state, rate in zip(names[0], leaves(rates), strict=True)
+    }
+    tables = [
+        {
+            state: frozenset(name for name, symbol in zip(own, those, strict=True) if symbol.place in on)
+            for state, on in places.items()
+        }
+        for own, those in zip(names, symbols, strict=True)
+    ]
+    return Dependences(*tables)
 
 
 def balances_shown(plant: Plant, channels: Collection[str]) -> Iterator[str]:

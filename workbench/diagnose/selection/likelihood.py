@@ -106,13 +106,15 @@ class Outlook:
     @cached_property
     def _whole(self) -> tuple[np.ndarray, np.ndarray, dict[Trial, list[int]]]:
         """Curvature and slope of half the squares over the fit's unknowns and all trials' numbers, and their places."""
-        own = self.fitted.jacobian * self.fitted.free
-        blocks, places, at = [own], {}, own.shape[1]
+        own, places = self.fitted.jacobian * self.fitted.free, dict[Trial, list[int]]()
+        at = own.shape[1]
         for trial, columns in self.columns.items():
-            blocks.append(columns.block)
-            places[trial] = list(range(at, at + columns.block.shape[1]))
-            at += columns.block.shape[1]
-        stack = np.column_stack(blocks)
+            places[trial] = list(range(at, at + len(columns.own)))
+            at += len(columns.own)
+        stack = np.empty((own.shape[0], at))
+        stack[:, : own.shape[1]] = own
+        for trial, columns in self.columns.items():
+            stack[:, places[trial]] = columns.block
         curvature = stack.T @ stack
         known = np.zeros(at)
         known[: own.shape[1]] = np.diag(self.fitted.curvature) - np.diag(self.fitted.jacobian.T @ self.fitted.jacobian)

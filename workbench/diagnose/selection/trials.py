@@ -63,15 +63,20 @@ Kind = tuple[str, Shape]
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """What a number changes of a residual (rows), a unit of it as a search sees it, by the `step` with which that was
-    found; where it starts, and whether records could show it at any plausible size.
+    """What a `step` of a number, as a search sees it, changes of a residual (rows); where it starts, and whether records
+    could show it at any plausible size.
     """
 
     unknown: Unknown
     start: float
     step: float
-    change: np.ndarray
+    changed: np.ndarray
     shows: bool
+
+    @property
+    def change(self) -> np.ndarray:
+        """What a unit of it changes."""
+        return self.changed / self.step
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,17 +89,29 @@ class Seen:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """What a trial's numbers change: columns (rows, numbers) a step, as they are and weighed (`block`), the steps as a
-    search sees them, where the numbers start, and between which bounds they may move from there.
+    """What a trial's numbers change of the residual of a fit: a column (rows) of each, the steps as a search sees them,
+    where the numbers start, and between which bounds they may move from there.
     """
 
     trial: Trial
+    fitted: Fit
+    own: Sequence[Column]
     unknowns: Sequence[Unknown]
     starts: np.ndarray
-    change: np.ndarray
-    block: np.ndarray
     low: np.ndarray
     high: np.ndarray
+
+    @property
+    def change(self) -> np.ndarray:
+        """The columns (rows, numbers) as they are: those of all trials would take much memory, and are made when asked
+        for.
+        """
+        return np.column_stack([column.change for column in self.own])
+
+    @property
+    def block(self) -> np.ndarray:
+        """The columns weighed (rows, numbers)."""
+        return self.fitted.weighing(self.change)
 
     def values(self, x: np.ndarray) -> dict[str, float]:
         """The numbers where a linear search got to."""
@@ -236,9 +253,7 @@ def _together(fitted: Fit, trial: Trial, own: Sequence[Column]) -> Columns:
     unknowns, starts = [column.unknown for column in own], np.array([column.start for column in own])
     low = np.array([u.low for u in unknowns]) - starts
     high = np.array([u.high for u in unknowns]) - starts
-    change = np.column_stack([column.change for column in own])
-    block = fitted.weighing(change)
-    return Columns(trial, unknowns, starts, change, block, np.minimum(low, 0.0), np.maximum(high, 0.0))
+    return Columns(trial, fitted, own, unknowns, starts, np.minimum(low, 0.0), np.maximum(high, 0.0))
 
 
 def _value(values: Values, name: str) -> float:
@@ -251,8 +266,7 @@ def _columns(fitted: Fit, kinds: Sequence[Kind], bounds: Bounds, steps: Mapping[
     looked = [_Look.at_first(fitted, kind, bounds, steps.get(kind[0])) for kind in kinds]
     going = list(looked)
     for last in range(LOOKS, -1, -1):
-        stacks_there = stacks(fitted.balance, [look.values for look in going])
-        for look, there in zip(going, stacks_there, strict=True):
+        for look, there in zip(going, stacks(fitted.balance, [look.values for look in going]), strict=True):
             look.sees(there - fitted.residual, float(np.linalg.norm(fitted.weighing(there - fitted.residual))))
         going = [look for look in going if last and look.moves_on()]
         if not going:
@@ -320,4 +334,4 @@ class _Look:
     def column(self) -> Column:
         """What was seen last."""
         shows = bool(np.isfinite(self.felt)) and self.felt * abs(self.room / self.step) >= UNSEEN
-        return Column(self.searched, self.place, self.step, self.change / self.step, shows)
+        return Column(self.searched, self.place, self.step, self.change, shows)
