@@ -65,7 +65,7 @@ def draw_over_time(data: OverTime) -> Picture:
         for panel in data.panels:
             axes, side = grid[panel.row, panel.column], panel.side
             axes.axhspan(-residuals.floor, residuals.floor, label="noise floor (± 1 std)", **FLOOR)
-            axes.plot(panel.time, panel.residual, color=side.colour, linewidth=0.7, label=side.label, rasterized=True)
+            axes.plot(panel.time, panel.residual, color=side.colour, linewidth=0.7, label=side.label)
             axes.set_title(panel.title, fontsize="small")
             axes.set_ylim(-panel.limit, panel.limit)
             axes.set_ylabel(f"residual ({residuals.unit})")

@@ -144,9 +144,9 @@ def _draw(panels: np.ndarray, time: np.ndarray, compared: Compared, sides: Seque
         values, width = compared.simulated[side.key], THICKNESS[side.key]
         error = compared.measured - values
         kept = thinned(values, error, buckets=BUCKETS)
-        upper.plot(time[kept], values[kept], color=side.colour, linewidth=width, rasterized=True)
+        upper.plot(time[kept], values[kept], color=side.colour, linewidth=width)
         axes.axhspan(-2.0 * compared.noise, 2.0 * compared.noise, label="noise (2 std)", **NOISE)
-        axes.plot(time[kept], error[kept], color=side.colour, linewidth=width, label=side.label, rasterized=True)
+        axes.plot(time[kept], error[kept], color=side.colour, linewidth=width, label=side.label)
         most = float(np.nanquantile(np.abs(error), 0.995)) if np.isfinite(error).any() else 0.0
         limit = MARGIN * max(most, 3.0 * compared.noise)
         axes.set_ylim(-limit, limit)
