@@ -171,17 +171,15 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
     references = np.zeros((samples, 3)) if profile is None else np.column_stack(profile)
     rotary_references = np.zeros((samples if setup.rotary else 0, 3))
     rotary_references[:, 0] = setup.rotation_speed
-    lanes = [_lane(each, samples, cutoffs, errors) for each in setups]
-    state, inputs, parameters, scales, memory, gains, rotary_memory, rotary_gains, limits, exogenous, lines = (
-        np.stack(each) for each in zip(*(lane.arrays for lane in lanes), strict=True)
-    )
-    linear, rotary = lanes[0].linear, setup.rotary or NO_LOOP
+    arrays, linear = _side_by_side([_lane(each, samples, cutoffs, errors) for each in setups])
+    state, inputs, parameters, scales, memory, gains, rotary_memory, rotary_gains, limits, exogenous, lines = arrays
+    rotary, lanes = setup.rotary or NO_LOOP, len(setups)
     widths = (len(fields(plant.State)), inputs.shape[1], len(Measurement._fields), memory.shape[1])
-    log = tuple(np.empty((len(lanes) * samples, width)) for width in widths)
+    log = tuple(np.empty((lanes * samples, width)) for width in widths)
     delay_samples, delay_rest = _in_samples(sensors.delay, h)
     past = int(np.max(lines[..., 1], initial=0))
     integrator = setup.integrator
-    results = np.zeros((len(lanes), 3))
+    results = np.zeros((lanes, 3))
     sizes = (state.shape[1], inputs.shape[1], parameters.shape[1], cutoffs.size)
     given = (
         addresses,
@@ -206,10 +204,10 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
         how,
         log,
         results,
-        np.empty(engine.scratch_size(len(lanes), sizes, how[-1], delay_samples, past)),
+        np.empty(engine.scratch_size(lanes, sizes, how[-1], delay_samples, past)),
         ADDRESS,
     )
-    stopped = engine.run_loop(*given) if len(lanes) == 1 else engine.run_loops(len(lanes), given)
+    stopped = engine.run_loop(*given) if lanes == 1 else engine.run_loops(lanes, given)
     if stopped == engine.STOPPED:
         raise KeyboardInterrupt
     found = list[tuple[Run, float]]()
@@ -238,6 +236,11 @@ class _Lane:
 
     arrays: tuple[np.ndarray, ...]
     linear: np.ndarray
+
+
+def _side_by_side(lanes: Sequence[_Lane]) -> tuple[list[np.ndarray], np.ndarray]:
+    """The arrays of some lanes, each kind stacked, and which of their inputs are ramps."""
+    return [np.stack(each) for each in zip(*(lane.arrays for lane in lanes), strict=True)], lanes[0].linear
 
 
 def _lane(setup: Setup, samples: int, cutoffs: np.ndarray, errors: np.ndarray) -> _Lane:

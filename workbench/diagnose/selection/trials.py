@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -33,9 +33,6 @@ CHANGE = 0.02
 """Relative change of a parameter that has a value already, at which its worth is first looked at."""
 
 
-REMEMBERED = 16
-"""Fits of which is remembered where such effects stand out."""
-
 Shape = tuple[tuple[str, float], ...]
 """Values of numbers that shape an effect, by name."""
 
@@ -63,8 +60,8 @@ Kind = tuple[str, Shape]
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """What a `step` of a number, as a search sees it, changes of a residual (rows); where it starts, and whether records
-    could show it at any plausible size.
+    """What a `step` of a number, as a search sees it, changes of a residual (rows); where the number starts, and whether
+    records could show it at any plausible size.
     """
 
     unknown: Unknown
@@ -173,9 +170,20 @@ def _grid(fitted: Fit, effect: Effect, name: str, shape: Shape) -> list[float]:
     return [1.0 / frequency for frequency in chosen] if number.period_of else list(chosen)
 
 
-@lru_cache(REMEMBERED)
+_lines_of: WeakKeyDictionary[Fit, dict[tuple[str, str], tuple[float, ...]]] = WeakKeyDictionary()
+
+
 def _lines(fitted: Fit, effect: Effect, name: str) -> tuple[float, ...]:
-    """The frequencies at which an effect that repeats along a signal may show, by its number `name`."""
+    """The frequencies at which an effect that repeats along a signal may show, by its number `name`: remembered as long
+    as the fit is there.
+    """
+    known = _lines_of.setdefault(fitted, {})
+    if (effect.name, name) not in known:
+        known[effect.name, name] = _sought(fitted, effect, name)
+    return known[effect.name, name]
+
+
+def _sought(fitted: Fit, effect: Effect, name: str) -> tuple[float, ...]:
     number, (cosine, sine) = effect.numbers[name], [*effect.numbers][:2]
     signal, band = number.period_of or number.frequency_of, band_of(fitted.balance, number)
     shapes = [((name, 1.0 / one if number.period_of else one),) for one in references(band)]

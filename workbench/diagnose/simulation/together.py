@@ -61,7 +61,9 @@ class Asked:
 
 
 class _Memory:
-    """What the latest simulations were off by: searches ask for the same more than once."""
+    """What the latest simulations were off by: searches ask for the same more than once, but for those with a push,
+    each of which is made for one look.
+    """
 
     def __init__(self) -> None:
         self._errors: OrderedDict[Asked, list[np.ndarray]] = OrderedDict()
@@ -78,7 +80,7 @@ class _Memory:
     def add(self, errors: dict[Asked, list[np.ndarray]]) -> None:
         """Remember these, in the place of the oldest."""
         with self._lock:
-            self._errors |= errors
+            self._errors |= {one: own for one, own in errors.items() if one.how.push is None}
             while len(self._errors) > SHOWN:
                 self._errors.popitem(last=False)
 
