@@ -122,6 +122,12 @@ def test_a_run_imports_what_runs_draws_and_writes_alone(tmp_path: Path) -> None:
     assert modules.isdisjoint(SLOW), "all stands: nothing is run or drawn"
 
 
+def test_a_diagnosis_imports_neither_symbols_nor_linear_analysis() -> None:
+    script = "import sys, workbench.diagnose.diagnose, workbench.diagnose.report.folder; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert {"casadi", "control", "matplotlib.pyplot", "optuna", "cobyqa"}.isdisjoint(done.stdout.split())
+
+
 def test_a_spoilt_file_of_kept_factors_is_made_anew(tmp_path: Path) -> None:
     file = "plants/parameters/owen2001_simulation.toml"
     first, _ = imported("check", file, cache=tmp_path)

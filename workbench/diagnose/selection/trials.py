@@ -60,8 +60,8 @@ Kind = tuple[str, Shape]
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """What a `step` of a number, as a search sees it, changes of a residual (rows); where the number starts, and whether
-    records could show it at any plausible size.
+    """What a `step` of a number, as a search sees it, changes of a residual (rows); where the number starts, and
+    whether records could show it at any plausible size.
     """
 
     unknown: Unknown
