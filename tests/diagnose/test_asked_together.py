@@ -12,7 +12,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation import together
 from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.diagnose.simulation.together import Asked, errors_of
-from workbench.fitting.threads import THREADS
+from workbench.fitting.threads import THREADS, side_by_side
 from workbench.simulation.simulate import LANES
 
 Made = tuple[Shooting, list[Motion], dict[str, float]]
@@ -80,6 +80,13 @@ def test_every_thread_has_about_as_much_to_do(made: Made, count: int, sizes: lis
     how, (motion,), values = made
     asked = [Asked(how, motion, {**values, "viscous": 1.0 + i}) for i in range(count)]
     assert [len(chunk.asked) for chunk in together._chunks(asked)] == sizes
+
+
+def test_a_thread_that_others_go_beside_splits_nothing(made: Made) -> None:
+    how, (motion,), values = made
+    asked = [Asked(how, motion, {**values, "viscous": 1.0 + i}) for i in range(6)]
+    chunks = side_by_side(lambda own: [len(chunk.asked) for chunk in together._chunks(own)], [asked, asked[:4]])
+    assert chunks == [[4, 2], [4]]
 
 
 def test_a_plant_is_compiled_for_what_acts_where_that_pays(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

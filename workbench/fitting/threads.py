@@ -19,9 +19,14 @@ def side_by_side(function: Callable[..., Result], *items: Iterable[Any]) -> list
     alone is left to the thread that asks, whose own work may then go side by side.
     """
     lists = [list(each) for each in items]
-    if getattr(_here, "works", False) or min(map(len, lists)) == 1:
+    if free_threads() == 1 or min(map(len, lists)) == 1:
         return list(map(function, *lists))
     return list(_pool(getpid()).map(function, *lists))
+
+
+def free_threads() -> int:
+    """How many threads what is asked for here may go to: a thread of these has itself alone."""
+    return 1 if getattr(_here, "works", False) else THREADS
 
 
 @lru_cache(maxsize=1)

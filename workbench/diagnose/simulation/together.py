@@ -18,7 +18,7 @@ import numpy as np
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.fitting.threads import THREADS, side_by_side
+from workbench.fitting.threads import free_threads, side_by_side
 from workbench.simulation.simulate import LANES, simulate, simulate_together
 
 if TYPE_CHECKING:
@@ -180,12 +180,13 @@ def _chunks(wanted: Sequence[Asked]) -> Iterator[_Chunk]:
 
 
 def _parts(items: Sequence[Any], most: int) -> Iterator[Sequence[Any]]:
-    """Parts of so many, `most` at most: whole ones for every thread, and about as many of what is left; one or two go
-    alone, since those that are solved at once take as long whether there are two or four.
+    """Parts of so many, `most` at most: whole ones for every free thread, and about as many of what is left; one or two
+    go alone, since those that are solved at once take as long whether there are two or four.
     """
-    whole = len(items) // (THREADS * most) * THREADS
+    threads = free_threads()
+    whole = len(items) // (threads * most) * threads
     left = len(items) - whole * most
-    parts, at = min(THREADS, left), 0
+    parts, at = min(threads, left), 0
     for size in [most] * whole + [left // parts + (i < left % parts) for i in range(parts)]:
         yield items[at : at + size]
         at += size
