@@ -1,6 +1,6 @@
 """Least squares within bounds: minima that are known, or that another solver or a search of all corners finds."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -103,6 +103,19 @@ def test_a_jacobian_that_is_learnt_costs_fewer_residuals() -> None:
         ends.append(solution.residual @ solution.residual)
     assert ends[1] == pytest.approx(ends[0], rel=1e-5)
     assert costs[1] < 0.7 * costs[0]
+
+
+def test_a_start_is_asked_for_beside_its_first_difference_quotients() -> None:
+    asked = list[int]()
+
+    def together(places: Sequence[np.ndarray]) -> list[np.ndarray]:
+        asked.append(len(places))
+        return list(map(decay, places))
+
+    start, wide = np.array([2.0, 1.0, 0.0]), np.full(3, np.inf)
+    found = least_squares(decay, start, -wide, wide, EXACT, together=together)
+    assert asked[0] == 1 + start.size
+    np.testing.assert_array_equal(found.x, least_squares(decay, start, -wide, wide, EXACT).x)
 
 
 def test_an_unknown_at_a_bound_is_not_free_and_the_others_are_best_beside_it() -> None:

@@ -106,10 +106,20 @@ def jacobian_of(
     asked = range(x.size) if which is None else which
     if not len(asked):
         return np.zeros((base.size, 0))
-    moved = [x.copy() for _ in asked]
-    for place, i in zip(moved, asked, strict=True):
+    return _quotients(base, residuals(_moved(x, steps, asked)), steps[asked])
+
+
+def _moved(x: np.ndarray, steps: np.ndarray, which: Sequence[int]) -> list[np.ndarray]:
+    """The places at which each of these unknowns is moved by its step."""
+    places = [x.copy() for _ in which]
+    for place, i in zip(places, which, strict=True):
         place[i] += steps[i]
-    return np.column_stack([(new - base) / steps[i] for new, i in zip(residuals(moved), asked, strict=True)])
+    return places
+
+
+def _quotients(base: np.ndarray, moved: Sequence[np.ndarray], steps: np.ndarray) -> np.ndarray:
+    """Difference quotients of residuals at places that are moved by steps."""
+    return np.column_stack([(new - base) / step for new, step in zip(moved, steps, strict=True)])
 
 
 def least_squares(
@@ -133,15 +143,15 @@ def least_squares(
     """
     residuals = together or one_by_one(residual)
     x = np.asarray(start, dtype=float)
-    (base,) = residuals([x])
     if not x.size:
+        (base,) = residuals([x])
         return Solution(x, base, np.zeros((base.size, 0)), np.ones(0, dtype=bool))
+    base, jacobian = _first_jacobian(residuals, x, high, search.step, longest)
     damping, cost = FIRST, float(base @ base)
 
     def steps_of(x: np.ndarray, jacobian: np.ndarray, cost: float) -> np.ndarray:
         return differences(x, high, search.step, jacobian, cost, longest)
 
-    jacobian = _first_jacobian(residuals, x, base, high, search.step, longest)
     evaluations, fresh = 1, True
     while evaluations < search.most_steps:
         way = _Way(residuals, x, base, jacobian, damping, low, high)
@@ -176,11 +186,14 @@ def least_squares(
 
 
 def _first_jacobian(
-    residuals: Residuals, x: np.ndarray, base: np.ndarray, high: np.ndarray, step: float, longest: np.ndarray | float
-) -> np.ndarray:
-    """That of steps of which nothing is known yet, and of those that turn out to be far off of better ones."""
-    steps, cost = _within(x, high, step * np.maximum(1.0, np.abs(x))), float(base @ base)
-    jacobian = jacobian_of(residuals, x, base, steps)
+    residuals: Residuals, x: np.ndarray, high: np.ndarray, step: float, longest: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The residual, and its Jacobian, of steps of which nothing is known yet, and of those that turn out to be far off
+    of better ones.
+    """
+    steps = _within(x, high, step * np.maximum(1.0, np.abs(x)))
+    base, *moved = residuals([x, *_moved(x, steps, range(x.size))])
+    jacobian, cost = _quotients(base, moved, steps), float(base @ base)
     for _ in range(TRIED):
         felt = differences(x, high, step, jacobian, cost, longest)
         share = np.abs(felt / steps)
@@ -189,7 +202,7 @@ def _first_jacobian(
             break
         steps[again] = felt[again]
         jacobian[:, again] = jacobian_of(residuals, x, base, steps, again)
-    return jacobian
+    return base, jacobian
 
 
 def differences(

@@ -119,6 +119,11 @@ class Balance:
         slices = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
         return [slices[i : i + self.parts] for i in range(0, len(slices), self.parts)]
 
+    @property
+    def rows(self) -> int:
+        """Of the stack."""
+        return self.series[-1][-1].stop
+
     @cached_property
     def blocks(self) -> list[np.ndarray]:
         """Rows of each block of the stack: pieces of time, with all residuals of a record in them."""

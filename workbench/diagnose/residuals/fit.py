@@ -188,10 +188,14 @@ def fit(
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
     logarithmic = np.array([float(u.logarithmic) for u in unknowns]) / VAGUE
-    weigh = plain(balance.series, lefts([start])[0].size) if weighing is None else weighing
+    weigh = plain(balance.series, balance.rows) if weighing is None else weighing
+
+    left = dict[bytes, np.ndarray]()
 
     def residuals(places: Sequence[np.ndarray]) -> list[np.ndarray]:
-        weighed = side_by_side(weigh, lefts(places))
+        found = lefts(places)
+        left[places[0].tobytes()] = found[0]  # a search ends at one that it asked for first
+        weighed = side_by_side(weigh, found)
         return [np.concatenate([one, logarithmic * x]) for one, x in zip(weighed, places, strict=True)]
 
     solution = least_squares(lambda x: residuals([x])[0], start, low, high, search, _longest(unknowns), residuals)
@@ -200,7 +204,7 @@ def fit(
         balance=balance,
         names=tuple(names),
         values=values_at(values, unknowns, solution.x),
-        residual=lefts([solution.x])[0],
+        residual=left[solution.x.tobytes()],
         weighed=solution.residual[:size],
         vague=solution.residual[size:],
         jacobian=solution.jacobian[:size],
