@@ -24,6 +24,7 @@ from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
+from workbench.fitting.threads import side_by_side
 
 NOISE = 1.5
 """Standard deviations of noise up to which nothing has to be explained further."""
@@ -157,14 +158,15 @@ class Fitting:
 
     def stepped(self, how: Shooting, values: Values) -> Simulated:
         """The same by damped Gauss-Newton steps of the starts, as long as these leave clearly less."""
-        best = fit(how.balance(self.motions, ()), values, ())
-        damping = np.array([FIRST])
+        best, damping = None, np.array([FIRST])
         for _ in range(STEPS):
             starting = how.starting(self.motions, values)
-            how, damping = restarted(how, best, starting, damping)
-            before, best = best, fit(how.balance(self.motions, ()), values, ())
+            before = best or fit(how.balance(self.motions, ()), values, ())  # which has gone beside those
+            how, damping = restarted(how, before, starting, damping)
+            best = fit(how.balance(self.motions, ()), values, ())
             if not _fell(before, best, how, (left_of_pieces(before, starting[1]), left_of_pieces(best, starting[1]))):
                 break
+        assert best is not None
         return Simulated(how, best, starting)
 
     def _once(self, of: Simulated) -> Simulated:
@@ -186,7 +188,7 @@ class Fitting:
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
     """The plant fitted to its records from end to end, from the best of some starts."""
-    best = min((fitting.begun(whole, start) for start in starts), key=lambda one: one.fit.rms)
+    best = min(side_by_side(lambda start: fitting.begun(whole, start), starts), key=lambda one: one.fit.rms)
     return fitting.final(fitting.bettered(best))
 
 
@@ -224,7 +226,7 @@ def begun(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
     if first.fit.excess < AT_NOISE:
         return first.how
     starts = first.how, replace(how, begins={})
-    return min((fitting.stepped(start, values) for start in starts), key=lambda one: one.fit.rms).how
+    return min(side_by_side(lambda start: fitting.stepped(start, values), starts), key=lambda one: one.fit.rms).how
 
 
 def settle(how: Shooting, motions: Sequence[Motion], found: Fit, bounds: Bounds) -> Fit:

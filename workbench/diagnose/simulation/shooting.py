@@ -397,12 +397,12 @@ class Shooting:
             plant, feeds = observed(plant), [*feeds, *followed.feeds]
             inputs = plant.Inputs(*inputs)
         size, per, starts = record.time.size, self.samples(motion), self.starts(motion)
-        sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time)[0]
+        sent = next(feed.signal for feed in feeds if feed.input == along.plant.command)(record.time[list(starts)])[0]
         begins = self.begins.get(record, np.zeros((len(starts), len(along.names))))
         if moved is not None:
             begins = begins + moved
-        for k, state, begin in zip(
-            starts, _starting(along, motion, tuple(values.items()), starts), begins, strict=True
+        for k, command, state, begin in zip(
+            starts, sent.tolist(), _starting(along, motion, tuple(values.items()), starts), begins, strict=True
         ):
             if np.any(begin) or plant.State is not along.plant.State:
                 begun = dict(zip(along.names, (to_array(state) + begin).tolist(), strict=True))
@@ -414,7 +414,7 @@ class Shooting:
                     plant=plant,
                     parameters=along.parameters_of(plant, without),
                     state=state,
-                    inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, float(sent[k]))),
+                    inputs=inputs._replace(**dict.fromkeys(along.plant.delayed, command)),
                     duration=record.sample_time * (min(per, size - k) - 1),
                     feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
                     reference=setup.reference if followed is None else followed.since(k * record.sample_time),
@@ -430,6 +430,6 @@ def _starting(along: Along, motion: Motion, values: tuple[tuple[str, float], ...
 
 def _from(feed: Feed, time: float) -> Feed:
     """A feed from a time (s) on."""
-    if not isinstance(feed.signal, Sampled):
+    if time == 0.0 or not isinstance(feed.signal, Sampled):
         return feed
     return replace(feed, signal=Sampled(feed.signal.times - time, feed.signal.values))

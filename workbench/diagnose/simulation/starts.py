@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, stacked
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import weighing_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.fitting.threads import side_by_side
 
 FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
 """Damping, in units of each state's own curvature, of the first step of a start, and the least; its factors after one
@@ -30,12 +31,15 @@ def restarted(
     first = squares_of(left, groups)
     least, chosen = first, np.zeros((len(groups), columns.shape[1]))
     damping = np.broadcast_to(damping, least.shape)
+
+    def stepped(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        each = zip(groups, damping, strict=True)
+        steps = np.array([_step(moved * block[rows], left[rows], one) for rows, one in each])
+        other = stacked(_begun(how, motions, values, steps).balance(motions, ()), values)
+        return steps, squares_of(other if weigh is None else weigh(other), groups)
+
     for _ in range(TRIES):
-        for moved in moving:
-            each = zip(groups, damping, strict=True)
-            steps = np.array([_step(moved * block[rows], left[rows], one) for rows, one in each])
-            other = fit(_begun(how, motions, values, steps).balance(motions, ()), values, ()).residual
-            squares = squares_of(other if weigh is None else weigh(other), groups)
+        for steps, squares in side_by_side(stepped, moving):
             chosen = np.where((squares < least)[:, None], steps, chosen)
             least = np.minimum(least, squares)
         lower = least < first
