@@ -16,7 +16,7 @@ from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit, again, fit
 from workbench.diagnose.selection.judging import choose
-from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of, own_noise
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
 from workbench.diagnose.selection.sets import QUICK, Asked, after, declared_again, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
@@ -216,6 +216,7 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     dropped.
     """
     ordered = list(_best_alone(outlook, ask).values())
+    own_noise(outlook.fitted)  # once for all threads
     alone = side_by_side(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), ordered)
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []

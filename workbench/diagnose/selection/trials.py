@@ -14,6 +14,7 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
 from workbench.diagnose.selection.lines import band_of, matched, references, swinging
+from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
 
 FELT = 10.0
@@ -121,16 +122,18 @@ def trials_of(fitted: Fit, taken: Sequence[str], shapes: Shapes) -> list[Trial]:
     """Every set of an effect's numbers that a balance may show and that is not free yet; of those that shape an effect
     the values that it has in `shapes`, else all of their grids.
     """
-    found = []
-    for name in fitted.balance.effects:
-        effect = effects(fitted.balance.axis)[name]
+
+    def of(name: str) -> list[Trial]:
+        effect, found = effects(fitted.balance.axis)[name], list[Trial]()
         if name in taken and not set(effect.numbers) - set(fitted.names):
-            continue
+            return found
         for variant in effect.variants:
             free = [number for number in variant if number not in fitted.names]
             if free and (name not in taken or set(fitted.names) & set(effect.numbers) < set(variant)):
                 found += _trials(effect, free, fitted, shapes)
-    return found
+        return found
+
+    return [trial for trials in side_by_side(of, fitted.balance.effects) for trial in trials]
 
 
 def _trials(effect: Effect, free: Sequence[str], fitted: Fit, shapes: Shapes) -> list[Trial]:

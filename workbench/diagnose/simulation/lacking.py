@@ -12,10 +12,11 @@ import numpy as np
 
 from workbench.diagnose.residuals.fit import Fit, stacked, without_lost
 from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
-from workbench.diagnose.selection.likelihood import asked, gain_of
+from workbench.diagnose.selection.likelihood import asked, gain_of, own_noise
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.diagnose.simulation.together import Asked, errors_of
+from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 
 NODES, FINE = 8, 24
@@ -89,7 +90,10 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
 
-    def over(balance: str, signal: str, turns: bool, count: int) -> list[Lacking]:
+    own_noise(fitted)  # once for all threads
+
+    def over(each: tuple[str, str, bool], count: int) -> list[Lacking]:
+        balance, signal, turns = each
         nodes, pushes = _hats(motions, followed, signal, turns, count)
         if not pushes:
             return []
@@ -102,11 +106,13 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
             for block in shapes
         ]
 
-    tried = [(curves, each) for each in wanted if (curves := over(*each, NODES))]
+    curves_over = side_by_side(lambda each: over(each, NODES), wanted)
+    tried = [(curves, each) for curves, each in zip(curves_over, wanted, strict=True) if curves]
     most = max((curve.gain for curves, _ in tried for curve in curves), default=0.0)
     leading = sorted(tried, key=lambda one: -max(curve.gain for curve in one[0]))[:LEADING]
     least = max(REFINED * most, SEEN * CERTAIN_FINE * asked(FINE, 2 * len(wanted)))
-    finer = [over(*each, FINE) for curves, each in leading if max(curve.gain for curve in curves) > least]
+    refined = [each for curves, each in leading if max(curve.gain for curve in curves) > least]
+    finer = side_by_side(lambda each: over(each, FINE), refined)
     return sorted(
         (one for curves in [*(c for c, _ in tried), *finer] for one in curves), key=lambda one: one.asked - one.gain
     )
