@@ -17,6 +17,7 @@ from workbench.diagnose.simulation.nearer import freely
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.fitting.threads import side_by_side
 from workbench.records.experiment import Experiment
 
 DRIFTS = 2.0
@@ -33,18 +34,20 @@ def errors_of(
 ) -> ErrorsByUse:
     """Errors of the baseline and of what was found, each with the parameters that were fitted to that kind of error."""
     runs = None if simulation is None else _free(experiment, simulation)
+    before, after = (None, None) if runs is None else runs
+    models = [(baseline, before), (corrected, after)]
+    if after is before and corrected == baseline:
+        models.pop()
 
-    def on(motions: Sequence[Motion]) -> BeforeAfter:
-        if not motions:
-            return BeforeAfter(Errors({}), Errors({}))
-        whole = None if simulation is None else shooting_of(experiment, motions, held=simulation.how.held)
-        before, after = (None, None) if runs is None else runs
-        first = _errors(results, motions, baseline, whole, before)
-        if after is before and corrected == baseline:
-            return BeforeAfter(first, first)
-        return BeforeAfter(first, _errors(results, motions, corrected, whole, after))
+    def on(motions: Sequence[Motion], whole: Shooting | None, values: Values, run: Values | None) -> Errors:
+        return _errors(results, motions, values, whole, run) if motions else Errors({})
 
-    fitted, tested = on(results[0].balance.motions), on(held_out)
+    uses = [
+        (motions, shooting_of(experiment, motions, held=simulation.how.held) if simulation and motions else None)
+        for motions in (results[0].balance.motions, held_out)
+    ]
+    errors = side_by_side(on, *zip(*((*use, *model) for use in uses for model in models), strict=True))
+    fitted, tested = (BeforeAfter(errors[k], errors[k + len(models) - 1]) for k in (0, len(models)))
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fits(experiment, simulation, held_out)
@@ -109,8 +112,8 @@ def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequen
     def fitted(one: Fit) -> Values:
         return freely(Fitting(motions, one.names, experiment.bounds), whole, one.values).values
 
-    before = fitted(simulation.before)
-    return before, before if simulation.after is simulation.before else fitted(simulation.after)
+    before, *after = side_by_side(fitted, dict.fromkeys((simulation.before, simulation.after)))
+    return before, after[0] if after else before
 
 
 def _whole(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> Shooting:
@@ -124,7 +127,7 @@ def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Seq
     """Free-run errors of held-out records with parameters fitted to these: the least that the plant can leave."""
     held_out = as_simulated(experiment, held_out)
     whole = _whole(experiment, simulation, held_out)
-    runs = [free_run(whole, held_out, values) for values in _freely(experiment, simulation, held_out)]
+    runs = side_by_side(lambda values: free_run(whole, held_out, values), _freely(experiment, simulation, held_out))
     axis = experiment.plant.axis
     return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
 
@@ -135,9 +138,9 @@ def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Seque
     """
     held_out = as_simulated(experiment, held_out)
     whole = _whole(experiment, simulation, held_out)
-    before, after = (
-        fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ())
-        for one in (simulation.before, simulation.after)
+    before, after = side_by_side(
+        lambda one: fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ()),
+        (simulation.before, simulation.after),
     )
     noise = weighing_at(after)
     return 0.5 * (before.seen_by(noise) - after.seen_by(noise))

@@ -15,6 +15,7 @@ from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.fitting.threads import side_by_side
 from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
@@ -73,30 +74,44 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
         sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
     motions = [("fit", diagnosis.results[0].balance.motions[0])]
     motions += [("held-out", motion) for motion in diagnosis.held_out[:1]]
+    asked = [(motion, side.key) for _, motion in motions for side in sides]
+    made = side_by_side(lambda one: _simulated(diagnosis, simulation, *one), asked)
+    shown = dict(zip(asked, made, strict=True))
     records = [
-        ComparedRecord(use, motion.record.label, motion.record.time, _compared(diagnosis, simulation, motion))
+        ComparedRecord(
+            use,
+            motion.record.label,
+            motion.record.time,
+            _compared(diagnosis, motion, {side.key: shown[motion, side.key] for side in sides}),
+        )
         for use, motion in motions
     ]
     way = "and kept beside the record by a filter" if simulation.is_beside else "from the measured input alone"
     return SimulationData(records, sides, way)
 
 
-def _compared(diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion) -> list[Compared]:
-    """Position, and the load pressure where both pressures are measured."""
+def _simulated(
+    diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion, side: str
+) -> Mapping[str, np.ndarray]:
+    """What the sensors would have shown of one side's model along a motion."""
     whole = shooting_of(diagnosis.experiment, [motion], held=simulation.how.held)
     runs = diagnosis.errors.runs
     assert whole is not None  # the diagnosis has simulated such records
     assert runs is not None  # and told their errors
-    simulated = {
-        side: begun(whole, [motion], values).simulated(motion, values)
-        for side, values in zip(("before", "after"), runs, strict=True)
-    }
+    values = dict(zip(("before", "after"), runs, strict=True))[side]
+    return begun(whole, [motion], values).simulated(motion, values)
+
+
+def _compared(
+    diagnosis: Diagnosis, motion: Motion, simulated: Mapping[str, Mapping[str, np.ndarray]]
+) -> list[Compared]:
+    """Position, and the load pressure where both pressures are measured, and what is `simulated` by each side."""
     scale, unit = SHOWN[diagnosis.axis].factor, SHOWN[diagnosis.axis].unit
     shown = {side: scale * channels["position"] for side, channels in simulated.items()}
     quantities = [
         Compared("position", unit, scale * motion.measured["position"], shown, scale * motion.noise["position"])
     ]
-    if {"pressure_1", "pressure_2"} <= set(simulated["before"]):
+    if all({"pressure_1", "pressure_2"} <= set(channels) for channels in simulated.values()):
         scale = factor("Pa", "kPa")
         shown = {side: scale * _load_pressure(channels) for side, channels in simulated.items()}
         noise = scale * float(np.hypot(motion.noise["pressure_1"], motion.noise["pressure_2"]))
