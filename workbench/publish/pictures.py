@@ -1,5 +1,8 @@
 """Figures as files: each as PDF (for a thesis), SVG (for a page) and PNG, with its caption in it."""
 
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,6 +11,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from workbench.errors import visible
+from workbench.parallel.chunks import in_chunks
 from workbench.publish.figure_text import drawable
 from workbench.publish.folders import anew, made
 from workbench.publish.page_format import asked_format
@@ -62,11 +66,35 @@ def save(
         "png": {"Description": caption},
     }
     paths = [anew(folder / f"{name}.{ending}") for ending in formats]
-    with drawable(figure), figure_style(), mpl.rc_context(NOT_ANEW):
-        _lay_out(figure)
+    with _laid_out(figure):
         for path, ending in zip(paths, formats, strict=True):
             figure.savefig(path, metadata=said[ending])
     return paths
+
+
+def save_all(pictures: Mapping[str, Picture], folder: Path) -> None:
+    """Write figures in every format, several at a time; a page that is made of them has them laid out."""
+    made(folder)
+    for picture in pictures.values():
+        with _laid_out(picture.figure):
+            pass
+    named = list(pictures.items())
+
+    def written(places: Sequence[int]) -> list[list[Path]]:
+        return [save(named[k][1].figure, named[k][0], folder, caption=named[k][1].caption) for k in places]
+
+    jobs = None if sys.platform == "linux" else 1  # processes draw beside each other, threads share what settings are
+    with closing(in_chunks(written, range(len(named)), jobs=jobs)) as chunks:
+        for _ in chunks:
+            pass
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Iterator[None]:
+    """While inside, it can be drawn, with its parts in their places."""
+    with drawable(figure), figure_style(), mpl.rc_context(NOT_ANEW):
+        _lay_out(figure)
+        yield
 
 
 def caption_of(path: Path) -> str:

@@ -22,7 +22,7 @@ from workbench.parameters.corrected import Entry, parameter_file
 from workbench.parameters.sets import NEUTRAL
 from workbench.publish.contents import CONTENTS, Contents, write_contents
 from workbench.publish.folders import ResultFolder
-from workbench.publish.pictures import save
+from workbench.publish.pictures import save_all
 from workbench.publish.run_record import made_by
 from workbench.publish.tables import Table, write_frame
 
@@ -52,8 +52,7 @@ def _write(diagnosis: Diagnosis, folder: Path) -> None:
     notes = [verdict_sentence(diagnosis)]
     for name, table in tables.items():
         write_frame(name, Table(table.title, table.cells, notes), folder / "tables")
-    for name, picture in pictures.items():
-        save(picture.figure, name, folder / "figures", caption=picture.caption)
+    save_all(pictures, folder / "figures")
     experiment = diagnosis.experiment
     contents = Contents(
         title=experiment.title,
