@@ -35,6 +35,7 @@ from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stand_ins import Place, standing_in
 from workbench.diagnose.simulation.valleys import along_valley
+from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
@@ -151,9 +152,9 @@ def simulation_stage(
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
         before = base, with_them
-        base = _farther(experiment, motions, base, start.baseline)
-        if with_them is not None:
-            with_them = _farther(experiment, motions, with_them, start.corrected)
+        begun = [(base, start.baseline), *([] if with_them is None else [(with_them, start.corrected)])]
+        base, *others = side_by_side(lambda one: _farther(experiment, motions, *one), begun)
+        with_them = others[0] if others else None
         if base is not before[0] or with_them is not before[1]:
             found = _stage(experiment, motions, start, base, with_them, given, progress)
     return _held_otherwise(experiment, motions, start, base, found, given, progress)

@@ -25,6 +25,7 @@ from workbench.diagnose.simulation.fits import settle
 from workbench.diagnose.simulation.lacking import CERTAIN, Lacking, balance_told, simulated_motion
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import bounded_minimum
+from workbench.fitting.threads import side_by_side
 
 NEARLY, FITTED = 0.1, 2
 """Share of what effects gain that a curve may lose in their place, to first order, and be fitted there; and how many
@@ -68,19 +69,23 @@ def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: flo
     if PROMISED * (certain - price) > max((push.gain for push in pushes), default=0.0):
         return []
     along = [signals_of(simulated_motion(how, motion, found)) for motion in found.balance.motions]
-    flat = [
-        _flat(how, found, effect.along(plant.axis), signal, [signals[signal] for signals in along], ask)
-        for signal, effect in offers
-        if all(signal in signals for signals in along)
+
+    def flat(offer: tuple[str, Effect]) -> _Curve:
+        signal, effect = offer
+        return _flat(how, found, effect.along(plant.axis), signal, [signals[signal] for signals in along], ask)
+
+    curves = side_by_side(flat, [offer for offer in offers if all(offer[0] in signals for signals in along)])
+    ordered = sorted(((*place.without(curve.columns), curve) for curve in curves), key=lambda one: one[0])
+    whole = place.without(np.zeros((found.residual.size, 0)))[0]
+    near = [(curve, x) for lost, x, curve in ordered[:FITTED] if lost < NEARLY * whole]
+    fits = side_by_side(lambda one: one[0].fitted(place, one[1]), near)
+    return [
+        (
+            Lacking(curve.balance, curve.signal, 0.0, certain, curve.columns),
+            -gained(found.balance, left_by(fitted), left_by(found)),
+        )
+        for (curve, _), fitted in zip(near, fits, strict=True)
     ]
-    ordered = sorted(((*place.without(curve.columns), curve) for curve in flat), key=lambda one: one[0])
-    whole, told = place.without(np.zeros((found.residual.size, 0)))[0], list[tuple[Lacking, float]]()
-    for lost, x, curve in ordered[:FITTED]:
-        if lost < NEARLY * whole:
-            fitted = curve.fitted(place, x)
-            lost = -gained(found.balance, left_by(fitted), left_by(found))
-            told.append((Lacking(curve.balance, curve.signal, 0.0, certain, curve.columns), lost))
-    return told
 
 
 @dataclass(frozen=True, eq=False)
