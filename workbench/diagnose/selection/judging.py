@@ -12,6 +12,7 @@ from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
+from workbench.fitting.threads import side_by_side
 
 WEIGHED = 2
 """Sets of a round that are looked at by the noise that they leave themselves."""
@@ -128,7 +129,6 @@ def _by_itself(before: Fit, found: Fit, ask: Asked) -> float:
     null = replace(before.balance, motions=before.balance.null, null=())
     if not null.motions:
         return 0.0
-    plain = fit(null, before.values, before.names, ask.bounds, QUICK)
-    rival = fit(null, found.values, found.names, ask.bounds, QUICK)
+    plain, rival = side_by_side(lambda one: fit(null, one.values, one.names, ask.bounds, QUICK), (before, found))
     rival = again(rival, weighing_at(rival), ask.bounds, QUICK)
     return 0.5 * max(plain.seen_by(rival.weighing) - rival.squares, 0.0)

@@ -159,7 +159,7 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
 def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, list[str]]:
     """For each effect that was found those that do as well in its place."""
     current = outlook.fitted
-    level: dict[str, list[str]] = {effect: [] for effect in taken}
+    tried = list[tuple[str, Proposal]]()
     for effect in taken:
         away = {effect: away_of(current, taken[effect], ask)}
         offers: dict[str, Proposal] = {}
@@ -170,13 +170,13 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
                 if trial.effect not in offers or offer.score > offers[trial.effect].score:
                     offers[trial.effect] = offer
         near = sorted(offers.values(), key=lambda offer: -offer.score)[:EXCHANGED]
-        for offer in near:
-            if offer.score < -REACH * LEVEL:
-                continue
-            other = fitted_with(current, taken, offer, ask)
-            lost = 0.5 * (other.squares - current.squares) + ask.price_of(offer, taken, current.balance)
-            if lost < LEVEL and is_estimated(other, current.balance):
-                level[effect].append(offer.added[0].effect)
+        tried += [(effect, offer) for offer in near if offer.score >= -REACH * LEVEL]
+    others = side_by_side(lambda one: fitted_with(current, taken, one[1], ask), tried)
+    level: dict[str, list[str]] = {effect: [] for effect in taken}
+    for (effect, offer), other in zip(tried, others, strict=True):
+        lost = 0.5 * (other.squares - current.squares) + ask.price_of(offer, taken, current.balance)
+        if lost < LEVEL and is_estimated(other, current.balance):
+            level[effect].append(offer.added[0].effect)
     return level
 
 
