@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -82,11 +83,18 @@ def test_every_thread_has_about_as_much_to_do(made: Made, count: int, sizes: lis
     assert [len(chunk.asked) for chunk in together._chunks(asked)] == sizes
 
 
-def test_a_thread_that_others_go_beside_splits_nothing(made: Made) -> None:
+def test_a_thread_that_another_works_beside_splits_nothing(made: Made) -> None:
     how, (motion,), values = made
     asked = [Asked(how, motion, {**values, "viscous": 1.0 + i}) for i in range(6)]
-    chunks = side_by_side(lambda own: [len(chunk.asked) for chunk in together._chunks(own)], [asked, asked[:4]])
-    assert chunks == [[4, 2], [4]]
+    both = Barrier(THREADS, timeout=60.0)
+
+    def sizes(own: list[Asked]) -> list[int]:
+        both.wait()
+        found = [len(chunk.asked) for chunk in together._chunks(own)]
+        both.wait()
+        return found
+
+    assert side_by_side(sizes, [asked, asked[:4]]) == [[4, 2], [4]]
 
 
 def test_a_plant_is_compiled_for_what_acts_where_that_pays(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
