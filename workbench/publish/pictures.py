@@ -74,7 +74,6 @@ def save(
 
 def save_all(pictures: Mapping[str, Picture], folder: Path) -> None:
     """Write figures in every format, several at a time; a page that is made of them has them laid out."""
-    made(folder)
     for picture in pictures.values():
         with _laid_out(picture.figure):
             pass

@@ -7,11 +7,10 @@ beside those before it (prediction errors: Ljung 1999, sections 3 and 7). An ext
 
     K = P H' / S,   S = H P H' + s_x^2,   P <- F (I - K H) P F' + G G' s_F^2,   F = e^(A T)
 
-A are the derivatives of the plant's rates along the motion. Under way noise of the force moves a mass; a contact that
-rests holds it, so that a rest tells where the force stays below what breaks it away. The gains go with time, and are
-found before a fit, not in it: then errors of one fit and another are as likely by the same measure.
-
-The correction K e of a sample acts as a constant rate until the next one.
+A are the derivatives of the plant's rates along the motion. Under way noise of the force moves a mass, and what is
+measured corrects it; a contact that rests holds it, and is hardly corrected, so that nothing shakes it loose. The gains
+go with time, and are found before a fit, not in it: then errors of one fit and another are as likely by the same
+measure. The correction K e of a sample acts as a constant rate until the next one.
 """
 
 from collections.abc import Sequence
