@@ -55,7 +55,7 @@ PUSHES: Mapping[str, Sequence[tuple[str, bool]]] = {
 
 CERTAIN, CERTAIN_FINE, BESIDE = 1.15, 1.5, 2.0
 """Times what is asked of a curve from which it is told; of a refined one, which follows slow noise over time, too; and
-of one on a plant that is kept beside its record, whose contact noise shakes.
+of one, as of an effect, on a plant that is kept beside its record, whose contact breaks away as noise decides.
 """
 
 LEVEL = 0.5
