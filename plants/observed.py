@@ -20,8 +20,8 @@ MOTION = ("position", "velocity")
 
 def corrected(plant: Plant) -> tuple[str, ...]:
     """The states that are corrected."""
-    contact = plant.State.__annotations__[plant.contact] if plant.contact else None
-    return (*MOTION, *(item.name for item in fields(contact))) if contact is not None else MOTION
+    remembered = fields(plant.State.__annotations__[plant.contact]) if plant.contact else ()
+    return (*MOTION, *(item.name for item in remembered))
 
 
 def gain_of(state: str) -> str:

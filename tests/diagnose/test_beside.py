@@ -14,6 +14,7 @@ from workbench.diagnose.residuals.motion import THINNED, Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import Left, gained
 from workbench.diagnose.simulation.beside import Followed, riccati
+from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.setup import as_simulated, shooting_of
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
@@ -34,6 +35,11 @@ def test_a_plant_that_lacks_nothing_follows_and_its_friction_is_found(tmp_path: 
     assert diagnosis.simulation is not None
     assert diagnosis.simulation.is_beside
     assert diagnosis.simulation.after.rms < 1.3  # standard deviations of the position's noise
+    (motion,) = diagnosis.results[0].balance.motions
+    whole = diagnosis.simulation.along(diagnosis.experiment, [motion])
+    assert isinstance(whole.setups[motion.record].reference, Followed)  # by what was found, as the errors are told
+    assert diagnosis.errors.fit.after.position is not None
+    assert diagnosis.errors.fit.after.position < 1.5 * NOISE
     coulomb = diagnosis.fitted_parameters["coulomb"]
     assert coulomb.value == pytest.approx(TRUE["coulomb"], rel=0.02)
     assert abs(coulomb.value - TRUE["coulomb"]) < 3.0 * coulomb.std
@@ -61,7 +67,7 @@ def gain_of_a_compliance(experiment: Experiment, motions: list[Motion]) -> float
     how = shooting_of(experiment, motions, held=False)
     assert how is not None
     values = true_values(experiment)
-    how, noise = how.filtered(motions, values), motions[0].sensed
+    how, noise = filtered(how, motions, values), motions[0].sensed
     balance = how.balance(motions, ())
 
     def left(changed: Values) -> Left:
@@ -92,7 +98,7 @@ def following(experiment: Experiment, motions: list[Motion]) -> Followed:
     """The filter that keeps the plant beside the first record, with the friction that is true."""
     how = shooting_of(experiment, motions, held=False)
     assert how is not None
-    followed = how.filtered(motions, true_values(experiment)).setups[motions[0].record].reference
+    followed = filtered(how, motions, true_values(experiment)).setups[motions[0].record].reference
     assert isinstance(followed, Followed)
     return followed
 

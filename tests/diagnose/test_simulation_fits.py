@@ -14,7 +14,6 @@ from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.null import QUICKEST
-from workbench.diagnose.simulation.beside import FILTERED, SHAKES
 from workbench.diagnose.simulation.fits import (
     NOISE,
     Fitting,
@@ -25,6 +24,7 @@ from workbench.diagnose.simulation.fits import (
     left_of_pieces,
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.leading import FILTERED, SHAKES
 from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting

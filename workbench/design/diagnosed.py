@@ -107,7 +107,7 @@ def evidence_of(reported: Reported, progress: Progress) -> Evidence:
     check_experiment(experiment)
     motions = as_simulated(experiment, motions_of(experiment, read_records(experiment, "fit")))
     how = shooting_of(experiment, motions, held=reported.held)
-    if how is None or how.is_beside(motions[0]):
+    if how is None or how.is_beside:
         raise UserError(
             f"{experiment.path}: no channel is the plant's {experiment.plant.command}: what moves by hand has no "
             "motion that could be designed"

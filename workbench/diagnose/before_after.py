@@ -14,7 +14,7 @@ from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.simulation.fits import Fitting, Simulated, begun
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.nearer import freely
-from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
+from workbench.diagnose.simulation.setup import as_simulated, behind_backlash
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.threads import side_by_side
@@ -39,15 +39,14 @@ def errors_of(
     if after is before and corrected == baseline:
         models.pop()
 
-    def on(motions: Sequence[Motion], whole: Shooting | None, values: Values, run: Values | None) -> Errors:
-        return _errors(results, motions, values, whole, run) if motions else Errors({})
+    def of(motions: Sequence[Motion]) -> BeforeAfter:
+        if not motions:
+            return BeforeAfter(Errors({}), Errors({}))
+        whole = simulation.along(experiment, motions) if simulation else None
+        errors = side_by_side(lambda model: _errors(results, motions, whole, *model), models)
+        return BeforeAfter(errors[0], errors[-1])
 
-    uses = [
-        (motions, shooting_of(experiment, motions, held=simulation.how.held) if simulation and motions else None)
-        for motions in (results[0].balance.motions, held_out)
-    ]
-    errors = side_by_side(on, *zip(*((*use, *model) for use in uses for model in models), strict=True))
-    fitted, tested = (BeforeAfter(errors[k], errors[k + len(models) - 1]) for k in (0, len(models)))
+    fitted, tested = side_by_side(of, [results[0].balance.motions, held_out])
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fits(experiment, simulation, held_out)
@@ -60,8 +59,8 @@ def errors_of(
 def _errors(
     results: Sequence[BalanceResult],
     motions: Sequence[Motion],
-    values: Values,
     whole: Shooting | None,
+    values: Values,
     simulated: Values | None,
 ) -> Errors:
     """Errors of one model: `values` in the balances, `simulated` in a free run; that of a balance is infinite where the
@@ -107,7 +106,7 @@ def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Values, 
 
 def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Values, Values]:
     """The plant before and after fitted to free runs of records, as `as_simulated` has them."""
-    whole = _whole(experiment, simulation, motions)
+    whole = simulation.along(experiment, motions)
 
     def fitted(one: Fit) -> Values:
         return freely(Fitting(motions, one.names, experiment.bounds), whole, one.values).values
@@ -116,17 +115,10 @@ def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequen
     return before, after[0] if after else before
 
 
-def _whole(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> Shooting:
-    """The plant from end to end of records, as the simulation had it."""
-    whole = shooting_of(experiment, motions, held=simulation.how.held)
-    assert whole is not None  # free runs of it are among the errors
-    return whole
-
-
 def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> BeforeAfter:
     """Free-run errors of held-out records with parameters fitted to these: the least that the plant can leave."""
     held_out = as_simulated(experiment, held_out)
-    whole = _whole(experiment, simulation, held_out)
+    whole = simulation.along(experiment, held_out)
     runs = side_by_side(lambda values: free_run(whole, held_out, values), _freely(experiment, simulation, held_out))
     axis = experiment.plant.axis
     return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
@@ -137,7 +129,7 @@ def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Seque
     leaves of them: an error that goes up with slow noise alone says nothing.
     """
     held_out = as_simulated(experiment, held_out)
-    whole = _whole(experiment, simulation, held_out)
+    whole = simulation.along(experiment, held_out)
     before, after = side_by_side(
         lambda one: fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ()),
         (simulation.before, simulation.after),

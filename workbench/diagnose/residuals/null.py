@@ -135,16 +135,14 @@ def accelerated(along: Along, parameters: Any, state: Any, inputs: Any, name: st
 
 def surrogate(motion: Motion, simulated: Mapping[str, np.ndarray], seed: int) -> Motion:
     """The motion that a plant `simulated` (channels at every sample), with noise of the spectrum of what it leaves of
-    the record, at random phases: none of it has to do with the motion (Theiler et al. 1992). A plant beside a record
-    leaves what a loop makes of noise; the sensors' is white then. A converter counts in steps, as it did in the record:
-    where a rod rests it shows no noise.
+    the record, at random phases: none of it has to do with the motion (Theiler et al. 1992). A converter counts
+    in steps, as it did in the record: where a rod rests it shows no noise.
     """
-    white = any(name in SENSED for name in simulated)
     draw, record = np.random.default_rng([SEED, seed]), motion.record
     channels = dict(record.channels)
     for name, values in simulated.items():
         left, step = motion.measured[name] - values, converter_step(record.channels[name])
-        noise = motion.sensed[name] * draw.standard_normal(left.size) if white else _turned(left, draw)
+        noise = _turned(left, draw)
         random = max(1.0 - (step * UNIFORM) ** 2 / max(float(np.mean(noise**2)), 1e-300), 0.0)  # the rest is the steps'
         shown = values + np.sqrt(random) * noise
         counted = step * np.rint(shown / step) if step > 0.0 else shown

@@ -18,17 +18,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import expm
-from scipy.signal import lfilter
 
 from controllers import pid
 from controllers.pid import PID
-from plants.axis import name_along
 from plants.compiled import njit
 from plants.equation import fields, to_array
 from plants.observed import INNOVATION, MOTION, corrected, gain_of
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.null import QUICKEST, accelerated
 from workbench.diagnose.residuals.shown import given_by
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import NUDGE
@@ -36,9 +33,6 @@ from workbench.fitting.replay import Sampled
 from workbench.simulation.references import Moving, Signal
 from workbench.simulation.setup import Feed, Loop, Setup
 from workbench.simulation.simulate import Run
-
-FILTERED, SHORTEST = 0.3, 0.05
-"""Time constant of a loop's differentiator, over one over the crossover, and over the sample time at least."""
 
 UNDER_WAY = 5.0
 """Standard deviations of the velocity from which noise does not decide in which direction a contact goes."""
@@ -50,25 +44,6 @@ much; and after which it has forgotten how a rest ended: when a contact breaks a
 
 CREEPS = 2.0 / np.pi
 """Square of the mean magnitude of noise, over its variance."""
-
-SHAKES = 0.05
-"""Share of the contact's friction that a loop that leads a plant may make of the position's noise."""
-
-
-@dataclass(frozen=True, eq=False)
-class Shown(Moving):
-    """A measured position, with its velocity as the loop finds that of the simulated one."""
-
-    times: np.ndarray
-    values: np.ndarray
-    time_constant: float
-
-    def __call__(self, time: np.ndarray) -> Signal:
-        position = np.interp(time, self.times, self.values)
-        step = float(time[1] - time[0]) if time.size > 1 else 1.0
-        keep = float(np.exp(-step / self.time_constant))
-        velocity = lfilter([(1.0 - keep) / step], [1.0, -keep], np.diff(position, prepend=position[:1]))
-        return position, velocity, np.zeros(time.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,8 +161,8 @@ def riccati(
     """
     samples, count = pushed.shape
     gains, spread, tells = np.zeros((samples, count)), np.zeros(samples), np.ones(samples, dtype=np.bool_)
-    uncertain = noise**2 * np.eye(count)
-    pace = np.sqrt(step * noise / np.max(np.abs(pushed[:, 1]))) / step if np.max(np.abs(pushed[:, 1])) > 0.0 else 0.0
+    uncertain, most = noise**2 * np.eye(count), np.max(np.abs(pushed[:, 1]))
+    pace = np.sqrt(step * noise / most) / step if most > 0.0 else 0.0
     for _ in range(2):
         rested, remembers = 0, 0.0
         for k in range(samples):
@@ -206,33 +181,6 @@ def riccati(
             tells[k] = goes and remembers <= 0.0
             uncertain[0, 0] += (2 * rested - 1) * CREEPS * step**2 * uncertain[1, 1] if rested else 0.0
     return gains, spread, tells
-
-
-def quickest(along: Along, motion: Motion, values: Values) -> float:
-    """rad/s: the quickest loop that may lead a plant along a record: quicker ones make a force of the position's noise
-    that shakes a contact loose, of 2 w^2 m s_x over the share of the differentiator's lag.
-    """
-    noise = 2.0 * max(motion.sensed["position"], 1e-30) / FILTERED / abs(_accelerated(along, motion, values))
-    coulomb = values.get(name_along("coulomb", along.plant.axis), 0.0)
-    fastest = QUICKEST / motion.record.sample_time
-    return min(fastest, float(np.sqrt(SHAKES * coulomb / noise))) if coulomb > 0.0 else fastest
-
-
-def led(setup: Setup, along: Along, motion: Motion, values: Values, crossover: float) -> Setup:
-    """The setup with a loop (rad/s) that leads a plant with `values` along the record, by a force on its mass."""
-    step, push = motion.record.sample_time, _accelerated(along, motion, values)
-    lag = max(FILTERED / crossover, SHORTEST * step)
-    settings = pid.Settings(kp=crossover**2 / push, kd=2.0 * crossover / push, velocity_time_constant=lag)
-    known = np.isfinite(motion.record.channels["position"])
-    reference = Shown(motion.record.time[known], motion.record.channels["position"][known], lag)
-    loop = Loop(PID, PID.design(settings, along.parameters(values), step), along.plant.disturbance)
-    return replace(setup, loop=loop, reference=reference)
-
-
-def _accelerated(along: Along, motion: Motion, values: Values) -> float:
-    """What a unit of the disturbance adds to the acceleration."""
-    state, inputs = along.at_rest(motion, values)
-    return accelerated(along, along.parameters(values), state, inputs, along.plant.disturbance)
 
 
 def is_sensed(along: Along, motion: Motion) -> bool:

@@ -85,7 +85,7 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     motions = fitted.balance.motions
     followed = [simulated_motion(how, motion, fitted) for motion in motions]
     base = stacked(how.balance(motions, ()), fitted.values)
-    beside = BESIDE if how.is_beside(motions[0]) else 1.0
+    beside = BESIDE if how.is_beside else 1.0
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]

@@ -118,7 +118,7 @@ def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> It
     """Those (rad/s) of loops that lead a plant along its records, from the quickest on; none of a plant that is kept
     beside its records, on which no force acts, or which delays its command.
     """
-    if whole.is_beside(motions[0]) or not whole.takes_a_force or whole.along.plant.delayed:
+    if whole.is_beside or not whole.takes_a_force or whole.along.plant.delayed:
         return
     crossover = min(whole.quickest(motion, values) for motion in motions)
     while crossover > WEAKEST / max(float(motion.record.time[-1]) for motion in motions):

@@ -12,6 +12,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes
+from workbench.diagnose.simulation.filters import filtered, filtered_as
 from workbench.diagnose.simulation.fits import (
     AT_NOISE,
     Fitting,
@@ -124,9 +125,9 @@ def _begun(
     if held is None:
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
-    best = fit_simulation(held.filtered(motions, starts[0]), fitting, starts)
-    if best.how.is_beside(motions[0]):  # its filter knows now what its contact is like
-        best = fit_simulation(held.filtered(motions, best.fit.values), fitting, [best.fit.values])
+    best = fit_simulation(filtered(held, motions, starts[0]), fitting, starts)
+    if best.how.is_beside:  # its filter knows now what its contact is like
+        best = fit_simulation(filtered(held, motions, best.fit.values), fitting, [best.fit.values])
     return best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting), fitting
 
 
@@ -147,7 +148,7 @@ def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simul
     best = afresh(best, fitting) if best.is_near else best
     ramps = shooting_of(experiment, motions, held=False)
     assert ramps is not None  # the other was
-    ramps = ramps.beside_as(best.how)
+    ramps = filtered_as(ramps, best.how)
     if best.is_near and may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:

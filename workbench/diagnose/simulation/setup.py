@@ -10,7 +10,7 @@ from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told,
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.beside import is_sensed, kept_beside
+from workbench.diagnose.simulation.beside import is_sensed
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.errors import UserError
 from workbench.fitting.replay import observe
@@ -36,14 +36,15 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
     """How to simulate `experiment`'s plant along motions from end to end; None where they hold no input of it.
 
     `held`: the valve's voltage holds from sample to sample, as a computer gives it, and is no straight line between.
+    What is beside its records has no filters yet that keep it there: `filters`.
     """
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
     believed = replace(experiment, plant=along.plant)
     setups, channels = dict[Record, Setup](), tuple[str, ...]()
-    declared = experiment.known_values()
+    beside = is_sensed(along, motions[0])
     for motion in motions:
-        record, sensed = motion.record, is_sensed(along, motion)
-        if sensed:
+        record = motion.record
+        if beside:
             record = replace(record, channels={**record.channels, along.plant.command: record.channels["force"]})
         try:
             observed = observe(record, believed)
@@ -52,16 +53,14 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
         feeds = tuple(
             replace(feed, linear=not (held and feed.input == along.plant.command)) for feed in observed.setup.feeds
         )
-        setup = replace(
-            observed.setup, feeds=feeds, sample_time=record.sample_time, farthest=_farthest(observed.setup, motion)
-        )
         channels = tuple(observed.measured)
         if "position" not in channels:
             return None
-        setups[motion.record] = kept_beside(setup, along, motion, declared) if sensed else setup
-    return Shooting(
-        along, setups, channels, held, scales_of(motions, declared), effects_told(along.plant, motions[0].channels)
-    )
+        setups[motion.record] = replace(
+            observed.setup, feeds=feeds, sample_time=record.sample_time, farthest=_farthest(observed.setup, motion)
+        )
+    told = effects_told(along.plant, motions[0].channels)
+    return Shooting(along, setups, channels, held, scales_of(motions, experiment.known_values()), told, beside)
 
 
 def _farthest(setup: Setup, motion: Motion) -> float:

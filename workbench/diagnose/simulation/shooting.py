@@ -22,9 +22,10 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.beside import Followed, kept_beside, led, quickest
+from workbench.diagnose.simulation.beside import Followed
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
+from workbench.diagnose.simulation.leading import led, quickest
 from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -43,9 +44,6 @@ BENDS, BENT = "bristle_deflection", 3.0
 """The state of a contact that carries a force, and times the deflection at which it breaks away that one may begin
 beside what the balance of forces asks of it.
 """
-
-LINEARISED = 2
-"""Times that a filter that keeps a plant beside its record is found along the run that the one before led."""
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
@@ -78,7 +76,8 @@ class Push:
 @dataclass(frozen=True, eq=False)
 class Shooting:
     """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
-    on a machine of which `scales`, and how often (s) it starts anew, in `most` pieces of a record at most.
+    on a machine of which `scales`, whether it `is_beside` its records, which show with noise what drives it, and how
+    often (s) it starts anew, in `most` pieces of a record at most.
 
     The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
     what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it; `begins` is
@@ -91,6 +90,7 @@ class Shooting:
     held: bool
     scales: Scales
     effects: tuple[str, ...]
+    is_beside: bool
     length: float = np.inf
     most: int = MOST_PIECES
     begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
@@ -262,28 +262,6 @@ class Shooting:
         seen, tells = self._seen(motion, runs), self.tells(motion)
         return [self._in_noise(motion, name, motion.measured[name] - seen[name], tells) for name in self.channels]
 
-    def filtered(self, motions: Sequence[Motion], values: Values) -> "Shooting":
-        """The same with filters that know a plant with `values`, where such keep it beside its records."""
-        if not self.is_beside(motions[0]):
-            return self
-        setups = dict[Record, Setup]()
-        for motion in motions:
-            known = self.along, motion, values
-            setups[motion.record] = kept_beside(self.setups[motion.record], *known)
-            for _ in range(LINEARISED):
-                ((_, run),) = replace(self, setups=setups).runs(motion, values)
-                if run.diverged:
-                    break
-                setups[motion.record] = kept_beside(setups[motion.record], *known, run)
-        return replace(self, setups=setups)
-
-    def beside_as(self, other: "Shooting") -> "Shooting":
-        """The same with the filters by which another way to simulate keeps the plant beside its records, if it does."""
-        setups = {
-            record: replace(setup, reference=other.setups[record].reference) for record, setup in self.setups.items()
-        }
-        return replace(self, setups=setups)
-
     def with_tolerance(self, tolerance: float) -> "Shooting":
         """The same with another tolerance of the solver."""
         setups = {
@@ -308,9 +286,7 @@ class Shooting:
         return every[:: -(-len(every) // self.most)]
 
     def simulated(self, motion: Motion, values: Values) -> dict[str, np.ndarray]:
-        """What the sensors would have shown, at every sample, and the force that a plant beside the record had; NaN
-        where the plant diverges.
-        """
+        """What the sensors would have shown, at every sample; NaN where the plant diverges."""
         return self._seen(motion, self.runs(motion, values))
 
     def _seen(self, motion: Motion, runs: Iterable[tuple[int, Run]]) -> dict[str, np.ndarray]:
@@ -331,12 +307,8 @@ class Shooting:
         followed = self._followed(motion)
         return covered if followed is None else covered & followed.tells
 
-    def is_beside(self, motion: Motion) -> bool:
-        """Whether a filter keeps the plant beside the record, which shows with noise what drives it."""
-        return self._followed(motion) is not None
-
     def _followed(self, motion: Motion) -> Followed | None:
-        """The position that such a filter sees."""
+        """The position that a filter sees which keeps the plant beside the record; None without one."""
         reference = self.setups[motion.record].reference
         return reference if isinstance(reference, Followed) else None
 

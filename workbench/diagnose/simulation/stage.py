@@ -20,6 +20,7 @@ from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.simulation.filters import filtered, filtered_as
 from workbench.diagnose.simulation.fits import (
     NOISE,
     TRUSTED,
@@ -83,7 +84,7 @@ class SimulationStage:
     @property
     def is_beside(self) -> bool:
         """Whether a filter keeps the plant beside its records, since a sensor shows with noise what drives it."""
-        return self.how.is_beside(self.after.balance.motions[0])
+        return self.how.is_beside
 
     @property
     def is_near(self) -> bool:
@@ -104,6 +105,14 @@ class SimulationStage:
     def follows(self) -> bool:
         """Whether the plant follows its records within noise: then nothing is missing that they could show."""
         return self.after.excess < NOISE
+
+    def along(self, experiment: Experiment, motions: Sequence[Motion]) -> Shooting:
+        """The plant from end to end of other records, beside which filters keep it, where it has such, that know what
+        was found.
+        """
+        whole = shooting_of(experiment, motions, held=self.how.held)
+        assert whole is not None  # one record of an experiment is simulated as another is
+        return filtered(whole, motions, self.after.values)
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds it: errors in standard deviations of the sensors' noise."""
@@ -176,7 +185,7 @@ def _held_otherwise(
     other = shooting_of(experiment, motions, held=not found.how.held)
     if other is None or not (found.effects and found.is_near):
         return found
-    other = other.beside_as(found.how)
+    other = filtered_as(other, found.how)
     values = _as_late(found.after, motions[0].record.sample_time, other.held)
     if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found
@@ -213,7 +222,7 @@ def _stage(
             dropped = list(given)
     lacks, stood_in = None, tuple[str, ...]()
     settled = lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
-    times = BESIDE if how.is_beside(motions[0]) else 1.0
+    times = BESIDE if how.is_beside else 1.0
     ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times)
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)

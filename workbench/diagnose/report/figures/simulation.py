@@ -13,7 +13,6 @@ from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.fits import begun
-from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.threads import side_by_side
 from workbench.publish.along import SHOWN
@@ -94,10 +93,8 @@ def _simulated(
     diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion, side: str
 ) -> Mapping[str, np.ndarray]:
     """What the sensors would have shown of one side's model along a motion."""
-    whole = shooting_of(diagnosis.experiment, [motion], held=simulation.how.held)
-    runs = diagnosis.errors.runs
-    assert whole is not None  # the diagnosis has simulated such records
-    assert runs is not None  # and told their errors
+    whole, runs = simulation.along(diagnosis.experiment, [motion]), diagnosis.errors.runs
+    assert runs is not None  # the diagnosis told their errors
     values = dict(zip(("before", "after"), runs, strict=True))[side]
     return begun(whole, [motion], values).simulated(motion, values)
 
