@@ -34,9 +34,9 @@ from family.machines import (
     substeps,
 )
 from family.noise import KINDS as NOISES
-from family.noise import draw_noise
-from family.physics import PRESSURE_1
-from family.records import CHANNELS, USES, outputs, record, whitened
+from family.noise import QUANTISED, draw_noise
+from family.physics import PLACE, PRESSURE_1
+from family.records import CHANNELS, USES, outputs, record
 from family.scoring import attainable, matches, offered
 from family.suite import Options, run_cases, scores_table, times_table
 from family.summary import summary, wilson
@@ -176,18 +176,33 @@ def test_a_limit_is_found_in_half_of_all_cases(kind: str, motion: str, seed: int
     made = record(rig, with_form(rig.machine, form, strength), "fit")
     apart = outputs(made, made.machine) - outputs(made, rig.machine)
     draws = stream(3, "limit")
-    rates = 2.0 * np.pi * np.fft.rfftfreq(rig.samples, rig.sample_time)
-    resisting = -rig.machine.mass * rates**2 + 1j * rig.machine.viscous * rates
 
-    def noise() -> np.ndarray:
+    def noisy() -> np.ndarray:
         drawn = {name: one.drawn(rig.samples, rig.sample_time, draws) for name, one in rig.noises.items()}
-        if motion == HAND:
-            moved = np.fft.irfft(resisting * np.fft.rfft(drawn["position"]), rig.samples)
-            return whitened(made, drawn["force"] - moved)
-        return np.concatenate([rig.noises[name].whitened(one, rig.sample_time) for name, one in drawn.items()])
+        if motion == HAND:  # the noise drives the machine in the filter
+            force, place = made.command + drawn["force"], made.clean[:, PLACE] + drawn["position"]
+            return -made.filter.off(rig, rig.machine, None, force, place)
+        return apart + np.concatenate([rig.noises[name].whitened(one, rig.sample_time) for name, one in drawn.items()])
 
-    ratios = [apart @ (apart + noise()) / np.linalg.norm(apart) for _ in range(400)]
+    ratios = [apart @ noisy() / np.linalg.norm(apart) for _ in range(400)]
     assert np.mean(np.array(ratios) > AT_LIMIT) == pytest.approx(0.5, abs=0.08)
+
+
+@pytest.mark.parametrize("kind", [name for name in NOISES if name != QUANTISED])
+def test_a_filter_by_hand_foresees_all_but_noise(kind: str) -> None:
+    """What the machine that made a record does not foresee of it is white noise of the size that its filter says.
+
+    The rms of n samples is 1 within 1/sqrt(2 n), taken three times; a converter's steps are no noise where a rod rests.
+    """
+    rig = coarse(draw_rig(LINEAR, HAND, kind, 30))
+    made = record(rig, rig.machine, "fit")
+    logged = made.channels
+    off = made.filter.off(rig, rig.machine, None, logged["force"], logged["position"])
+    assert np.sqrt(np.mean(off**2)) == pytest.approx(1.0, abs=3.0 / np.sqrt(2.0 * rig.samples))
+    assert abs(np.mean(off[1:] * off[:-1])) < 0.05  # to first order along the motion without noise
+    assert np.max(np.abs(off)) < 5.0
+    exact = made.filter.off(rig, rig.machine, None, made.command, made.clean[:, CHANNELS.index("position")])
+    assert np.max(np.abs(exact)) < 1e-3
 
 
 def test_what_a_fit_takes_away() -> None:

@@ -31,15 +31,20 @@ class Noise:
         return float(np.hypot(self.random, np.hypot(self.hum, self.harmonic) / np.sqrt(2.0)))
 
     @property
+    def flat(self) -> float:
+        """Standard deviation of what has no memory."""
+        return float(np.hypot(self.white, self.quantum / np.sqrt(12.0)))
+
+    @property
     def random(self) -> float:
         """Standard deviation of what cannot be predicted for ever."""
-        return float(np.sqrt(self.white**2 + self.coloured**2 + self.quantum**2 / 12.0))
+        return float(np.hypot(self.flat, self.coloured))
 
     def drawn(self, samples: int, sample_time: float, draw: np.random.Generator) -> np.ndarray:
         """The noise before the converter, shape (samples,)."""
         values = self.white * draw.standard_normal(samples)
         if self.coloured:
-            phi = self._phi(sample_time)
+            phi = self.kept(sample_time)
             made = draw.standard_normal(samples) * np.sqrt(1.0 - phi**2)
             made[0] /= np.sqrt(1.0 - phi**2)
             values += self.coloured * lfilter([1.0], [1.0, -phi], made)
@@ -62,7 +67,7 @@ class Noise:
         than they could.
         """
         if self.coloured:
-            phi = self._phi(sample_time)
+            phi = self.kept(sample_time)
             flat = self.white**2 + self.quantum**2 / 12.0
             whole = (self.coloured**2 * (1.0 - phi**2) + flat * (1.0 + phi**2)) / (flat * phi)
             theta = 0.5 * (whole - np.sqrt(whole**2 - 4.0))
@@ -75,20 +80,8 @@ class Noise:
             difference = difference - lines @ weights
         return np.asarray(difference / self.random)
 
-    def spectrum(self, samples: int, sample_time: float) -> np.ndarray:
-        """Mean square of a transform's entries over the number of samples, at the frequencies of `np.fft.rfft`."""
-        frequencies = np.fft.rfftfreq(samples, sample_time)
-        flat = self.white**2 + self.quantum**2 / 12.0
-        power = np.full(frequencies.size, flat)
-        if self.coloured:
-            phi = self._phi(sample_time)
-            turn = np.exp(-2j * np.pi * frequencies * sample_time)
-            power += self.coloured**2 * (1.0 - phi**2) / np.abs(1.0 - phi * turn) ** 2
-        for times, amplitude in ((1.0, self.hum), (3.0, self.harmonic)):
-            power[np.argmin(np.abs(frequencies - times * self.mains))] += 0.25 * samples * amplitude**2
-        return power
-
-    def _phi(self, sample_time: float) -> float:
+    def kept(self, sample_time: float) -> float:
+        """What a sample leaves of the coloured part."""
         return float(np.exp(-2.0 * np.pi * self.cutoff * sample_time))
 
 

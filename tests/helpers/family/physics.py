@@ -247,6 +247,49 @@ def _rates(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _lags(p: Numbers, h: float) -> bool:
+    """Whether the friction's lag is a state, which short steps follow."""
+    return bool(p.memory_time >= SHORT_MEMORY * h)
+
+
+@njit(cache=True, error_model="numpy")
+def _step(
+    y: np.ndarray,
+    work: np.ndarray,
+    t: float,
+    h: float,
+    command: float,
+    held: bool,
+    reversals: float,
+    behind: float,
+    p: Numbers,
+) -> None:
+    """One step of RK4, in place; `behind` is by how much a friction that hardly lags does, `work` five more states."""
+    trial, k1, k2, k3, k4 = work
+    lagging = _lags(p, h)
+    if not lagging:
+        y[LAGGED] = y[V] - behind
+    _rates(y, k1, t, command, held, reversals, p)
+    for j in range(STATES):
+        trial[j] = y[j] + 0.5 * h * k1[j]
+    if not lagging:
+        trial[LAGGED] = trial[V] - behind
+    _rates(trial, k2, t + 0.5 * h, command, held, reversals, p)
+    for j in range(STATES):
+        trial[j] = y[j] + 0.5 * h * k2[j]
+    if not lagging:
+        trial[LAGGED] = trial[V] - behind
+    _rates(trial, k3, t + 0.5 * h, command, held, reversals, p)
+    for j in range(STATES):
+        trial[j] = y[j] + h * k3[j]
+    if not lagging:
+        trial[LAGGED] = trial[V] - behind
+    _rates(trial, k4, t + h, command, held, reversals, p)
+    for j in range(STATES):
+        y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _lagging(shown: float, before: float, after: float, h: float, lag: float) -> float:
     """What a sensor that lags shows after a step in which the position goes on a line: exact, however short the lag."""
     slope = (after - before) / h
@@ -309,13 +352,11 @@ def run(
     """
     samples = u.size
     shown = np.zeros((samples, 5))
-    y, trial = start.copy(), start.copy()
-    k1, k2, k3, k4 = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
+    y, work = start.copy(), np.zeros((5, STATES))
     h = sample_time / substeps
     rider, reversals, way, carried = y[X], 0.0, 0.0, 0.0
     stuck = p.spool_band > 0.0
     total, before, slope, earlier, behind = 0.0, 0.0, 0.0, 0.0, 0.0
-    lagging = p.memory_time >= SHORT_MEMORY * h
     for k in range(samples):
         time = k * sample_time
         position = _shown(y, rider, p)
@@ -346,29 +387,11 @@ def run(
                 reversals += 1.0
             if abs(y[V]) > 0.1 * p.stribeck_velocity:
                 way = y[V]
-            if not lagging:
+            if not _lags(p, h):
                 behind = p.memory_time * (y[V] - earlier) / h
                 earlier = y[V]
-                y[LAGGED] = y[V] - behind
-            _rates(y, k1, t, command, stuck, reversals, p)
-            for j in range(STATES):
-                trial[j] = y[j] + 0.5 * h * k1[j]
-            if not lagging:
-                trial[LAGGED] = trial[V] - behind
-            _rates(trial, k2, t + 0.5 * h, command, stuck, reversals, p)
-            for j in range(STATES):
-                trial[j] = y[j] + 0.5 * h * k2[j]
-            if not lagging:
-                trial[LAGGED] = trial[V] - behind
-            _rates(trial, k3, t + 0.5 * h, command, stuck, reversals, p)
-            for j in range(STATES):
-                trial[j] = y[j] + h * k3[j]
-            if not lagging:
-                trial[LAGGED] = trial[V] - behind
-            _rates(trial, k4, t + h, command, stuck, reversals, p)
             place = y[X]
-            for j in range(STATES):
-                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
+            _step(y, work, t, h, command, stuck, reversals, behind, p)
             if p.sensor_lag > 0.0:
                 y[SHOWN] = _lagging(y[SHOWN], place, y[X], h, p.sensor_lag)
             if p.backlash > 0.0:
@@ -379,51 +402,123 @@ def run(
     return shown
 
 
-@njit(cache=True, error_model="numpy")
-def resisting(
-    p: Numbers, place: np.ndarray, speed: np.ndarray, sample_time: float, substeps: int, bent: float
-) -> np.ndarray:
-    """Force (N) that it takes to move a drive's mass along a motion, at the samples.
+# --- by hand: a filter that knows the machine ----------------------------------------------------------------------
 
-    The velocity is a line from sample to sample; `bent` is the bristle's deflection at first, `p` the machine's
-    `numbers`.
+
+@njit(cache=True, error_model="numpy")
+def _driven(y: np.ndarray, told: np.ndarray, work: np.ndarray, time: float, force: float, h: float, p: Numbers) -> None:
+    """A drive over one sample, in place, under a force that holds; `told` are how often it turned back, which way it
+    goes, its speed a step before, and how many steps a sample has.
     """
-    shown = np.zeros(place.size)
-    y, trial = np.zeros(STATES), np.zeros(STATES)
-    k1, k2 = np.zeros(STATES), np.zeros(STATES)
-    y[Z], y[RESTED], y[HUNG_X] = bent, 1.0, place[0]
-    h = sample_time / substeps
-    reversals, way = 0.0, 0.0
-    for k in range(place.size):
-        y[X], y[V] = place[k], speed[k]
-        last = k + 1 if k + 1 < place.size else k
-        for i in range(substeps):
-            t = (k + i / substeps) * sample_time
-            if p.wear != 0.0 and y[V] * way < 0.0 and abs(y[V]) > 0.1 * p.stribeck_velocity:
-                reversals += 1.0
-            if abs(y[V]) > 0.1 * p.stribeck_velocity:
-                way = y[V]
-            if p.memory_time < SHORT_MEMORY * h:
-                y[LAGGED] = y[V] - p.memory_time * (speed[last] - speed[k]) / sample_time
-            force = _resistance(y, k1, t, reversals, p)
-            if i == 0:
-                rate = (speed[last] - speed[k]) / sample_time
-                shown[k] = force + p.mass * (1.0 - p.hung_share) * rate
-            for j in range(STATES):
-                trial[j] = y[j] + 0.5 * h * k1[j]
-            share = (i + 0.5) / substeps
-            trial[X], trial[V] = (
-                place[k] + share * (place[last] - place[k]),
-                speed[k] + share * (speed[last] - speed[k]),
-            )
-            if p.memory_time < SHORT_MEMORY * h:
-                trial[LAGGED] = trial[V] - p.memory_time * (speed[last] - speed[k]) / sample_time
-            _resistance(trial, k2, t + 0.5 * h, reversals, p)
-            for j in range(STATES):
-                y[j] += h * k2[j]
-            share = (i + 1.0) / substeps
-            y[X], y[V] = place[k] + share * (place[last] - place[k]), speed[k] + share * (speed[last] - speed[k])
-        if not abs(y[Z]) < 1e6:
-            shown[k:] = np.nan
-            return shown
-    return shown
+    for i in range(int(told[3])):
+        if p.wear != 0.0 and y[V] * told[1] < 0.0 and abs(y[V]) > 0.1 * p.stribeck_velocity:
+            told[0] += 1.0
+        if abs(y[V]) > 0.1 * p.stribeck_velocity:
+            told[1] = y[V]
+        behind = p.memory_time * (y[V] - told[2]) / h
+        told[2] = y[V]
+        _step(y, work, time + i * h, h, force / p.command_gain, False, told[0], behind, p)
+
+
+@njit(cache=True, error_model="numpy")
+def gains_along(
+    p: Numbers,
+    start: np.ndarray,
+    force: np.ndarray,
+    places: np.ndarray,
+    nudges: np.ndarray,
+    pushed: np.ndarray,
+    shown: np.ndarray,
+    turned: np.ndarray,
+    uncertain: np.ndarray,
+    white: np.ndarray,
+    sample_time: float,
+    substeps: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gains (samples, states and noises) of a Kalman filter that knows a drive under a force without noise, and the
+    standard deviations (m) of what it does not foresee of the position.
+
+    Args:
+        p: `numbers` of the machine.
+        start: state at the first sample, shape (STATES,).
+        force: N, shape (samples,).
+        places: which states are corrected; behind these come what noises remember.
+        nudges: changes of these states over which derivatives are taken.
+        pushed, shown: what noises add to the force and to the position, by what they remember.
+        turned: what becomes of that in a sample, and
+        uncertain: its covariance at first; what a sample adds to it keeps that.
+        white: standard deviations of force (N) and position (m) without memory.
+    """
+    samples, states, count = force.size, places.size, places.size + pushed.size
+    gains, spread = np.zeros((samples, count)), np.zeros(samples)
+    y, work, h = start.copy(), np.zeros((5, STATES)), sample_time / substeps
+    told, moved = np.array([0.0, 0.0, 0.0, float(substeps)]), np.zeros((count, count))
+    covariance, drives, sees = np.zeros((count, count)), np.zeros(count), np.zeros(count)
+    covariance[states:, states:], moved[states:, states:] = uncertain, turned
+    renewed = uncertain - turned @ uncertain @ turned.T
+    sees[states:] = shown
+    for i in range(states):
+        sees[i] = 1.0 if places[i] == X else 0.0
+    for k in range(samples):
+        seen = covariance @ sees
+        variance = sees @ seen + white[1] ** 2
+        gains[k], spread[k] = seen / variance, math.sqrt(variance)
+        left = np.eye(count) - np.outer(gains[k], sees)
+        covariance = left @ covariance @ left.T + white[1] ** 2 * np.outer(gains[k], gains[k])
+        time, before, already = k * sample_time, y.copy(), told.copy()
+        _driven(y, told, work, time, force[k], h, p)
+        for i in range(states + 1):
+            other, history = before.copy(), already.copy()
+            size = nudges[i]
+            if i < states:
+                other[places[i]] += size
+                if places[i] == V:
+                    history[2] += size
+            _driven(other, history, work, time, force[k] + (size if i == states else 0.0), h, p)
+            for j in range(states):
+                rate = (other[places[j]] - y[places[j]]) / size
+                if i < states:
+                    moved[j, i] = rate
+                else:
+                    drives[j] = rate
+        for i in range(pushed.size):
+            moved[:states, states + i] = -drives[:states] * pushed[i]
+        covariance = moved @ covariance @ moved.T + white[0] ** 2 * np.outer(drives, drives)
+        covariance[states:, states:] += renewed
+        covariance = 0.5 * (covariance + covariance.T)
+    return gains, spread
+
+
+@njit(cache=True, error_model="numpy")
+def unforeseen(
+    p: Numbers,
+    start: np.ndarray,
+    force: np.ndarray,
+    position: np.ndarray,
+    places: np.ndarray,
+    gains: np.ndarray,
+    pushed: np.ndarray,
+    shown: np.ndarray,
+    turned: np.ndarray,
+    sample_time: float,
+    substeps: int,
+) -> np.ndarray:
+    """What a filter with these gains, and with a drive of these numbers in it, does not foresee of a measured position
+    (m) under a measured force (N), shape (samples,); NaN where it diverges. Names as in `gains_along`.
+    """
+    off, states = np.zeros(force.size), places.size
+    y, work, h = start.copy(), np.zeros((5, STATES)), sample_time / substeps
+    told, noise = np.array([0.0, 0.0, 0.0, float(substeps)]), np.zeros(pushed.size)
+    for k in range(force.size):
+        off[k] = position[k] - y[X] - shown @ noise
+        for i in range(states):
+            y[places[i]] += gains[k, i] * off[k]
+            if places[i] == V:
+                told[2] += gains[k, i] * off[k]
+        noise += gains[k, states:] * off[k]
+        _driven(y, told, work, k * sample_time, force[k] - pushed @ noise, h, p)
+        noise = turned @ noise
+        if not (abs(y[X]) < 1e6 and abs(y[Z]) < 1e6):
+            off[k:] = np.nan
+            return off
+    return off

@@ -5,9 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
+from .by_hand import Filter, filter_along
 from .machines import HAND, INTEGRATING, OPEN, Rig, resting, stream, substeps
 from .parameters import Machine
-from .physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN, PLACE, SPEED, numbers, resisting, run
+from .physics import DAMPING, FILTER, INTEGRAL, OPEN_GAIN, PLACE, SPEED, numbers, run
 from .reference import make_reference
 
 CHANNELS = ("position", "pressure_1", "pressure_2")
@@ -33,6 +34,11 @@ class Record:
     use: str
     command: np.ndarray
     clean: np.ndarray
+
+    @cached_property
+    def filter(self) -> Filter:
+        """That of a record by hand, which knows its machine."""
+        return filter_along(self.rig, self.machine, self.command)
 
     @cached_property
     def channels(self) -> dict[str, np.ndarray]:
@@ -136,35 +142,19 @@ def replayed(of: Record, machine: Machine, start: np.ndarray | None = None) -> n
 
 
 def whitened(of: Record, shown: np.ndarray) -> np.ndarray:
-    """Outputs of all channels in independent standard deviations of their noise, one behind the other.
-
-    Of a record by hand, the force that its motion takes, shape (samples,), in those of what both sensors' noise
-    leaves open of it: that of the position is differentiated, as what moves resists it.
-    """
+    """Outputs of all channels in independent standard deviations of their noise, one behind the other."""
     rig = of.rig
-    if rig.motion == HAND:
-        power = of_hand(rig, rig.samples)
-        return np.asarray(np.fft.irfft(np.fft.rfft(shown) / np.sqrt(power), rig.samples))
     parts = [rig.noises[name].whitened(shown[:, CHANNELS.index(name)], rig.sample_time) for name in rig.noises]
     return np.concatenate(parts)
 
 
-def of_hand(rig: Rig, samples: int) -> np.ndarray:
-    """Spectrum of the noise of a force (N) by hand: S_F + |m w^2 - i c w|^2 S_x, at frequencies of `np.fft.rfft`."""
-    rates = 2.0 * np.pi * np.fft.rfftfreq(samples, rig.sample_time)
-    resisting = np.abs(rig.machine.mass * rates**2 - 1j * rig.machine.viscous * rates) ** 2
-    force, position = (rig.noises[name].spectrum(samples, rig.sample_time) for name in ("force", "position"))
-    return force + resisting * position
-
-
-def outputs(of: Record, machine: Machine, start: np.ndarray | None = None, bent: float = 0.0) -> np.ndarray:
-    """`whitened` of what a machine shows on a record's input: its command, or by hand its motion."""
+def outputs(of: Record, machine: Machine, start: np.ndarray | None = None) -> np.ndarray:
+    """What a machine shows on a record's command, `whitened`; by hand what it does not foresee, in standard deviations
+    of what noise leaves open of it.
+    """
     rig = of.rig
     if rig.motion == HAND:
-        count = 2 * substeps(rig)
-        place, speed = np.ascontiguousarray(of.clean[:, (PLACE, SPEED)].T)
-        taken = resisting(numbers(machine), place, speed, rig.sample_time, count, bent)
-        return whitened(of, taken)
+        return of.filter.off(rig, machine, start, of.command, of.clean[:, PLACE])
     return whitened(of, replayed(of, machine, start))
 
 

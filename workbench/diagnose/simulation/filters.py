@@ -1,37 +1,29 @@
-"""The filters by which a plant is simulated beside records, which know the contact as it goes.
-
-A filter is linearised along a motion. The first goes along the smoothed one; the plant that it keeps beside the record
-shows how the contact went, and the next is linearised along that (iterated: Jazwinski 1970, section 8.3).
-"""
+"""The filters by which a plant is simulated beside records that show with noise what drives it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.simulation.beside import kept_beside
+from workbench.diagnose.simulation.beside import doubt_of, kept_beside
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.records.reading import Record
-from workbench.simulation.setup import Setup
-
-LINEARISED = 2
-"""Times that a filter is found along the run that the one before led."""
 
 
-def filtered(how: Shooting, motions: Sequence[Motion], values: Values) -> Shooting:
-    """The same with filters that know a plant with `values`, where such keep it beside its records."""
+def filtered(how: Shooting, motions: Sequence[Motion], values: Values, doubt: float = 1.0) -> Shooting:
+    """The same with filters that know a plant with `values`, where such keep it beside its records, and `doubt` its
+    force.
+    """
     if not how.is_beside:
         return how
-    setups = dict[Record, Setup]()
-    for motion in motions:
-        known = how.along, motion, values
-        setups[motion.record] = kept_beside(how.setups[motion.record], *known)
-        for _ in range(LINEARISED):
-            ((_, run),) = replace(how, setups=setups).runs(motion, values)
-            if run.diverged:
-                break
-            setups[motion.record] = kept_beside(setups[motion.record], *known, run)
+    setups = {
+        motion.record: kept_beside(how.setups[motion.record], how.along, motion, values, doubt) for motion in motions
+    }
     return replace(how, setups=setups)
+
+
+def least_doubt(how: Shooting, motions: Sequence[Motion], values: Values) -> float:
+    """That of filters with which a plant with `values` stays beside all of its records."""
+    return max(doubt_of(how.setups[motion.record], how.along, motion, values) for motion in motions)
 
 
 def filtered_as(how: Shooting, other: Shooting) -> Shooting:

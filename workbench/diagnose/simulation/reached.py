@@ -7,12 +7,14 @@ lack something: to lead it along its records by loops is dear, and left to whom 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes
-from workbench.diagnose.simulation.filters import filtered, filtered_as
+from workbench.diagnose.simulation.filters import filtered, least_doubt
 from workbench.diagnose.simulation.fits import (
     AT_NOISE,
     Fitting,
@@ -26,11 +28,17 @@ from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooti
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
+from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
 STRAIGHTENED = 1.25
 """Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
+
+LESS, ABOUT, LOST = 4.0, 2.0, 1e3
+"""Times that a filter doubts its force less than the one before; up to which parameters may change between two; and
+standard deviations from which a plant that a filter keeps beside its record is lost.
+"""
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,7 @@ def simulated_baseline(
     None where they cannot be simulated. One that is astray may have lost its way, or lack much: `nearer_baseline`.
     """
     progress("simulating the declared plant", 0.2)
-    begun = _begun(experiment, motions, [start.baseline], start.free)
+    begun = _begun(experiment, motions, [start.baseline], start.free, _as_declared(start, start.baseline))
     if begun is None:
         return None
     best, fitting = begun
@@ -92,7 +100,8 @@ def simulated_with(
         return None
     progress("simulating the plant with what was found", 0.5)
     names = [*base.fit.names, *(name for own in given.values() for name in own)]
-    begun = _begun(experiment, base.fit.balance.motions, [_beside(base, start, names), start.corrected], names)
+    beside = _beside(base, start, names)
+    begun = _begun(experiment, base.fit.balance.motions, [beside, start.corrected], names, _as_declared(start, beside))
     assert begun is not None  # the plant without effects was
     return _settled(experiment, *begun)
 
@@ -108,6 +117,11 @@ def _beside(base: Simulated, start: SimulationStart, names: Sequence[str]) -> di
     return {**base.fit.values, **{name: start.corrected[name] for name in names if name not in base.fit.names}}
 
 
+def _as_declared(start: SimulationStart, values: Values) -> Values:
+    """Values with the plant's own parameters as they are declared."""
+    return {**values, **{name: start.declared[name] for name in start.free}}
+
+
 def given_by(base: Simulated, start: SimulationStart) -> Effects:
     """The effects that balances found and that the simulated plant can have."""
     known = base.how.along.parameter_names
@@ -115,20 +129,59 @@ def given_by(base: Simulated, start: SimulationStart) -> Effects:
 
 
 def _begun(
-    experiment: Experiment, motions: Sequence[Motion], starts: Sequence[Values], names: Sequence[str]
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    starts: Sequence[Values],
+    names: Sequence[str],
+    declared: Values,
 ) -> tuple[Simulated, Fitting] | None:
     """The plant fitted to simulation error from some starts, with those parameters that it has, over hollows where that
     is far from noise, and how it was; None where the records cannot be simulated. The voltage of a valve holds from
-    sample to sample.
+    sample to sample. What is kept beside its records begins as it is `declared`, too.
     """
     held = shooting_of(experiment, motions, held=True)
     if held is None:
         return None
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
-    best = fit_simulation(filtered(held, motions, starts[0]), fitting, starts)
-    if best.how.is_beside:  # its filter knows now what its contact is like
-        best = fit_simulation(filtered(held, motions, best.fit.values), fitting, [best.fit.values])
+    if held.is_beside:
+        return _fit_beside(experiment, held, fitting, [*starts, declared]), fitting
+    best = fit_simulation(held, fitting, starts)
     return best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting), fitting
+
+
+def _fit_beside(experiment: Experiment, held: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
+    """The same of a plant that filters keep beside its records: from the first start, and from others as long as none
+    leads near noise. At last the force holds from sample to sample or is a straight line, what leaves less: errors are
+    so small then that half a sample counts.
+    """
+    motions, reached = fitting.motions, list[Simulated]()
+    for start in starts:
+        reached.append(_less_doubtful(held, fitting, start))
+        if reached[-1].fit.excess < NEAR_NOISE:
+            break
+    values = min(reached, key=lambda one: one.fit.rms).fit.values
+    ramps = shooting_of(experiment, motions, held=False)
+    assert ramps is not None  # the other was
+    fits = side_by_side(lambda how: fit_simulation(filtered(how, motions, values), fitting, [values]), (held, ramps))
+    return min(fits, key=lambda one: one.fit.rms)
+
+
+def _less_doubtful(held: Shooting, fitting: Fitting, start: Values) -> Simulated:
+    """The plant with filters that doubt its force less from fit to fit, each found with the parameters of the one
+    before; the more one doubts the less it tells, and the farther parameters that it hardly tells would go.
+    """
+    motions, values, doubt = fitting.motions, start, np.inf
+    while True:
+        stays = least_doubt(held, motions, values)
+        doubt = stays if stays < doubt else max(doubt / LESS, 1.0)
+        near = {name: (values[name] / ABOUT, values[name] * ABOUT) for name in fitting.names if values[name] > 0.0}
+        bounded = replace(fitting, bounds={**fitting.bounds, **near}) if doubt > 1.0 else fitting
+        best = fit_simulation(filtered(held, motions, values, doubt), bounded, [values])
+        if doubt <= 1.0:
+            return best
+        if best.fit.rms > LOST:
+            return fitting.begun(filtered(held, motions, start), start)
+        values = best.fit.values
 
 
 def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
@@ -146,9 +199,10 @@ def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simul
     motions = fitting.motions
     best = along_valley(fitting, best)
     best = afresh(best, fitting) if best.is_near else best
+    if best.how.is_beside:  # either was tried
+        return exactly(best, fitting) if best.is_near else best
     ramps = shooting_of(experiment, motions, held=False)
     assert ramps is not None  # the other was
-    ramps = filtered_as(ramps, best.how)
     if best.is_near and may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:

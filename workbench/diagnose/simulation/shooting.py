@@ -300,12 +300,11 @@ class Shooting:
         return seen
 
     def tells(self, motion: Motion) -> np.ndarray:
-        """At which samples it tells something: where it is simulated, and noise does not decide."""
+        """At which samples it tells something: where it is simulated."""
         covered = np.zeros(motion.record.time.size, dtype=bool)
         for start in self.starts(motion):
             covered[start : start + self.samples(motion)] = True
-        followed = self._followed(motion)
-        return covered if followed is None else covered & followed.tells
+        return covered
 
     def _followed(self, motion: Motion) -> Followed | None:
         """The position that a filter sees which keeps the plant beside the record; None without one."""

@@ -1,0 +1,163 @@
+"""A Kalman filter that keeps a plant beside measured positions, in compiled code.
+
+From a state x_k a plant goes to f(x_k) at the next sample; derivatives of that are quotients of runs by RK4, so that a
+contact that breaks away within a sample is in them, and one much faster than the samples, too:
+
+    F = df/dx,   B = df/dr,   G = df/du
+
+r are constant rates that are added over the sample, u is the command, held over it. They are found along the way that
+the filter itself goes, sample by sample.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from plants.compiled import address, njit
+from workbench.simulation.compilation import call_derivatives
+
+
+@njit(cache=True, nogil=True)
+def _go(
+    derivatives: int,
+    time: float,
+    y: np.ndarray,
+    u: np.ndarray,
+    p: np.ndarray,
+    added: np.ndarray,
+    work: np.ndarray,
+    span: float,
+    steps: int,
+) -> None:
+    """Steps of RK4 over a span (s), in place, under held inputs and with rates that are `added`."""
+    k, trial, total = work
+    h = span / steps
+    for step in range(steps):
+        for j in range(y.size):
+            trial[j], total[j] = y[j], 0.0
+        for stage in range(4):
+            ahead = h if stage > 1 else 0.5 * h
+            at = time + h * (step + (0.0 if stage == 0 else 1.0 if stage == 3 else 0.5))
+            call_derivatives(derivatives, at, address(trial), address(u), address(p), address(k))
+            for j in range(y.size):
+                k[j] += added[j]
+                total[j] += k[j] if stage == 0 or stage == 3 else 2.0 * k[j]
+                trial[j] = y[j] + ahead * k[j]
+        for j in range(y.size):
+            y[j] += h / 6.0 * total[j]
+
+
+@njit(cache=True, nogil=True)
+def over_sample(
+    derivatives: int,
+    time: float,
+    state: np.ndarray,
+    u: np.ndarray,
+    parameters: np.ndarray,
+    places: np.ndarray,
+    nudges: np.ndarray,
+    command: int,
+    push: float,
+    span: float,
+    steps: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F and B, each (states, states), and G (states,), of the states at `places`.
+
+    Args:
+        derivatives: address of the plant's rates.
+        time: s, at its beginning.
+        state, u: whole state, and inputs, from which it goes on.
+        parameters: of the plant.
+        places: of the states whose derivatives are asked for.
+        nudges: by how much each of them is moved.
+        command: place of the input that is the command, and
+        push: by how much that is.
+        span: s from sample to sample.
+        steps: of RK4 within one.
+    """
+    count, every = places.size, state.size
+    moved, held = np.zeros((count, count)), np.zeros((count, count))
+    base, other, added, work = state.copy(), state.copy(), np.zeros(every), np.zeros((3, every))
+    _go(derivatives, time, base, u, parameters, added, work, span, steps)
+    for i in range(count):
+        other[:] = state
+        other[places[i]] += nudges[i]
+        _go(derivatives, time, other, u, parameters, added, work, span, steps)
+        moved[:, i] = (other[places] - base[places]) / nudges[i]
+        other[:] = state
+        added[places[i]] = nudges[i] / span
+        _go(derivatives, time, other, u, parameters, added, work, span, steps)
+        held[:, i] = (other[places] - base[places]) / added[places[i]]
+        added[places[i]] = 0.0
+    other[:], pushed = state, u.copy()
+    pushed[command] += push
+    _go(derivatives, time, other, pushed, parameters, added, work, span, steps)
+    return moved, held, (other[places] - base[places]) / push
+
+
+@njit(cache=True, nogil=True)
+def keep_beside(
+    derivatives: int,
+    time: np.ndarray,
+    start: np.ndarray,
+    inputs: np.ndarray,
+    parameters: np.ndarray,
+    places: np.ndarray,
+    nudges: np.ndarray,
+    command: int,
+    push: float,
+    span: float,
+    steps: int,
+    position: np.ndarray,
+    noise: tuple[float, float],
+    first: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corrections (samples, states), standard deviations of what is not foreseen (samples,), and what is not foreseen
+    (samples,), of which these are NaN from where the plant is lost.
+
+    Args, beside those of `over_sample`:
+        time: s, shape (samples,).
+        start: whole state before the first sample.
+        inputs: held over each sample, shape (samples, inputs).
+        position: what is measured of the first of the states, shape (samples,).
+        noise: standard deviations of the command as it is known, and of the position.
+        first: standard deviations of the states before the first sample.
+    """
+    count, every = places.size, start.size
+    corrections, spread, off = np.zeros((time.size, count)), np.zeros(time.size), np.zeros(time.size)
+    y, at, added, work = start.copy(), start.copy(), np.zeros(every), np.zeros((3, every))
+    uncertain, u = np.diag(first**2), np.zeros(inputs.shape[1])
+    for k in range(time.size):
+        u[:] = inputs[k]
+        variance = uncertain[0, 0] + noise[1] ** 2
+        gain = uncertain[:, 0].copy() / variance
+        off[k], spread[k] = position[k] - y[places[0]], np.sqrt(variance)
+        at[:] = y
+        at[places] += gain * off[k]
+        moved, held, pushed = over_sample(
+            derivatives, time[k], at, u, parameters, places, nudges, command, push, span, steps
+        )
+        if not np.all(np.isfinite(moved)):
+            spread[k:] = np.nan
+            break
+        corrections[k] = np.linalg.solve(held, moved @ gain)
+        added[places] = corrections[k] * off[k]
+        _go(derivatives, time[k], y, u, parameters, added, work, span, steps)
+        left = np.eye(count)
+        left[:, 0] -= gain
+        kept = left @ uncertain @ left.T + noise[1] ** 2 * np.outer(gain, gain)
+        kept = moved @ kept @ moved.T + noise[0] ** 2 * np.outer(pushed, pushed)
+        uncertain = 0.5 * (kept + kept.T)
+    return corrections, spread, off
+
+
+def fastest(rates: Any, states: np.ndarray, places: np.ndarray, nudges: np.ndarray) -> float:
+    """1/s: the largest eigenvalue of derivatives of `rates`, a function of whole states (samples, all), by those at
+    `places`.
+    """
+    columns = []
+    for place, nudge in zip(places, nudges, strict=True):
+        move = np.zeros(states.shape[1])
+        move[place] = nudge
+        columns.append((rates(states + move) - rates(states - move))[:, places] / (2.0 * nudge))
+    return float(np.max(np.abs(np.linalg.eigvals(np.stack(columns, axis=2)))))
