@@ -65,7 +65,7 @@ OPEN_GAIN, DAMPING, INTEGRAL, FILTER = range(4)
 
 
 def numbers(machine: Machine) -> Numbers:
-    """A machine as `run` and `resisting` take it."""
+    """A machine as compiled functions here take it."""
     return np.array([tuple(machine)], dtype=_RECORD)[0]
 
 

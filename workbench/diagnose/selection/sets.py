@@ -22,7 +22,7 @@ AT_FLOOR = 1.0
 class Asked:
     """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
     candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
-    set has to take away, beside what its likelihood has to gain.
+    set has to take away, beside what its likelihood has to gain: that many `times` what noise would gain.
     """
 
     declared: Values
@@ -31,10 +31,11 @@ class Asked:
     shapes: Shapes
     least_share: float = 0.0
     settle: Callable[[Fit], Fit] | None = None
+    times: float = 1.0
 
     def of(self, effect: str, names: Collection[str], balance: Balance) -> float:
         """Gain that an effect with these numbers has to exceed."""
-        return asked(sizing(balance, effect, names), self.candidates * looks(balance, effect, names))
+        return self.times * asked(sizing(balance, effect, names), self.candidates * looks(balance, effect, names))
 
     def of_trial(self, trial: Trial, balance: Balance) -> float:
         """The same of a trial."""

@@ -29,7 +29,7 @@ from workbench.diagnose.simulation.fits import (
     exactly,
     settle,
 )
-from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.lacking import BESIDE, dependence_of, lacking
 from workbench.diagnose.simulation.nearer import fit_farther
 from workbench.diagnose.simulation.reached import SimulationStart, given_by, may_leave_less
 from workbench.diagnose.simulation.setup import shooting_of
@@ -222,7 +222,8 @@ def _stage(
             dropped = list(given)
     lacks, stood_in = None, tuple[str, ...]()
     settled = lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
-    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled)
+    times = BESIDE if how.is_beside else 1.0
+    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times)
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)
         found = search(current, effects, ask)
