@@ -58,11 +58,11 @@ class ComparedRecord:
 
 @dataclass(frozen=True)
 class SimulationData:
-    """The records that are drawn, and the models beside them; how these are simulated, in words."""
+    """The records that are drawn, and the models beside them; whether a filter keeps these there."""
 
     records: Sequence[ComparedRecord]
     sides: Sequence[Side]
-    way: str
+    is_beside: bool
 
 
 def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> SimulationData:
@@ -85,8 +85,7 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
         )
         for use, motion in motions
     ]
-    way = "and kept beside the record by a filter" if simulation.is_beside else "from the measured input alone"
-    return SimulationData(records, sides, way)
+    return SimulationData(records, sides, simulation.is_beside)
 
 
 def _simulated(
@@ -127,7 +126,8 @@ def draw_simulation(data: SimulationData) -> Picture:
     with figure_style():
         figure = Figure(figsize=(WIDE, 1.8 * height * len(records) + 0.8))
         FigureCanvasAgg(figure)
-        figure.suptitle(f"Simulated {data.way}, against measured")
+        way = "and kept beside the record by a filter" if data.is_beside else "from the measured input alone"
+        figure.suptitle(f"Simulated {way}, against measured")
         panels = figure.subplots(height * len(records), columns, squeeze=False)
         for row, record in enumerate(records):
             own = panels[height * row : height * (row + 1)]
@@ -139,8 +139,12 @@ def draw_simulation(data: SimulationData) -> Picture:
                 axes.set_visible(False)
         legend(figure, *panels[:height, 0])
     caption = (
-        "The plant gets the measured input and nothing else, from the record's beginning to its end. Upper panels: "
-        "what its sensors would have shown, over what they showed. Lower panels: the difference"
+        (
+            "The plant gets the measured input, and a filter corrects it by what it did not foresee of each position. "
+            if data.is_beside
+            else "The plant gets the measured input and nothing else, from the record's beginning to its end. "
+        )
+        + "Upper panels: what its sensors would have shown, over what they showed. Lower panels: the difference"
         + (", before and after on scales of their own" if len(sides) > 1 else "")
         + "; grey is the sensors' noise (two standard deviations). A curve that leaves its panel has run away."
     )
