@@ -172,11 +172,8 @@ def test_where_a_state_goes_within_a_sample_is_that_of_the_matrix_exponential() 
     level = TRUE["coulomb"] / TRUE["bristle_stiffness"]
     start = to_array(replaced(state, {"velocity": speed, "bristle_deflection": level}))
     given = to_array(inputs._replace(**{plant.command: TRUE["coulomb"] + TRUE["viscous"] * speed}))
-    moved, held, pushed = over_sample(
+    sampling = (
         plant_addresses(plant)[0],
-        0.0,
-        start,
-        given,
         to_array(parameters),
         places,
         1e-6 * np.array([0.1, speed, level]),
@@ -185,6 +182,7 @@ def test_where_a_state_goes_within_a_sample_is_that_of_the_matrix_exponential() 
         span,
         64,
     )
+    moved, held, pushed = over_sample(sampling, 0.0, start, given)
     mass, stiffness, damping = (TRUE[name] for name in ("mass", "bristle_stiffness", "bristle_damping"))
     relaxes = stiffness * speed / TRUE["coulomb"]
     rates = np.array(

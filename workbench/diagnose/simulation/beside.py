@@ -17,6 +17,7 @@ A filter whose plant is far off goes astray, and gains along such a way lead no 
 more than the sensor's noise asks for, until what it does not foresee is hardly larger than it says.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,7 +42,6 @@ NUDGED = 1e-6
 STEP, MOST_STEPS = 0.5, 256
 """Step within a sample over one over the plant's fastest rate, and steps at most: a contact so much faster is settled
 at once."""
-
 
 DOUBTS, STAYS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0), 3.0
 """Times its noise for which a filter may have that of the force; and times what it says that it may not foresee."""
@@ -80,33 +80,37 @@ def kept_beside(setup: Setup, along: Along, motion: Motion, values: Values, doub
     has the force's noise for so many times as large. Where such a plant is lost for good nothing corrects it.
     """
     record, plant = motion.record, along.plant
-    known = np.isfinite(record.channels["position"])
-    times, position = record.time[known], record.channels["position"][known]
-    corrections, spread, _ = _filter(setup, along, motion, values, doubt)
-    reference = Followed(
-        times, position, record.time, corrected(plant), corrections, np.where(np.isfinite(spread), spread, 1.0)
-    )
+    corrections, spread, _ = _filters(setup, along, motion, values)(doubt)
+    spread = np.where(np.isfinite(spread), spread, 1.0)
+    reference = Followed(*_measured(motion), record.time, corrected(plant), corrections, spread)
     unit = PID.design(pid.Settings(kp=1.0), along.parameters(values), record.sample_time)
     return replace(setup, loop=Loop(PID, unit, INNOVATION), reference=reference)
 
 
 def doubt_of(setup: Setup, along: Along, motion: Motion, values: Values) -> float:
     """The least of `DOUBTS` with which a plant with `values` stays beside a record; the most if it does with none."""
+    filtered = _filters(setup, along, motion, values)
     for doubt in DOUBTS:
-        _, spread, off = _filter(setup, along, motion, values, doubt)
+        _, spread, off = filtered(doubt)
         if np.sqrt(np.mean((off / spread) ** 2)) < STAYS:  # and not where it is lost
             return doubt
     return DOUBTS[-1]
 
 
-def _filter(
-    setup: Setup, along: Along, motion: Motion, values: Values, doubt: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corrections and spread, as `Followed` has them, and what is not foreseen, over the sensor's noise."""
-    plant, span = along.plant, motion.record.sample_time
-    known = np.isfinite(motion.record.channels["position"])
-    position = np.interp(motion.time, motion.time[known], motion.record.channels["position"][known])
-    names = corrected(plant)
+def _measured(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s) and positions that a record has."""
+    position = motion.record.channels["position"]
+    known = np.isfinite(position)
+    return motion.record.time[known], position[known]
+
+
+def _filters(
+    setup: Setup, along: Along, motion: Motion, values: Values
+) -> Callable[[float], tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """What gives for a doubt corrections and spread, as `Followed` has them, and what is not foreseen, over the noise
+    of the position's sensor.
+    """
+    plant, span, names = along.plant, motion.record.sample_time, corrected(along.plant)
     places, command = np.array([along.names.index(name) for name in names]), plant.input_index(plant.command)
     tracked = along.tracked(motion, values, [name for name in names if name not in MOTION])
     states, inputs = tracked.states(slice(None)), _held(setup, along, motion, values)
@@ -117,15 +121,18 @@ def _filter(
         return along.rates(motion.time, states, inputs, tracked.parameters)
 
     steps = int(np.clip(np.ceil(span * fastest(rates, states, places, nudges) / STEP), 1, MOST_STEPS))
+    sampling = plant_addresses(plant)[0], to_array(tracked.parameters), places, nudges, command, push, span, steps
     (start,) = along.starting_states(motion, values, [0])
-    noise = doubt * motion.sensed["force"], max(motion.sensed["position"], 1e-30)
-    first = np.array([noise[1], float(np.max(np.abs(motion.velocity))), *sizes[len(MOTION) :]])
-    time, numbers = np.ascontiguousarray(motion.time), to_array(tracked.parameters)
-    given = plant_addresses(plant)[0], time, to_array(start), inputs, numbers
-    corrections, spread, off = keep_beside(
-        *given, places, nudges, command, push, span, steps, np.ascontiguousarray(position), noise, first
-    )
-    return corrections, spread / noise[1], off / noise[1]
+    noise = max(motion.sensed["position"], 1e-30)
+    first = np.array([noise, float(np.max(np.abs(motion.velocity))), *sizes[len(MOTION) :]])
+    time, position = np.ascontiguousarray(motion.time), np.interp(motion.time, *_measured(motion))
+
+    def filtered(doubt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        noises = doubt * motion.sensed["force"], noise
+        corrections, spread, off = keep_beside(sampling, time, to_array(start), inputs, position, noises, first)
+        return corrections, spread / noise, off / noise
+
+    return filtered
 
 
 def _held(setup: Setup, along: Along, motion: Motion, values: Values) -> np.ndarray:

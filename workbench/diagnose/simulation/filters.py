@@ -24,14 +24,3 @@ def filtered(how: Shooting, motions: Sequence[Motion], values: Values, doubt: fl
 def least_doubt(how: Shooting, motions: Sequence[Motion], values: Values) -> float:
     """That of filters with which a plant with `values` stays beside all of its records."""
     return max(doubt_of(how.setups[motion.record], how.along, motion, values) for motion in motions)
-
-
-def filtered_as(how: Shooting, other: Shooting) -> Shooting:
-    """The same with the filters by which another way to simulate keeps the plant beside its records, if it does."""
-    if not how.is_beside:
-        return how
-    setups = {
-        record: replace(setup, loop=other.setups[record].loop, reference=other.setups[record].reference)
-        for record, setup in how.setups.items()
-    }
-    return replace(how, setups=setups)

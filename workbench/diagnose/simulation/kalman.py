@@ -9,12 +9,17 @@ r are constant rates that are added over the sample, u is the command, held over
 the filter itself goes, sample by sample.
 """
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from plants.compiled import address, njit
 from workbench.simulation.compilation import call_derivatives
+
+Sampling: TypeAlias = tuple[int, np.ndarray, np.ndarray, np.ndarray, int, float, float, int]
+"""How a plant goes over a sample: the address of its rates, its parameters; the places of the states whose derivatives
+are asked for, and by how much each is moved; the place of the command, and by how much that is; s from sample to
+sample, and steps of RK4 within one."""
 
 
 @njit(cache=True, nogil=True)
@@ -49,32 +54,12 @@ def _go(
 
 @njit(cache=True, nogil=True)
 def over_sample(
-    derivatives: int,
-    time: float,
-    state: np.ndarray,
-    u: np.ndarray,
-    parameters: np.ndarray,
-    places: np.ndarray,
-    nudges: np.ndarray,
-    command: int,
-    push: float,
-    span: float,
-    steps: int,
+    plant: Sampling, time: float, state: np.ndarray, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F and B, each (states, states), and G (states,), of the states at `places`.
-
-    Args:
-        derivatives: address of the plant's rates.
-        time: s, at its beginning.
-        state, u: whole state, and inputs, from which it goes on.
-        parameters: of the plant.
-        places: of the states whose derivatives are asked for.
-        nudges: by how much each of them is moved.
-        command: place of the input that is the command, and
-        push: by how much that is.
-        span: s from sample to sample.
-        steps: of RK4 within one.
+    """F and B, each (states, states), and G (states,), of a plant that goes on from a whole state at a time (s) under
+    inputs.
     """
+    derivatives, parameters, places, nudges, command, push, span, steps = plant
     count, every = places.size, state.size
     moved, held = np.zeros((count, count)), np.zeros((count, count))
     base, other, added, work = state.copy(), state.copy(), np.zeros(every), np.zeros((3, every))
@@ -97,17 +82,10 @@ def over_sample(
 
 @njit(cache=True, nogil=True)
 def keep_beside(
-    derivatives: int,
+    plant: Sampling,
     time: np.ndarray,
     start: np.ndarray,
     inputs: np.ndarray,
-    parameters: np.ndarray,
-    places: np.ndarray,
-    nudges: np.ndarray,
-    command: int,
-    push: float,
-    span: float,
-    steps: int,
     position: np.ndarray,
     noise: tuple[float, float],
     first: np.ndarray,
@@ -115,7 +93,8 @@ def keep_beside(
     """Corrections (samples, states), standard deviations of what is not foreseen (samples,), and what is not foreseen
     (samples,), of which these are NaN from where the plant is lost.
 
-    Args, beside those of `over_sample`:
+    Args:
+        plant: as it goes over a sample.
         time: s, shape (samples,).
         start: whole state before the first sample.
         inputs: held over each sample, shape (samples, inputs).
@@ -123,6 +102,7 @@ def keep_beside(
         noise: standard deviations of the command as it is known, and of the position.
         first: standard deviations of the states before the first sample.
     """
+    derivatives, parameters, places, _, _, _, span, steps = plant
     count, every = places.size, start.size
     corrections, spread, off = np.zeros((time.size, count)), np.zeros(time.size), np.zeros(time.size)
     y, at, added, work = start.copy(), start.copy(), np.zeros(every), np.zeros((3, every))
@@ -134,10 +114,8 @@ def keep_beside(
         off[k], spread[k] = position[k] - y[places[0]], np.sqrt(variance)
         at[:] = y
         at[places] += gain * off[k]
-        moved, held, pushed = over_sample(
-            derivatives, time[k], at, u, parameters, places, nudges, command, push, span, steps
-        )
-        if not np.all(np.isfinite(moved)):
+        moved, held, pushed = over_sample(plant, time[k], at, u)
+        if not (np.all(np.isfinite(moved)) and np.all(np.isfinite(held))):
             spread[k:] = np.nan
             break
         corrections[k] = np.linalg.solve(held, moved @ gain)
@@ -160,4 +138,4 @@ def fastest(rates: Any, states: np.ndarray, places: np.ndarray, nudges: np.ndarr
         move = np.zeros(states.shape[1])
         move[place] = nudge
         columns.append((rates(states + move) - rates(states - move))[:, places] / (2.0 * nudge))
-    return float(np.max(np.abs(np.linalg.eigvals(np.stack(columns, axis=2)))))
+    return float(np.max(np.abs(np.linalg.eigvals(np.nan_to_num(np.stack(columns, axis=2))))))

@@ -199,11 +199,10 @@ def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simul
     motions = fitting.motions
     best = along_valley(fitting, best)
     best = afresh(best, fitting) if best.is_near else best
-    if best.how.is_beside:  # either was tried
-        return exactly(best, fitting) if best.is_near else best
     ramps = shooting_of(experiment, motions, held=False)
     assert ramps is not None  # the other was
-    if best.is_near and may_leave_less(replace(best.how, setups=ramps.setups, held=False), best.fit, best.fit.values):
+    otherwise = replace(best.how, setups=ramps.setups, held=False)
+    if best.is_near and not best.how.is_beside and may_leave_less(otherwise, best.fit, best.fit.values):
         straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
         if straight.fit.rms < best.fit.rms:
             held, best = replace(best.how, begins={}), straight

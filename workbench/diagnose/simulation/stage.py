@@ -20,7 +20,7 @@ from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.filters import filtered, filtered_as
+from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.fits import (
     NOISE,
     TRUSTED,
@@ -185,7 +185,7 @@ def _held_otherwise(
     other = shooting_of(experiment, motions, held=not found.how.held)
     if other is None or not (found.effects and found.is_near):
         return found
-    other = filtered_as(other, found.how)
+    other = filtered(other, motions, found.after.values)
     values = _as_late(found.after, motions[0].record.sample_time, other.held)
     if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
         return found
