@@ -42,6 +42,17 @@ ALIKE = 0.01
 """Part by which what a loop leaves differs from what the one before did, up to which it no longer decides."""
 
 
+def fit_as_sensed(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
+    """The same by way of loops along which every run begins as the first samples show, if that leads nearer to noise:
+    starts that are found with the parameters may make up for these from loop to loop.
+    """
+    whole = replace(first.how, length=np.inf, begins={})
+    if next(iter(crossovers(whole, fitting.motions, start)), None) is None:
+        return first
+    free = fitting.begun(whole, freely(fitting, whole, start).values)
+    return fitting.final(fitting.bettered(free)) if free.fit.rms < first.fit.rms else first
+
+
 def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
     if that leads nearer to noise. Where a led run starts is found with its parameters: a weak loop hardly corrects it,

@@ -23,7 +23,7 @@ from workbench.diagnose.simulation.fits import (
     exactly,
     fit_simulation,
 )
-from workbench.diagnose.simulation.nearer import fit_led, fit_over_hollows
+from workbench.diagnose.simulation.nearer import fit_as_sensed, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.valleys import along_valley
@@ -185,10 +185,15 @@ def _less_doubtful(held: Shooting, fitting: Fitting, start: Values) -> Simulated
 
 
 def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
-    """The same, if it is far from noise, by loops that lead it from `start` on, and from there over hollows."""
+    """The same, if it is far from noise, by loops that lead it from `start` on, with starts as they are sensed or that
+    follow the parameters, and from there over hollows.
+    """
     if best.fit.excess < NEAR_NOISE:
         return best
-    led = fit_led(best, fitting, start)
+    sensed = fit_as_sensed(best, fitting, start)
+    if sensed.fit.excess < NEAR_NOISE:
+        return sensed
+    led = fit_led(sensed, fitting, start)
     return led if led is best or led.fit.excess < NEAR_NOISE else fit_over_hollows(led, fitting)
 
 

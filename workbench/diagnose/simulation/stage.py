@@ -23,6 +23,7 @@ from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.fits import (
     NOISE,
+    SETTLED,
     TRUSTED,
     Fitting,
     Simulated,
@@ -30,6 +31,7 @@ from workbench.diagnose.simulation.fits import (
     settle,
 )
 from workbench.diagnose.simulation.lacking import BESIDE, dependence_of, lacking
+from workbench.diagnose.simulation.led_search import found_led
 from workbench.diagnose.simulation.nearer import fit_farther
 from workbench.diagnose.simulation.reached import SimulationStart, given_by, may_leave_less
 from workbench.diagnose.simulation.setup import shooting_of
@@ -39,9 +41,6 @@ from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
-
-SETTLED = 16
-"""Fits of which it is remembered where they settle: a search asks for some more than once."""
 
 MANY = 3
 """Effects that together are less likely than one that nobody knows, if something is left beside them."""
@@ -154,10 +153,16 @@ def simulation_stage(
 ) -> SimulationStage:
     """Let effects compete for what the plant leaves, without any and with those that the balances found.
 
-    A plant that none of them brings near to noise may have lost its way: it is fitted once more, by way of pieces.
+    Of a plant that none of them brings near to noise they are sought while loops lead it along its records; it may
+    have lost its way, too, and is fitted once more by way of pieces.
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
+    if found.after.excess > NEAR_NOISE and (led := found_led(experiment, motions, base, start)) is not None:
+        again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
+        if again.after.rms < found.after.rms:
+            gone = [effect for effect in given if effect not in again.effects]
+            found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
         before = base, with_them

@@ -1,0 +1,93 @@
+"""Effects that are sought while a loop leads the plant along its records.
+
+Far from noise a run from end to end breaks away elsewhere with every parameter, and what an effect would change to
+first order there is no guide. A loop takes most of what builds up, so that the plant stays beside its records: there
+first order leads far. What was found so is then fitted to free runs, which decide.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import islice
+
+from plants.effects.registry import effects
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.selection.search import Found, search
+from workbench.diagnose.selection.selection import Effects, Step
+from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, SETTLED, Fitting, Simulated, settle
+from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed
+from workbench.diagnose.simulation.reached import SimulationStart
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.records.experiment import Experiment
+
+SEARCHES, LOOPS = 2, 6
+"""Loops beside which effects are sought, and loops that are tried, from the quickest, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundLed:
+    """The plant from end to end with what was found beside a loop: its effects, and the rounds of the search."""
+
+    simulated: Simulated
+    effects: Effects
+    steps: Sequence[Step]
+
+
+def found_led(
+    experiment: Experiment, motions: Sequence[Motion], base: Simulated, start: SimulationStart
+) -> FoundLed | None:
+    """What brings the plant nearest to noise of that which loops show; None where nothing brings it nearer than it is
+    without effects. A loop beside which nothing is left, or beside which the plant is astray, shows nothing. The
+    command holds from sample to sample: so far from noise nobody can tell.
+    """
+    whole = shooting_of(experiment, motions, held=True)
+    assert whole is not None  # the plant without effects was simulated
+    fitting, values = Fitting(motions, base.fit.names, experiment.bounds), start.baseline
+    reached, searched = list[FoundLed](), 0
+    for crossover in islice(crossovers(whole, motions, values), LOOPS):
+        led = fitting.final(fitting.found(whole.led(motions, values, crossover), values))
+        values = led.fit.values
+        if led.fit.excess > ASTRAY or searched == SEARCHES:
+            break
+        if led.fit.excess > NOISE:
+            searched += 1
+            for one in _freely(whole, fitting, _found_beside(led, fitting, start)):
+                reached.append(one)
+                if one.simulated.fit.excess < NEAR_NOISE:
+                    return one
+    best = min(reached, key=lambda one: one.simulated.fit.rms, default=None)
+    return best if best is not None and best.simulated.fit.rms < BETTER * base.fit.rms else None
+
+
+def _found_beside(led: Simulated, fitting: Fitting, start: SimulationStart) -> Found:
+    """What a search finds beside a loop."""
+
+    @lru_cache(SETTLED)
+    def settled(fit: Fit) -> Fit:
+        return settle(led.how, fitting.motions, fit, fitting.bounds)
+
+    ask = Asked(start.declared, fitting.bounds, len(led.how.effects), start.shapes, settle=settled)
+    return search(led.fit, {}, ask)
+
+
+def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLed]:
+    """What a search found, fitted to free runs, as it was after each of its rounds: what comes late may make up for
+    numbers that free runs tell better.
+    """
+    known, tried = effects(found.fit.balance.axis), {frozenset(fitting.names)}
+    for place, one in enumerate([*(step.before for step in found.steps[1:]), found.fit]):
+        if frozenset(one.names) in tried:
+            continue
+        tried.add(frozenset(one.names))
+        own = replace(fitting, names=one.names)
+        numbers = {
+            name: tuple(number for number in effect.numbers if number in one.names) for name, effect in known.items()
+        }
+        yield FoundLed(
+            fit_as_sensed(own.begun(whole, one.values), own, one.values),
+            {name: those for name, those in numbers.items() if those and not set(those) <= set(fitting.names)},
+            found.steps[: place + 1],
+        )
