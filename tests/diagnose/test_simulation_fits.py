@@ -1,5 +1,6 @@
 """A plant that is simulated along a record: declared values that are far off, and wrong starts, are found again."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.null import QUICKEST
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.fits import (
     NOISE,
     Fitting,
@@ -25,7 +27,7 @@ from workbench.diagnose.simulation.fits import (
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.leading import FILTERED, SHAKES
-from workbench.diagnose.simulation.nearer import fit_farther, fit_led, fit_over_hollows
+from workbench.diagnose.simulation.nearer import fit_as_sensed, fit_farther, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
@@ -181,13 +183,16 @@ def drifting(tmp_path_factory: pytest.TempPathFactory) -> Made:
     return how, motions, {**declared, "coulomb": TRUTH["coulomb"]}
 
 
-def test_a_plant_that_goes_astray_is_led_back(drifting: Made) -> None:
+@pytest.mark.parametrize("led_by", [fit_led, fit_as_sensed])
+def test_a_plant_that_goes_astray_is_led_back(
+    drifting: Made, led_by: Callable[[Simulated, Fitting, Values], Simulated]
+) -> None:
     how, motions, truth = drifting
     fitting = Fitting(motions, ("coulomb", "viscous"), {})
     start = {**truth, "coulomb": 1.1 * truth["coulomb"], "viscous": 0.8 * truth["viscous"]}
     first = fitting.begun(how, start)
     assert first.fit.excess > 100.0
-    found = fit_led(first, fitting, start)
+    found = led_by(first, fitting, start)
     assert found.how.setups == first.how.setups, "no loop is left"
     assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in fitting.names:

@@ -174,3 +174,17 @@ def test_check_identify_and_diagnose_take_the_pieces_and_tell_of_them(tmp_path: 
     assert (answer.code, answer.err) == (0, "")
     assert "log, piece 1 from 0 s: cut at its gaps into 3 pieces" in answer.out
     assert "faster than 2.4 Hz" in answer.out
+
+
+def test_a_command_of_the_wrong_sign_and_rows_that_are_not_there_are_told(tmp_path: Path) -> None:
+    data = log(60.0, gaps=False)
+    path = experiment(tmp_path, data.assign(u=-data["u"]))
+    answer = workbench("diagnose", path, "--out", tmp_path / "out")
+    assert answer.code == 2
+    assert (
+        "log.csv: the command takes work from the motion instead of giving it: is the sign of command or" in answer.err
+    )
+    path = experiment(tmp_path, data, EXPERIMENT + "skip = 100000\n")
+    answer = workbench("check", path)
+    assert answer.code == 2
+    assert f"log.csv: skip = 100000 leaves none of its {len(data)} rows; expected fewer" in answer.err

@@ -116,7 +116,13 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
 
 
 def _rows(spec: RecordSpec, table: pd.DataFrame) -> pd.DataFrame:
-    """The rows of a table that are taken."""
+    """The rows of a table that are taken.
+
+    Raises:
+        UserError: none is left.
+    """
+    if spec.skip >= len(table) > 0:
+        raise UserError(f"{spec.path}: skip = {spec.skip} leaves none of its {len(table)} rows; expected fewer")
     return table.iloc[spec.skip : None if spec.rows is None else spec.skip + spec.rows]
 
 

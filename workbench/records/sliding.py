@@ -14,6 +14,10 @@ from workbench.records.reading import Record
 SLOW_SAMPLES = 0.1
 """s. Samples further apart than this are mostly a wrong unit of time."""
 
+TAKEN = 0.1
+"""Share of the work between a drive's command and its motion that the command may take on the whole: a mass that is
+slower at a record's end gives some back."""
+
 SHORT_WAY = 0.02
 """Share of the stroke below which a travel is mostly a wrong unit of position."""
 
@@ -61,7 +65,7 @@ def _unit_mistake(record: Record, experiment: Experiment) -> str:
 
 def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     """Whether the force that pressures or a load cell show opposes the motion, on the average over the way of a record
-    in its pieces.
+    in its pieces; or a drive's command gives work to it.
 
     What the pressure sensors may be off by, as [sensors] has it, is allowed for; a plant under a load or on a spring is
     not judged.
@@ -73,6 +77,7 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     channels, values = record.channels, experiment.known_values()
     pressures = all(name in channels for name in AXIAL)
     if not pressures and not ("position" in channels and "force" in channels):
+        _check_command_works(pieces)
         return
     free = experiment.free or ()
     load = name_along("load_force", experiment.plant.axis)
@@ -95,4 +100,22 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
         raise UserError(
             f"{record.path}: friction does not oppose the motion ({opposing:.3g} {unit} on the average): {cause} "
             f"the sign of {'position' if pressures else 'position or force'} wrong?"
+        )
+
+
+def _check_command_works(pieces: Sequence[Record]) -> None:
+    """Whether a drive's command, which its force goes with, gives work to a motion: what it gives friction takes, and
+    masses and springs give it back.
+    """
+    works = list[np.ndarray]()
+    for piece in pieces:
+        if "command" not in piece.channels or "position" not in piece.channels:
+            return
+        moved = from_position(piece.time, piece.channels["position"], piece.channels["command"])
+        works.append(moved.velocity * moved.force)
+    work = np.nan_to_num(np.concatenate(works))
+    if np.sum(work) < -TAKEN * np.sum(np.abs(work)):
+        raise UserError(
+            f"{pieces[0].path}: the command takes work from the motion instead of giving it: is the sign of command or "
+            "position wrong?"
         )

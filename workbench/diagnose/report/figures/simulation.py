@@ -105,12 +105,12 @@ def _compared(
     scale, unit = SHOWN[diagnosis.axis].factor, SHOWN[diagnosis.axis].unit
     shown = {side: scale * channels["position"] for side, channels in simulated.items()}
     quantities = [
-        Compared("position", unit, scale * motion.measured["position"], shown, scale * motion.noise["position"])
+        Compared("position", unit, scale * motion.measured["position"], shown, scale * motion.sensed["position"])
     ]
     if all({"pressure_1", "pressure_2"} <= set(channels) for channels in simulated.values()):
         scale = factor("Pa", "kPa")
         shown = {side: scale * _load_pressure(channels) for side, channels in simulated.items()}
-        noise = scale * float(np.hypot(motion.noise["pressure_1"], motion.noise["pressure_2"]))
+        noise = scale * float(np.hypot(motion.sensed["pressure_1"], motion.sensed["pressure_2"]))
         quantities.append(Compared("load pressure", "kPa", scale * _load_pressure(motion.measured), shown, noise))
     return quantities
 

@@ -1,0 +1,50 @@
+"""Effects far from noise are found while a loop leads the plant along its record; free runs tell their size."""
+
+from pathlib import Path
+
+import pytest
+from driven import TRUE, driven_experiment
+
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.simulation.fits import ASTRAY, Fitting
+from workbench.diagnose.simulation.led_search import FoundLed, found_led
+from workbench.diagnose.simulation.reached import SimulationStart
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+
+NAMES = ("coulomb", "stribeck", "viscous")
+
+NOISE, DURATION = 2e-4, 6.0
+"""m: so much that half a sample of the command does not show; s."""
+
+
+def found(folder: Path, gradient: float) -> tuple[float, FoundLed | None]:
+    """How far from noise a mass is whose friction grows along the stroke, and what is found."""
+    acting = {"friction_gradient": gradient} if gradient else {}
+    path = driven_experiment(folder, 0.0, NOISE, DURATION, stroke=1.0, acting=acting)
+    experiment = read_experiment(path)
+    motions = motions_of(experiment, read_records(experiment))
+    how, declared = shooting_of(experiment, motions), declared_values(experiment)
+    assert how is not None
+    fitting = Fitting(motions, NAMES, experiment.bounds)
+    base = fitting.final(fitting.found(how, declared))
+    start = SimulationStart(NAMES, declared, declared, declared, {}, {})
+    return base.fit.excess, found_led(experiment, motions, base, start)
+
+
+def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: Path) -> None:
+    excess, led = found(tmp_path, 0.5)
+    assert excess > ASTRAY
+    assert led is not None
+    assert led.effects == {"position_dependent_friction": ("friction_gradient",)}
+    assert led.simulated.fit.rms == pytest.approx(1.0, abs=0.1), "of a free run"
+    assert led.simulated.fit.values["friction_gradient"] == pytest.approx(0.5, rel=0.02)
+    for name in ("coulomb", "viscous"):
+        assert led.simulated.fit.values[name] == pytest.approx(TRUE[name], rel=0.02), name
+    assert [step.added for step in led.steps] == [("position_dependent_friction",)]
+
+
+def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:
+    _, led = found(tmp_path, 0.0)
+    assert led is None
