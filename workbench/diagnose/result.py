@@ -248,9 +248,12 @@ class Diagnosis:
 
     @property
     def follows(self) -> bool:
-        """Whether the plant follows its records near to noise: simulated, or in the balances where it cannot be."""
+        """Whether the plant follows its records near to noise: simulated, or in the balances where it cannot be; one
+        that follows pieces of them alone within noise, since what adds up beyond them does not show.
+        """
         if self.simulation is not None:
-            return self.simulation.is_trusted
+            whole = self.simulation.starts_anew_every is None
+            return self.simulation.is_trusted if whole else self.simulation.follows
         return all(result.after.rms <= FAR for result in self.results)
 
     @property
