@@ -46,10 +46,15 @@ def fit_as_sensed(first: Simulated, fitting: Fitting, start: Values) -> Simulate
     """The same by way of loops along which every run begins as the first samples show, if that leads nearer to noise:
     starts that are found with the parameters may make up for these from loop to loop.
     """
-    whole = replace(first.how, length=np.inf, begins={})
-    if next(iter(crossovers(whole, fitting.motions, start)), None) is None:
+    whole, left, values = replace(first.how, length=np.inf, begins={}), list[float](), None
+    for led in _along_loops(fitting, whole, start):
+        left.append(led.excess)
+        if _is_lost(left) or led.rms > first.fit.rms:
+            return first
+        values = led.values
+    if values is None:
         return first
-    free = fitting.begun(whole, freely(fitting, whole, start).values)
+    free = fitting.begun(whole, values)
     return fitting.final(fitting.bettered(free)) if free.fit.rms < first.fit.rms else first
 
 
@@ -65,8 +70,8 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
         led = fitting.found(replace(whole.led(motions, values, crossover), begins=begins), values)
         left.append(led.fit.excess)
-        if min(left[-PATIENCE:]) > max(min(left), ASTRAY) or led.fit.rms > first.fit.rms:
-            break  # something is missing that no parameters make up for
+        if _is_lost(left) or led.fit.rms > first.fit.rms:
+            break
         free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:
             best = free
@@ -114,15 +119,30 @@ def freely(fitting: Fitting, whole: Shooting, values: Values) -> Fit:
     weaker and weaker loops from these values on: of a plant far from noise, whose start would make up for what it
     lacks. Of its hollows that one counts into which parameters lead that hold beside the record.
     """
+    for led in _along_loops(fitting, whole, values):
+        values = led.values
+    free = whole.as_sensed(fitting.motions).balance(fitting.motions, fitting.names)
+    return fit(free, values, fitting.names, fitting.bounds, THOROUGH)
+
+
+def _along_loops(fitting: Fitting, whole: Shooting, values: Values) -> Iterator[Fit]:
+    """Fits beside loops, each weaker than the one before and from where that one ended, of runs that begin as their
+    first samples show; until what is left is no longer the loop's.
+    """
     sensed, left = whole.as_sensed(fitting.motions), list[float]()
     for crossover in crossovers(whole, fitting.motions, values):
         led = sensed.led(fitting.motions, values, crossover).balance(fitting.motions, fitting.names)
         found = fit(led, values, fitting.names, fitting.bounds, QUICK)
         values = found.values
         left.append(found.rms)
+        yield found
         if _are_alike(left):
-            break  # what is left is no longer the loop's
-    return fit(sensed.balance(fitting.motions, fitting.names), values, fitting.names, fitting.bounds, THOROUGH)
+            break
+
+
+def _is_lost(left: Sequence[float]) -> bool:
+    """Whether loops leave more and more: something is missing that no parameters make up for."""
+    return min(left[-PATIENCE:]) > max(min(left), ASTRAY)
 
 
 def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> Iterator[float]:

@@ -153,16 +153,17 @@ def simulation_stage(
 ) -> SimulationStage:
     """Let effects compete for what the plant leaves, without any and with those that the balances found.
 
-    Of a plant that none of them brings near to noise they are sought while loops lead it along its records; it may
-    have lost its way, too, and is fitted once more by way of pieces.
+    Of a plant that none of them brings near to noise they are sought while loops lead it along its records. Where that
+    finds none it may have lost its way, and is fitted once more by way of pieces.
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE and (led := found_led(experiment, motions, base, start)) is not None:
         again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
-        if again.after.rms < found.after.rms:
+        if again.effects and again.after.rms < found.after.rms:
             gone = [effect for effect in given if effect not in again.effects]
             found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
+            return _held_otherwise(experiment, motions, start, base, found, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
         before = base, with_them
