@@ -54,7 +54,7 @@ def fit_as_sensed(first: Simulated, fitting: Fitting, start: Values) -> Simulate
         values = led.values
     if values is None:
         return first
-    free = fitting.begun(whole, values)
+    free = fitting.begun(whole, _freed(fitting, whole, values).values)
     return fitting.final(fitting.bettered(free)) if free.fit.rms < first.fit.rms else first
 
 
@@ -121,6 +121,11 @@ def freely(fitting: Fitting, whole: Shooting, values: Values) -> Fit:
     """
     for led in _along_loops(fitting, whole, values):
         values = led.values
+    return _freed(fitting, whole, values)
+
+
+def _freed(fitting: Fitting, whole: Shooting, values: Values) -> Fit:
+    """The parameters that leave least of a run without a loop that begins as its first samples show."""
     free = whole.as_sensed(fitting.motions).balance(fitting.motions, fitting.names)
     return fit(free, values, fitting.names, fitting.bounds, THOROUGH)
 
