@@ -184,6 +184,9 @@ def test_a_command_of_the_wrong_sign_and_rows_that_are_not_there_are_told(tmp_pa
     assert (
         "log.csv: the command takes work from the motion instead of giving it: is the sign of command or" in answer.err
     )
+    under_a_load = EXPERIMENT.replace("[fit]", '[plant.set]\nload_force = "50 N"\n[fit]')
+    path = experiment(tmp_path, data.assign(u=-data["u"]), under_a_load)
+    assert workbench("check", path).code == 0, "what hangs on a drive may drive it"
     path = experiment(tmp_path, data, EXPERIMENT + "skip = 100000\n")
     answer = workbench("check", path)
     assert answer.code == 2

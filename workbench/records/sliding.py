@@ -76,12 +76,12 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     record = pieces[0]
     channels, values = record.channels, experiment.known_values()
     pressures = all(name in channels for name in AXIAL)
-    if not pressures and not ("position" in channels and "force" in channels):
-        _check_command_works(pieces)
-        return
     free = experiment.free or ()
     load = name_along("load_force", experiment.plant.axis)
     if any(values.get(name) or name in free for name in (load, "spring_stiffness")):
+        return
+    if not pressures and not ("position" in channels and "force" in channels):
+        _check_command_works(pieces)
         return
     data = [friction_of(piece, experiment) for piece in pieces]
     velocity, force = (

@@ -39,9 +39,6 @@ balances give: beyond it what the model lacks decides them, and what adds up ove
 PIECES = (20, 80, 320, 1280)
 """Grains of a record in a piece, from the shortest."""
 
-SETTLED = 16
-"""Fits of which it is remembered where they settle: a search asks for some more than once."""
-
 RUGGED = replace(QUICK, rugged=True)
 """When a fit ends that is not near noise, though it weighs as if it were."""
 

@@ -7,18 +7,16 @@ first order leads far. What was found so is then fitted to free runs, which deci
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import islice
 
 from plants.effects.registry import effects
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import Effects, Step
-from workbench.diagnose.selection.sets import Asked
-from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, SETTLED, Fitting, Simulated, settle
+from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, Fitting, Simulated
 from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed
-from workbench.diagnose.simulation.reached import SimulationStart
+from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.records.experiment import Experiment
@@ -54,23 +52,14 @@ def found_led(
             break
         if led.fit.excess > NOISE:
             searched += 1
-            for one in _freely(whole, fitting, _found_beside(led, fitting, start)):
+            for one in _freely(
+                whole, fitting, search(led.fit, {}, asked_of(led.how, motions, start, experiment.bounds))
+            ):
                 reached.append(one)
                 if one.simulated.fit.excess < NEAR_NOISE:
                     return one
     best = min(reached, key=lambda one: one.simulated.fit.rms, default=None)
     return best if best is not None and best.simulated.fit.rms < BETTER * base.fit.rms else None
-
-
-def _found_beside(led: Simulated, fitting: Fitting, start: SimulationStart) -> Found:
-    """What a search finds beside a loop."""
-
-    @lru_cache(SETTLED)
-    def settled(fit: Fit) -> Fit:
-        return settle(led.how, fitting.motions, fit, fitting.bounds)
-
-    ask = Asked(start.declared, fitting.bounds, len(led.how.effects), start.shapes, settle=settled)
-    return search(led.fit, {}, ask)
 
 
 def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLed]:

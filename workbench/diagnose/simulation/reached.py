@@ -6,13 +6,15 @@ lack something: to lead it along its records by loops is dear, and left to whom 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.selection import Effects
+from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shapes
 from workbench.diagnose.simulation.filters import filtered, least_doubt
 from workbench.diagnose.simulation.fits import (
@@ -22,7 +24,9 @@ from workbench.diagnose.simulation.fits import (
     afresh,
     exactly,
     fit_simulation,
+    settle,
 )
+from workbench.diagnose.simulation.lacking import BESIDE
 from workbench.diagnose.simulation.nearer import fit_as_sensed, fit_led, fit_over_hollows
 from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -34,6 +38,9 @@ from workbench.records.experiment import Experiment
 
 STRAIGHTENED = 1.25
 """Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
+
+SETTLED = 16
+"""Fits of which it is remembered where they settle: a search asks for some more than once."""
 
 LESS, ABOUT, LOST = 4.0, 2.0, 1e3
 """Times that a filter doubts its force less than the one before; up to which parameters may change between two; and
@@ -53,6 +60,17 @@ class SimulationStart:
     corrected: Values
     effects: Effects
     shapes: Shapes
+
+
+def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, bounds: Bounds) -> Asked:
+    """What a search among effects of a plant that is simulated so may move, and what it asks of them."""
+
+    @lru_cache(SETTLED)
+    def settled(fit: Fit) -> Fit:
+        return settle(how, motions, fit, bounds)
+
+    times = BESIDE if how.is_beside else 1.0
+    return Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times)
 
 
 def simulated_baseline(

@@ -8,7 +8,6 @@ nearly all of that.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -23,17 +22,15 @@ from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.fits import (
     NOISE,
-    SETTLED,
     TRUSTED,
     Fitting,
     Simulated,
     exactly,
-    settle,
 )
-from workbench.diagnose.simulation.lacking import BESIDE, dependence_of, lacking
+from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.led_search import found_led
 from workbench.diagnose.simulation.nearer import fit_farther
-from workbench.diagnose.simulation.reached import SimulationStart, given_by, may_leave_less
+from workbench.diagnose.simulation.reached import SimulationStart, asked_of, given_by, may_leave_less
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stand_ins import Place, standing_in
@@ -218,7 +215,6 @@ def _stage(
     progress: Progress,
 ) -> SimulationStage:
     """One search from the fit of the plant without effects or with those that were `given`, and what it lacks then."""
-    bounds = experiment.bounds
     before, current, how, dropped = base.fit, base.fit, base.how, list[str]()
     effects: Effects = {}
     if with_them is not None:
@@ -227,9 +223,7 @@ def _stage(
         else:  # the record itself speaks against them
             dropped = list(given)
     lacks, stood_in = None, tuple[str, ...]()
-    settled = lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
-    times = BESIDE if how.is_beside else 1.0
-    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times)
+    ask = asked_of(how, motions, start, experiment.bounds)
     if Simulated(how, current).is_near:
         progress("what the simulated plant lacks", 0.6)
         found = search(current, effects, ask)
