@@ -268,7 +268,7 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
     beside many effects, or beside few where one curve in their place loses nothing; nor where effects leave nothing,
-    but one curve would do for them. `without` is the fit without effects.
+    but one curve is likelier than they are. `without` is the fit without effects.
     """
     pushes = lacking(how, found.fit)
     lacks = dependence_of(pushes)

@@ -18,7 +18,7 @@ from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.fit import AS_IT_IS, QUICK, Fit, fit
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.selection.likelihood import asked, gained, left_by
-from workbench.diagnose.selection.search import away_of
+from workbench.diagnose.selection.search import LEVEL, away_of
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import Asked, declared_again
 from workbench.diagnose.simulation.fits import settle
@@ -47,12 +47,13 @@ a curve gains no less than in their place."""
 def standing_in(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: float | None) -> list[Lacking]:
     """Curves each of which does in the place of all effects that were found, from the best.
 
-    A curve loses likelihood there, and may lose what the effects cost, their `price`, less what is asked of the curve;
-    nothing, if `price` is None: where something is left beside the effects what they cost decides nothing.
+    A curve loses likelihood there. It has to be likelier than the effects, with what is asked of it and with their
+    `price`, by odds that data can tell; if `price` is None it has to lose nothing: where something is left beside the
+    effects what they cost decides nothing.
     """
 
     def told(curve: Lacking, lost: float) -> Lacking:
-        more = 0.0 if price is None else curve.asked - price
+        more = 0.0 if price is None else curve.asked - price + LEVEL
         return replace(curve, gain=place.worth - lost, asked=place.worth + more)
 
     curves = [told(push, place.without(place.found.weighing(push.columns))[0]) for push in pushes]
