@@ -216,9 +216,19 @@ def test_a_record_that_begins_at_rest_is_followed_from_rest(drifting: Made) -> N
     assert np.any(begins != 0.0), "what was measured has noise in its velocity"
     (motion,) = motions
     state, reach = how.along.at_rest(motion, truth)[0], how.reach(motion, truth)
-    assert np.all(np.abs(begins[0]) <= reach)
+    assert np.all(np.abs(begins) <= reach)
     assert state.velocity == 0.0
     assert fit(rested.balance(motions, ()), truth, ()).excess < NOISE
+
+
+def test_a_start_that_smoothing_missed_is_found(drifting: Made) -> None:
+    """Before a record nothing is known: what begins with a jump may be as fast there as it never is later."""
+    how, (motion,), truth = drifting
+    velocity = motion.velocity.copy()
+    velocity[0] += 5.0 * np.std(velocity)
+    bent = replace(motion, velocity=velocity)
+    assert fit(how.balance([bent], ()), truth, ()).excess > 100.0
+    assert Fitting([bent], (), {}).begun(how, truth).fit.excess < NOISE
 
 
 def test_starts_that_are_wrong_are_found(made: Made) -> None:

@@ -207,8 +207,9 @@ class Shooting:
         return moves
 
     def reach(self, motion: Motion, values: Values) -> np.ndarray:
-        """How far each state may start from what was measured, shape (states,): by how much it varies where a sensor
-        shows it, since smoothing is off by no more; a bristle by what it can carry.
+        """How far each state may start from what was measured, shape (starts, states): by how much it varies where a
+        sensor shows it, since smoothing is off by no more; a bristle by what it can carry. Before a record's first
+        sample smoothing knows nothing: there it may be off by as much as the first samples or rest are beside it.
         """
 
         def farthest(name: str) -> float:
@@ -218,26 +219,30 @@ class Shooting:
                 return BENT * (values["coulomb"] + values["stribeck"]) / values["bristle_stiffness"]
             return np.inf
 
-        return np.array([farthest(name) for name in self.along.names])
+        reach = np.tile([farthest(name) for name in self.along.names], (len(self.starts(motion)), 1))
+        reach[0] += np.maximum(np.abs(self._sensed(motion)), np.abs(self._rested(motion, values)))
+        return reach
+
+    def _sensed(self, motion: Motion) -> np.ndarray:
+        """The state that a record's first samples show, beside what smoothing makes of them."""
+        beside, places = np.zeros(len(self.along.names)), [self.along.names.index(n) for n in ("position", "velocity")]
+        beside[places] = np.subtract(sensed_at_first(motion), (motion.position[0], motion.velocity[0]))
+        return beside
+
+    def _rested(self, motion: Motion, values: Values) -> np.ndarray:
+        """The state of rest where the rod was measured to be first, beside what smoothing makes of that."""
+        (measured,) = _starting(self.along, motion, tuple(values.items()), range(1))
+        beside = to_array(self.along.at_rest(motion, values)[0]) - to_array(measured)
+        beside[self.along.names.index("position")] = 0.0
+        return beside
 
     def as_sensed(self, motions: Sequence[Motion]) -> "Shooting":
         """The same from end to end of each record from its first samples, which no smoothing has bent."""
-        begins, places = dict[Record, np.ndarray](), [self.along.names.index(name) for name in ("position", "velocity")]
-        for motion in motions:
-            smooth = motion.position[0], motion.velocity[0]
-            begins[motion.record] = np.zeros((1, len(self.along.names)))
-            begins[motion.record][0, places] = np.subtract(sensed_at_first(motion), smooth)
-        return replace(self, begins=begins)
+        return replace(self, begins={motion.record: self._sensed(motion)[None, :] for motion in motions})
 
     def rested(self, motions: Sequence[Motion], values: Values) -> "Shooting":
         """The same from end to end of each record from rest, where the rod was measured to be."""
-        begins, place = dict[Record, np.ndarray](), self.along.names.index("position")
-        for motion in motions:
-            (measured,) = _starting(self.along, motion, tuple(values.items()), range(1))
-            begin = to_array(self.along.at_rest(motion, values)[0]) - to_array(measured)
-            begin[place] = 0.0
-            begins[motion.record] = begin[None, :]
-        return replace(self, begins=begins)
+        return replace(self, begins={motion.record: self._rested(motion, values)[None, :] for motion in motions})
 
     def quickest(self, motion: Motion, values: Values) -> float:
         """rad/s: the quickest loop that leads a plant with `values` along a record."""
