@@ -2,10 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from driven import TRUE, driven_experiment
+from scipy.signal import lfilter
 
 from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.fit import NEAR_NOISE
+from workbench.diagnose.simulation import led_search
 from workbench.diagnose.simulation.fits import ASTRAY, Fitting
 from workbench.diagnose.simulation.led_search import FoundLed, found_led
 from workbench.diagnose.simulation.reached import SimulationStart
@@ -19,10 +24,17 @@ NOISE, DURATION = 2e-4, 6.0
 """m: so much that half a sample of the command does not show; s."""
 
 
-def found(folder: Path, gradient: float) -> tuple[float, FoundLed | None]:
-    """How far from noise a mass is whose friction grows along the stroke, and what is found."""
+def found(folder: Path, gradient: float, slow: float = 0.0) -> tuple[float, FoundLed | None]:
+    """How far from noise a mass is whose friction grows along the stroke, seen with `slow` noise (m) too, and what is
+    found.
+    """
     acting = {"friction_gradient": gradient} if gradient else {}
     path = driven_experiment(folder, 0.0, NOISE, DURATION, stroke=1.0, acting=acting)
+    if slow:
+        record = pd.read_parquet(folder / "record.parquet")
+        wandering = lfilter([1.0], [1.0, -0.99], np.random.default_rng(2).standard_normal(len(record)))
+        record["position"] += slow * wandering / np.std(wandering)
+        record.to_parquet(folder / "record.parquet", index=False)
     experiment = read_experiment(path)
     motions = motions_of(experiment, read_records(experiment))
     how, declared = shooting_of(experiment, motions), declared_values(experiment)
@@ -43,6 +55,18 @@ def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: 
     for name in ("coulomb", "viscous"):
         assert led.simulated.fit.values[name] == pytest.approx(TRUE[name], rel=0.02), name
     assert [step.added for step in led.steps] == [("position_dependent_friction",)]
+
+
+def test_nothing_is_sought_beside_a_loop_that_leaves_no_less(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Noise that wanders slowly is far from white, and a loop follows it; what it hides no loop shows."""
+
+    def never(*_: object) -> None:
+        raise AssertionError("a search that can find nothing")
+
+    monkeypatch.setattr(led_search, "search", never)
+    excess, led = found(tmp_path, 0.0, slow=3e-3)
+    assert excess > NEAR_NOISE
+    assert led is None
 
 
 def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """A record is held against what the same plant would leave if nothing were missing."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,6 +58,21 @@ def test_a_floor_is_left_by_parameters_of_its_own() -> None:
     )
     assert balance.stacked({"viscous": 700.0}).std() > 3.0
     assert with_fitted_floor(balance, [[motion]], {"viscous": 700.0}, {}).floor == pytest.approx(FORCE, rel=0.05)
+
+
+def test_a_floor_tells_how_far_draws_of_noise_are_from_each_other() -> None:
+    """Of two draws one leaves 1 N and one, which goes twice as far, 2 N: beside a floor of sqrt(2.5) N."""
+    calm, loud = made_motion(), made_motion(travel=0.08)
+
+    def explained(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        more = np.sqrt(3.0) * (np.max(motion.position) > 0.03) * np.cos(np.pi * np.arange(motion.time.size))
+        return np.asarray(values["viscous"] * motion.velocity + values["load_force"] * more)
+
+    balance = made_balance([calm, loud], explained, {"viscous": 1000.0, "load_force": 1.0}, ("viscous",))
+    floored = with_fitted_floor(balance, [[calm], [loud]], {"viscous": 1000.0, "load_force": 0.0}, {})
+    assert floored.floor == pytest.approx(np.sqrt(2.5), rel=0.05)
+    assert floored.spread == pytest.approx(np.sqrt(0.5 / 2.5), rel=0.05)
+    assert with_fitted_floor(balance, [[calm]], {"viscous": 1000.0, "load_force": 0.0}, {}).spread is None
 
 
 def noisy(motion: Motion, noise: np.ndarray, step: float = 0.0) -> Motion:

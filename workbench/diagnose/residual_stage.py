@@ -126,7 +126,12 @@ def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bou
     known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
     if not draws:
         return stage
-    floors = [with_fitted_floor(result.balance, draws, known, bounds) for result in stage.results]
+    floors = [
+        with_fitted_floor(
+            result.balance, draws, {**known, **{name: result.after.values[name] for name in result.after.names}}, bounds
+        )
+        for result in stage.results
+    ]
     return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
 
 

@@ -285,6 +285,7 @@ class Diagnosis:
             name_along(result.balance.name, self.axis): {
                 "value": result.balance.floor,
                 "unit": result.balance.unit,
+                "spread": result.balance.spread,
                 "before": result.before.rms,
                 "after": result.after.rms,
             }

@@ -149,12 +149,18 @@ def _right_unexplained(case: Case, unexplained: Mapping[str, Any]) -> bool:
 
 
 def _floors(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Residual of each balance, which a report gives in floors, and whether all are within `FLOOR_RANGE`."""
+    """Residual of each balance, which a report gives in floors, whether all are within `FLOOR_RANGE`, and how probable
+    that is of one draw of noise beside the floor of many.
+    """
     balances = (report.get("floor") or {}).items()
     ratios = {ALONG.get(name, name): one["after"] for name, one in balances if one["after"] is not None}
     low, high = FLOOR_RANGE
     at_floor = bool(ratios) and all(low <= ratio <= high for ratio in ratios.values())
+    within = 1.0
+    for spread in (one["spread"] for _, one in balances if one.get("spread")):
+        within *= float(norm.cdf(high, 1.0, spread) - norm.cdf(low, 1.0, spread))
     return {
+        "floor_attainable": within,
         "force_over_floor": ratios.get("force", math.nan),
         "flow_over_floor": max((r for name, r in ratios.items() if name != "force"), default=math.nan),
         "at_floor": at_floor,

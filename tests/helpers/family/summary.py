@@ -54,7 +54,9 @@ def shares(table: pd.DataFrame) -> str:
     low, high = FLOOR_RANGE
     rows = [
         _row("no effect: one named (wrongly)", found[found["kind"] == NONE], "some_named"),
-        _row(f"no effect: residuals over floors within {low} to {high}", by[NONE], "at_floor"),
+        _row(
+            f"no effect: residuals over floors within {low} to {high}", by[NONE], "at_floor", power="floor_attainable"
+        ),
     ]
     for kind, words in ((THREE, "3 limits"), (LIMIT, "1 limit"), (STRONG, "10 to 1000 limits")):
         part = by[kind]

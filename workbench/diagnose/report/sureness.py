@@ -81,6 +81,8 @@ def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
     """What is left of a balance in floors, on the records that were fitted and on those that were not."""
     fitted, tested = result.after.rms, held_out_floors(diagnosis, result)
     times = f"{shown_number(fitted, 3)} times its noise floor"
+    if result.balance.spread is not None:
+        times += f" (from draw to draw of that noise ± {shown_number(100.0 * result.balance.spread, 2)} %)"
     times += f", and {shown_number(tested, 3)} times on held-out records" if tested else ""
     if fitted > QUIET and diagnosis.simulation is not None and diagnosis.simulation.is_trusted:
         reason = "of sensors so quiet, smoothing and sampling leave most of it"

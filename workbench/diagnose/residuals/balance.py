@@ -45,7 +45,8 @@ class Balance:
     """A physical balance of some records: its residual over parameter values, the noise floor of it, and its unit.
 
     The floor is `simulated` where it is the residual of a plant that lacks nothing, on the motions in `null` if that is
-    kept, else the sensors' noise alone.
+    kept, else the sensors' noise alone. Where several draws of noise made it, `spread` is their standard deviation, as
+    a share of it.
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
     these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
     nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
@@ -64,6 +65,7 @@ class Balance:
     parts: int = 1
     contact: bool = False
     simulated: bool = False
+    spread: float | None = None
     axis: str = LINEAR
     beside: Beside = nothing
     null: Sequence[Motion] = ()

@@ -174,8 +174,10 @@ def with_fitted_floor(balance: Balance, draws: Sequence[Sequence[Motion]], value
     noise another floor than the next.
     """
     fits = side_by_side(lambda motions: fit(_null(balance, motions), values, balance.free, bounds, QUICK), draws)
-    floor = float(np.sqrt(np.mean([fitted.rms**2 for fitted in fits])))
-    return _over(balance, draws[0], max(floor, LEAST_FLOOR))
+    left = np.array([fitted.rms for fitted in fits])
+    floor = max(float(np.sqrt(np.mean(left**2))), LEAST_FLOOR)
+    spread = float(np.std(left, ddof=1)) / floor if left.size > 1 else None
+    return replace(_over(balance, draws[0], floor), spread=spread)
 
 
 def _null(balance: Balance, motions: Sequence[Motion]) -> Balance:

@@ -38,8 +38,9 @@ def found_led(
     experiment: Experiment, motions: Sequence[Motion], base: Simulated, start: SimulationStart
 ) -> FoundLed | None:
     """What brings the plant nearest to noise of that which loops show; None where nothing brings it nearer than it is
-    without effects. A loop beside which nothing is left, or beside which the plant is astray, shows nothing. The
-    command holds from sample to sample: so far from noise nobody can tell.
+    without effects. A loop beside which nothing is left, or beside which the plant is astray, shows nothing, and one
+    that leaves as much as no loop what that shows. The command holds from sample to sample: so far from noise nobody
+    can tell.
     """
     whole = shooting_of(experiment, motions, held=True)
     assert whole is not None  # the plant without effects was simulated
@@ -50,7 +51,7 @@ def found_led(
         values = led.fit.values
         if led.fit.excess > ASTRAY or searched == SEARCHES:
             break
-        if led.fit.excess > NOISE:
+        if led.fit.excess > NOISE and led.fit.rms < BETTER * base.fit.rms:
             searched += 1
             for one in _freely(
                 whole, fitting, search(led.fit, {}, asked_of(led.how, motions, start, experiment.bounds))
