@@ -191,3 +191,22 @@ def test_a_command_of_the_wrong_sign_and_rows_that_are_not_there_are_told(tmp_pa
     answer = workbench("check", path)
     assert answer.code == 2
     assert f"log.csv: skip = 100000 leaves none of its {len(data)} rows; expected fewer" in answer.err
+
+
+def test_rows_are_used_once(tmp_path: Path) -> None:
+    """What is fitted and held out tests nothing; two parts of one log are two records."""
+    again = '[[records]]\nfile = "log.csv"\n'
+    for more, uses in (('use = "held_out"\n', "once for the fit and once held out"), ("", "both times")):
+        answer = workbench("check", experiment(tmp_path, log(60.0, gaps=False), EXPERIMENT + again + more))
+        assert answer.code == 2
+        assert (
+            f"experiment.toml:15: records.1.file: rows of {tmp_path / 'log.csv'} are used already, {uses}" in answer.err
+        )
+    halves = f'{EXPERIMENT}rows = 500\n{again}skip = 500\nuse = "held_out"\n'
+    path = experiment(tmp_path, log(60.0, gaps=False), halves)
+    answer = workbench("check", path)
+    assert (answer.code, answer.err) == (0, "")
+    assert "no record is held out" not in answer.out
+    assert "no record is held out" in workbench("check", experiment(tmp_path, log(60.0, gaps=False))).out
+    answer = workbench("check", experiment(tmp_path, log(60.0, gaps=False), halves.replace("skip = 500", "skip = 499")))
+    assert answer.code == 2

@@ -12,6 +12,9 @@ from workbench.records.experiment import Experiment, RecordSpec, read_experiment
 from workbench.records.reading import Record, read_pieces
 from workbench.records.schema import METHODS
 
+UNTESTED = 'no record is held out: what is found is tested on what it was fitted to; use = "held_out" keeps one apart'
+"""Of an experiment without any."""
+
 LIKE = 0.6
 """Likeness of a file's name from which it may be the one that was meant."""
 
@@ -37,6 +40,8 @@ def check_experiment(file: Path) -> None:
     say(f"  plant {content.plant.name}, {content.declared}; channels: {', '.join(names)}")
     say(f"  free: {content.freed}")
     say("\n".join(f"  {line}" for line in [*lines, *designed]))
+    if all(spec.use == "fit" for spec in content.records):
+        say(f"  {UNTESTED}")
     for spec, pieces in zip(content.records, records, strict=True):
         say(f"  {spec.path}: {_present(pieces) if pieces else _absent(spec)}")
 

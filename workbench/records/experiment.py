@@ -1,6 +1,6 @@
 """Experiment files: the plant that is believed, the channels of the records, the records, and what is to be fitted."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from glob import glob
 from pathlib import Path
@@ -56,6 +56,11 @@ class RecordSpec:
     rows: int | None = None
     sample_time: float | None = None
     places: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def end(self) -> float:
+        """The row before which it ends; infinite where it takes all."""
+        return float("inf") if self.rows is None else self.skip + self.rows
 
     @property
     def is_there(self) -> bool:
@@ -300,11 +305,25 @@ def _records(tables: list[RecordTable], folder: Path, channels: Mapping[str, Cha
             paths = sorted(map(Path, glob(str(folder / table.file)))) if pattern else [folder / table.file]
             # A pattern without a file stays: whoever reads the records says that there is none.
             found = [(path, dict.fromkeys(channels, path)) for path in paths or [folder / table.file]]
-        specs += [
-            RecordSpec(path, table.use, table.label or path.stem, table.rpm, table.skip, table.rows, step, places)
-            for path, places in found
-        ]
+        for path, places in found:
+            label = table.label or path.stem
+            spec = RecordSpec(path, table.use, label, table.rpm, table.skip, table.rows, step, places)
+            _check_apart(spec, specs, ("records", i, "files" if table.files else "file"))
+            specs.append(spec)
     return tuple(specs)
+
+
+def _check_apart(spec: RecordSpec, before: Sequence[RecordSpec], key: files.Key) -> None:
+    """A record has rows of its own: what is fitted twice counts twice, and what is fitted and held out tests nothing.
+
+    Raises:
+        SchemaError: it shares rows with one that came before.
+    """
+    for other in before:
+        if other.places == spec.places and other.skip < spec.end and spec.skip < other.end:
+            uses = "both times" if other.use == spec.use else "once for the fit and once held out"
+            message = f"rows of {spec.path} are used already, {uses}; take others with skip and rows, or another file"
+            raise files.SchemaError(key, message)
 
 
 def _places(

@@ -118,6 +118,7 @@ def draw_evidence(data: EvidenceData) -> Picture:
         "What each candidate gains in likelihood, fitted together with the plant's own parameters, as the number of "
         "standard deviations by which a single number would stand out that gains as much. To be added a bar has to "
         "reach its black mark, which counts how many candidates there are and how many numbers each has. Candidates "
-        "that promise little are judged to first order. The twelve best of each round are drawn; the table has all."
+        "that promise little are judged to first order. They stand in the order of what they gain beyond what is "
+        "asked; the twelve best of each round are drawn, and the table has all."
     )
     return Picture(figure, caption, data.balance)

@@ -91,7 +91,8 @@ def draw_parameters(data: ParametersData) -> Picture:
                 axes.plot(fitted.value, place + shift, MARKERS[side.key], **style)
                 _interval(axes, place + shift, fitted.ends, limits, side.colour)
         axes.plot([], [], "k>", linestyle="-", label="its interval goes on beyond the axis")
-        axes.plot([], [], "ko", markerfacecolor="white", linestyle="", label="open: not identified")
+        last = MARKERS[data.sides[-1].key]
+        axes.plot([], [], f"k{last}", markerfacecolor="white", linestyle="", label="open: not identified")
         axes.set_yticks(range(len(data.rows)), [plain_name(label) for label in data.rows])
         axes.set_ylim(len(data.rows) - 0.5, -0.5)
         axes.set_xlabel("fitted value over declared value")
