@@ -19,6 +19,7 @@ from workbench.diagnose.report.verdict import verdict_sentence
 from workbench.diagnose.result import BeforeAfter, Diagnosis
 from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
+from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
 
 
@@ -161,7 +162,11 @@ def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis, floors: t
     floor, left = diagnosis.results[-1].balance.floor, with_left(diagnosis, {"force": fitted})
     lines = sureness(with_held_out(left, {"force": tested * floor}))
     line = next(line for line in lines if line.startswith("What is left of the force balance"))
-    assert line == f"What is left of the force balance is {EXPLAINED[floors]}"
+    spread = diagnosis.results[-1].balance.spread
+    assert spread is not None, "several draws made the floor"
+    drawn = f"noise floor (from draw to draw of that noise ± {shown_number(100.0 * spread, 2)} %)"
+    said = EXPLAINED[floors].replace("noise floor", drawn, 1)
+    assert line == f"What is left of the force balance is {said}"
 
 
 def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(diagnosis: Diagnosis) -> None:

@@ -265,13 +265,14 @@ class Diagnosis:
     def is_rejected(self) -> bool:
         """Whether what was found makes held-out records worse: then the plant stays as declared.
 
-        It is the free run that counts where the simulated plant is trusted, else the balances that have effects.
+        It is the free run that counts, and the balances that have effects, too, where the simulated plant is not
+        trusted.
         """
         if not self.effects:
             return False
-        if self.simulation is not None and self.simulation.is_trusted:
-            return self.errors.runs_worse
-        return self.errors.is_worse([result.balance.name for result in self.results if result.effects])
+        trusted = self.simulation is not None and self.simulation.is_trusted
+        balances = [] if trusted else [result.balance.name for result in self.results if result.effects]
+        return self.errors.runs_worse or self.errors.is_worse(balances)
 
     @property
     def rounds(self) -> list[BalanceResult]:

@@ -17,6 +17,7 @@ FALSE_ALARMS = 0.01
 """Of a machine that lacks nothing: probability that any of its candidates is asked for less than it gains by noise."""
 
 
+@lru_cache(maxsize=1024)
 def asked(numbers: int, candidates: int) -> float:
     """Gain in the logarithm of the likelihood that an effect sized by so many numbers has to exceed, one of so many
     candidates, each of its shapes one: its quantile where there is none (Wilks 1938), each candidate with its share of

@@ -194,8 +194,10 @@ def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) 
 
 def exactly(of: Simulated, fitting: Fitting) -> Simulated:
     """A fit once more with a solver whose error does not matter beside the noise: a fine sensor shows it, and effects
-    would explain it.
+    would explain it. Far from noise it does not count.
     """
+    if not of.is_near:
+        return of
     how, values = of.how, of.fit.values
     before = of.fit.weighing(how.balance(fitting.motions, ()).stacked(values))
     while how.tolerance > FINEST:

@@ -220,7 +220,7 @@ def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simul
     less.
     """
     motions = fitting.motions
-    best = along_valley(fitting, best)
+    best = along_valley(fitting, exactly(best, fitting))  # a coarse solver has hollows of its own
     best = afresh(best, fitting) if best.is_near else best
     ramps = shooting_of(experiment, motions, held=False)
     assert ramps is not None  # the other was
@@ -232,7 +232,7 @@ def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simul
             if best.fit.excess > AT_NOISE:  # or it was, and this has led out of a hollow
                 again = fitting.final(fitting.found(held, best.fit.values))
                 best = min(best, again, key=lambda one: one.fit.rms)
-    return exactly(best, fitting) if best.is_near else best
+    return exactly(best, fitting)
 
 
 def may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:

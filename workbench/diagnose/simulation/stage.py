@@ -137,8 +137,7 @@ def _as_late(fitted: Fit, sample_time: float, held: bool) -> Values:
 def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
     """The same by way of pieces of the records."""
     fitting = Fitting(motions, first.fit.names, experiment.bounds)
-    best = along_valley(fitting, fit_farther(first, fitting, start))
-    return exactly(best, fitting) if best.is_near and best is not first else best
+    return along_valley(fitting, exactly(fit_farther(first, fitting, start), fitting))
 
 
 def simulation_stage(
