@@ -69,6 +69,20 @@ def test_effects_that_only_stood_in_for_something_are_told_of(diagnosis: Diagnos
     ) in sureness(found)
 
 
+@pytest.mark.parametrize("far", [False, True])
+def test_a_free_run_that_gets_worse_rejects_what_was_found_however_far_from_noise(
+    diagnosis: Diagnosis, far: bool
+) -> None:
+    simulation, tested = diagnosis.simulation, diagnosis.errors.held_out
+    assert simulation is not None
+    assert tested.after.position is not None
+    after = replace(simulation.after, residual=1e3 * simulation.after.residual) if far else simulation.after
+    assert replace(simulation, after=after).is_trusted is not far
+    worse = BeforeAfter(replace(tested.after, position=0.9 * tested.after.position), tested.after)
+    errors = replace(diagnosis.errors, held_out=worse, gained=None)
+    assert replace(diagnosis, simulation=replace(simulation, after=after), errors=errors).is_rejected
+
+
 def test_what_gets_worse_and_rejects_nothing_is_told(diagnosis: Diagnosis) -> None:
     tested = diagnosis.errors.held_out
     before, after = replace(tested.before, load_pressure=1.0e4), replace(tested.after, load_pressure=1.45e4)
