@@ -28,8 +28,10 @@ MOST_FREQUENCIES = 2000
 PEAKS = 3
 """Frequencies that are tried, of those that stand out most."""
 
-REFERENCES = 9
-"""Waves by which is seen how a plant shows what repeats along a signal."""
+REFERENCES = 24
+"""Waves by which is seen how a plant shows what repeats along a signal: between two that are far apart the phase in
+which it passes a force on is no straight line, and a line cancels.
+"""
 
 HIDDEN = 1e-3
 """Of the largest sum of squares that a wave makes, what is too little to be divided by; and of what parameters change
