@@ -119,18 +119,14 @@ def with_floors(stage: ResidualStage, experiment: Experiment, progress: Progress
 
 def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bounds: Bounds) -> ResidualStage:
     """The balances over what they leave of the plant that follows the records from end to end."""
-    motions, values = simulation.after.balance.motions, simulation.after.values
-    samples = sum(motion.record.time.size for motion in motions)
+    samples = sum(motion.record.time.size for motion in simulation.after.balance.motions)
     count = min(max(DRAWN // samples, FEWEST), DRAWS)
     draws = _beside(simulation, count) if simulation.is_beside else _freely(simulation, count)
-    known = {**stage.corrected, **{name: values[name] for name in simulation.after.names}}
+    known = {**stage.corrected, **simulation.after.moved}
     if not draws:
         return stage
     floors = [
-        with_fitted_floor(
-            result.balance, draws, {**known, **{name: result.after.values[name] for name in result.after.names}}, bounds
-        )
-        for result in stage.results
+        with_fitted_floor(result.balance, draws, {**known, **result.after.moved}, bounds) for result in stage.results
     ]
     return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
 
@@ -205,7 +201,7 @@ def with_effects_of(
             result.balance, motions=behind_backlash(simulation.how, result.balance.motions, simulation.after.values)
         )
         after = fit(balance, values, balance.free, experiment.bounds)
-        values |= {name: after.values[name] for name in after.names}
+        values |= after.moved
         own = {effect: names for effect, names in simulation.effects.items() if effect in balance.effects}
         again.append(replace(result, after=after, effects=own))
     return replace(stage, results=again, corrected=values)

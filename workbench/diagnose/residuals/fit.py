@@ -72,6 +72,11 @@ class Fit:
     weighing: Weighing
 
     @property
+    def moved(self) -> Values:
+        """The values that it was free to move."""
+        return {name: self.values[name] for name in self.names}
+
+    @property
     def rms(self) -> float:
         """Of the residual, in floors."""
         return float(np.sqrt(np.mean(self.residual**2)))

@@ -177,16 +177,16 @@ def with_fitted_floor(balance: Balance, draws: Sequence[Sequence[Motion]], value
     left = np.array([fitted.rms for fitted in fits])
     floor = max(float(np.sqrt(np.mean(left**2))), LEAST_FLOOR)
     spread = float(np.std(left, ddof=1)) / floor if left.size > 1 else None
-    return replace(_over(balance, draws[0], floor), spread=spread)
+    return _over(balance, draws[0], floor, spread)
 
 
 def _null(balance: Balance, motions: Sequence[Motion]) -> Balance:
     return replace(balance, motions=motions, null=())
 
 
-def _over(balance: Balance, null: Sequence[Motion], floors: float) -> Balance:
-    """The balance with so many of its floors as its floor."""
-    return replace(balance, floor=balance.floor * floors, simulated=True, null=null)
+def _over(balance: Balance, null: Sequence[Motion], floors: float, spread: float | None = None) -> Balance:
+    """The balance with so many of its floors as its floor, of which draws differ by so large a share."""
+    return replace(balance, floor=balance.floor * floors, simulated=True, null=null, spread=spread)
 
 
 def floored(along: Along, balances: Sequence[Balance], values: Values) -> list[Balance]:

@@ -1,6 +1,8 @@
 """What all figures of a diagnosis share: colours of before and after, panels, one legend."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -8,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 
 from workbench.publish.style import COLOURS
 
@@ -44,10 +47,17 @@ def panels_of(rows: int, columns: int, title: str, *, share_y: bool = False) -> 
     return figure, figure.subplots(rows, columns, squeeze=False, sharey=share_y)
 
 
-def legend(figure: Figure, *panels: Axes) -> None:
-    """One legend for all panels, under them, of what these have."""
-    drawn: dict[str, Artist] = {}
+def legend(figure: Figure, *panels: Axes, more: Mapping[str, Sequence[Artist]] = MappingProxyType({})) -> None:
+    """One legend for all panels, under them, of what these have, and of `more`, by label, beside each other."""
+    drawn: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             drawn.setdefault(label, handle)
-    figure.legend(list(drawn.values()), list(drawn), loc="outside lower center", ncols=2 if len(drawn) > 3 else 3)
+    drawn |= {label: tuple(handles) for label, handles in more.items()}
+    figure.legend(
+        list(drawn.values()),
+        list(drawn),
+        loc="outside lower center",
+        ncols=2 if len(drawn) > 3 else 3,
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+    )

@@ -3,11 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from workbench.diagnose.report.figures.frame import WIDE, Side, legend
@@ -29,6 +31,10 @@ FINE = 100.0
 
 MARKERS, SHIFT = {"before": "o", "after": "s"}, 0.14
 """Marker of each side, and the part of a row by which both stand off its middle."""
+
+
+OPEN: Mapping[str, Any] = MappingProxyType({"linestyle": "", "markerfacecolor": "white"})
+"""Style of a marker of what is not identified."""
 
 
 @dataclass(frozen=True)
@@ -91,12 +97,11 @@ def draw_parameters(data: ParametersData) -> Picture:
                 axes.plot(fitted.value, place + shift, MARKERS[side.key], **style)
                 _interval(axes, place + shift, fitted.ends, limits, side.colour)
         axes.plot([], [], "k>", linestyle="-", label="its interval goes on beyond the axis")
-        last = MARKERS[data.sides[-1].key]
-        axes.plot([], [], f"k{last}", markerfacecolor="white", linestyle="", label="open: not identified")
         axes.set_yticks(range(len(data.rows)), [plain_name(label) for label in data.rows])
         axes.set_ylim(len(data.rows) - 0.5, -0.5)
         axes.set_xlabel("fitted value over declared value")
-        legend(figure, axes)
+        markers = [Line2D([], [], color=side.colour, marker=MARKERS[side.key], **OPEN) for side in data.sides]
+        legend(figure, axes, more={"open: not identified": markers})
     caption = (
         "Each parameter that the fit may move, over its declared value, with its 95 % interval; autocorrelation of the "
         "residual is taken into account. An open marker is not identified: its standard deviation exceeds half its "
