@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
+from workbench.diagnose.selection.hum import humming_at, without_hum
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
@@ -18,7 +19,9 @@ WEIGHED = 2
 """Sets of a round that are looked at by the noise that they leave themselves."""
 
 BESIDE = 1.1
-"""Times the least rms that a fit may leave which is weighed: noise of any colour hides what drifts away slowly."""
+"""Times the least rms, of this and of any earlier round, that a fit may leave which is weighed: noise of any colour
+hides what drifts away slowly.
+"""
 
 NEARER = 0.98
 """Times the rms that a set left when it was seen, from which it is another one."""
@@ -55,12 +58,13 @@ def choose(
         worth = _gained(found, beside) - ask.price_of(proposal, taken, current.balance)
         least = ask.least_share * len(proposal.added)
         enough = not least or (not ask.is_at_floor(beside) and found.rms <= (1.0 - least) * beside.rms)
-        known, near = is_estimated(found, current.balance), found.rms < BESIDE * beside.rms
+        known, near = is_estimated(found, current.balance), found.rms < BESIDE * min([beside.rms, *seen.values()])
         if (
             worth > max(0.0, _by_itself(beside, found, ask))
             and known
             and near
             and enough
+            and _is_no_hum(proposal, found, beside, ask)
             and _is_sure(proposal, found, beside, current, taken, ask)
         ):
             return (proposal, found), nearer
@@ -80,6 +84,19 @@ def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: E
     price = sum(ask.of_trial(trial, found.balance) for trial in proposal.added)
     far = ask.settle is not None and _gained(found, beside) > (1.0 + BEYOND) * price
     return far or _holds(beside, found, price, ask)
+
+
+def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
+    """Whether what is added and repeats over time gains what is asked of it beside a hum of the sensors."""
+    for trial in proposal.added:
+        frequency = humming_at(found.balance, trial.effect, found.moved)
+        if frequency is not None:
+            one, other = (
+                (fitted.weighing, without_hum(fitted.balance, fitted.residual, frequency)) for fitted in (found, beside)
+            )
+            if gained(found.balance, one, other) < ask.price((trial,), (), {}, found.balance):
+                return False
+    return True
 
 
 def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[frozenset[str], float]) -> bool:

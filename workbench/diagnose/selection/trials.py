@@ -13,6 +13,7 @@ from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
+from workbench.diagnose.selection.hum import humming_at, without_hum
 from workbench.diagnose.selection.lines import band_of, matched, references, swinging
 from workbench.fitting.threads import side_by_side
 from workbench.parameters.sets import NEUTRAL
@@ -101,10 +102,12 @@ class Columns:
 
     @property
     def change(self) -> np.ndarray:
-        """The columns (rows, numbers) as they are: those of all trials would take much memory, and are made when asked
-        for.
+        """The columns (rows, numbers) as they are, less what a hum takes of what repeats over time: those of all trials
+        would take much memory, and are made when asked for.
         """
-        return np.column_stack([column.change for column in self.own])
+        columns, balance = np.column_stack([column.change for column in self.own]), self.fitted.balance
+        frequency = humming_at(balance, self.trial.effect, dict(self.trial.shapes))
+        return columns if frequency is None else without_hum(balance, columns, frequency)
 
     @property
     def block(self) -> np.ndarray:
