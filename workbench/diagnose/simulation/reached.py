@@ -216,23 +216,31 @@ def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
 
 
 def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
-    """The same out of the last hollows, and with a voltage that is a straight line between samples, if that leaves
-    less.
+    """The same with a voltage that is a straight line between samples, if that leaves less, and out of the last
+    hollows: a wrong one leaves more than noise, which would be taken for a hollow.
     """
-    motions = fitting.motions
-    best = along_valley(fitting, exactly(best, fitting))  # a coarse solver has hollows of its own
-    best = afresh(best, fitting) if best.is_near else best
-    ramps = shooting_of(experiment, motions, held=False)
+    best = _as_commanded(experiment, exactly(best, fitting), fitting)
+    further = along_valley(fitting, best)  # a coarse solver has hollows of its own
+    best = best if further is best else _as_commanded(experiment, further, fitting)
+    return exactly(afresh(best, fitting), fitting) if best.is_near else best
+
+
+def _as_commanded(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
+    """The same with a voltage that is a straight line between samples, if that leaves less."""
+    if not best.is_near or best.how.is_beside:
+        return best
+    ramps = shooting_of(experiment, fitting.motions, held=False)
     assert ramps is not None  # the other was
-    otherwise = replace(best.how, setups=ramps.setups, held=False)
-    if best.is_near and not best.how.is_beside and may_leave_less(otherwise, best.fit, best.fit.values):
-        straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
-        if straight.fit.rms < best.fit.rms:
-            held, best = replace(best.how, begins={}), straight
-            if best.fit.excess > AT_NOISE:  # or it was, and this has led out of a hollow
-                again = fitting.final(fitting.found(held, best.fit.values))
-                best = min(best, again, key=lambda one: one.fit.rms)
-    return exactly(best, fitting)
+    ramps = ramps.with_tolerance(best.how.tolerance)
+    if not may_leave_less(replace(ramps, begins=best.how.begins), best.fit, best.fit.values):
+        return best
+    straight = fitting.final(fitting.found(ramps, best.fit.values))  # the voltage was no computer's
+    if straight.fit.rms >= best.fit.rms:
+        return best
+    if straight.fit.excess <= AT_NOISE:
+        return straight
+    again = fitting.final(fitting.found(replace(best.how, begins={}), straight.fit.values))  # or it was, and this has
+    return min(straight, again, key=lambda one: one.fit.rms)  # led out of a hollow
 
 
 def may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:

@@ -159,6 +159,7 @@ def simulation_stage(
         if again.effects and again.after.rms < found.after.rms:
             gone = [effect for effect in given if effect not in again.effects]
             found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
+            found = _without(experiment, motions, start, base, found, progress)
             return _held_otherwise(experiment, motions, start, base, found, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
@@ -168,7 +169,27 @@ def simulation_stage(
         with_them = others[0] if others else None
         if base is not before[0] or with_them is not before[1]:
             found = _stage(experiment, motions, start, base, with_them, given, progress)
+    found = _without(experiment, motions, start, base, found, progress)
     return _held_otherwise(experiment, motions, start, base, found, given, progress)
+
+
+def _without(
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    start: SimulationStart,
+    base: Simulated,
+    found: SimulationStage,
+    progress: Progress,
+) -> SimulationStage:
+    """The search once more from the plant without effects, where that has come nearer to noise by what was found than
+    the plant with it: it had lost its way, and what was found says no more than that.
+    """
+    if not found.effects or found.before.rms >= found.after.rms:
+        return found
+    fitting = Fitting(motions, base.fit.names, experiment.bounds)
+    nearer = fitting.final(fitting.found(replace(found.how, begins={}), found.before.values))
+    again = _stage(experiment, motions, start, exactly(nearer, fitting), None, {}, progress)
+    return replace(again, dropped=[effect for effect in found.effects if effect not in again.effects])
 
 
 def _held_otherwise(
