@@ -159,7 +159,7 @@ def simulation_stage(
         if again.effects and again.after.rms < found.after.rms:
             gone = [effect for effect in given if effect not in again.effects]
             found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
-            found = _without(experiment, motions, start, base, found, progress)
+            found = _sought_anew(experiment, motions, start, base, found, progress)
             return _held_otherwise(experiment, motions, start, base, found, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
@@ -169,11 +169,11 @@ def simulation_stage(
         with_them = others[0] if others else None
         if base is not before[0] or with_them is not before[1]:
             found = _stage(experiment, motions, start, base, with_them, given, progress)
-    found = _without(experiment, motions, start, base, found, progress)
+    found = _sought_anew(experiment, motions, start, base, found, progress)
     return _held_otherwise(experiment, motions, start, base, found, given, progress)
 
 
-def _without(
+def _sought_anew(
     experiment: Experiment,
     motions: Sequence[Motion],
     start: SimulationStart,

@@ -1,0 +1,49 @@
+"""A search that began where the plant had lost its way: what it found says no more than that."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from driven import TRUE, driven_experiment
+
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.fit import fit
+from workbench.diagnose.simulation import stage
+from workbench.diagnose.simulation.fits import Fitting
+from workbench.diagnose.simulation.reached import SimulationStart
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.progress import silent
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+
+NAMES = ("coulomb", "viscous")
+
+FOUND = {"spring_load": ("spring_stiffness",)}
+
+
+@pytest.mark.parametrize(("stiffness", "stays"), [(500.0, False), (0.0, True)])
+def test_effects_that_leave_more_than_none_are_sought_anew(stiffness: float, stays: bool, tmp_path: Path) -> None:
+    """A spring of 500 N/m that is none, beside the true friction, and one of no stiffness, which leaves as much."""
+    experiment = read_experiment(driven_experiment(tmp_path, 0.0, 5e-6, 2.5, stroke=1.0))
+    motions = motions_of(experiment, read_records(experiment))
+    how, declared = shooting_of(experiment, motions, held=False), declared_values(experiment)
+    assert how is not None
+    base = Fitting(motions, NAMES, {}).begun(how, {**declared, **{name: TRUE[name] for name in NAMES}})
+    how, before = base.how, fit(base.fit.balance, base.fit.values, ())
+
+    def left(values: Mapping[str, float]) -> SimulationStage:
+        after = replace(before, values=dict(values), residual=before.balance.stacked(values))
+        return SimulationStage(how, before, before, {}, after, FOUND, [], {"spring_load": 9.0}, {}, [])
+
+    found = left({**before.values, "spring_stiffness": stiffness})
+    start = SimulationStart(NAMES, declared, declared, declared, {}, {})
+    again = stage._sought_anew(experiment, motions, start, base, found, silent)
+    if stays:
+        assert again is found
+    else:
+        assert found.after.rms > 10.0
+        assert again.effects == {}
+        assert again.dropped == ["spring_load"]
+        assert again.after.rms == pytest.approx(1.0, abs=0.1), "of a plant that lacks nothing"
