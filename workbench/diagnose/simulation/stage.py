@@ -156,10 +156,10 @@ def simulation_stage(
     found = _stage(experiment, motions, start, base, with_them, given, progress)
     if found.after.excess > NEAR_NOISE and (led := found_led(experiment, motions, base, start)) is not None:
         again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
+        again = _sought_anew(experiment, motions, start, base, again, progress)
         if again.effects and again.after.rms < found.after.rms:
             gone = [effect for effect in given if effect not in again.effects]
             found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
-            found = _sought_anew(experiment, motions, start, base, found, progress)
             return _held_otherwise(experiment, motions, start, base, found, given, progress)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
