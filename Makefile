@@ -2,8 +2,10 @@
 PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
-# Without bytecode, which Python makes of what it uses: pip would make 190 MB.
+# Without bytecode, of which pip would make 190 MB: Python makes it of what it uses, and keeps it, whatever the shell says,
+# or else each command would compile anew what it imports.
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
+export PYTHONDONTWRITEBYTECODE :=
 STUDIES := thesis_chapter3 thesis_chapter3_steps lugre_reference hunting observers compensation rotary_drive two_inertia_drive
 QUICK := --draws 2 --fresh-draws 6
 COMPARISONS := comparison friction_model_worth hunting_rotation rotation_on_demand rotary_friction

@@ -37,7 +37,8 @@ from workbench.progress import Progress
 from workbench.records.experiment import Experiment
 
 STRAIGHTENED = 1.25
-"""Times the squares that a fit leaves, up to which another may leave less that leaves so much to first order."""
+"""Times the squares that a fit leaves far from noise, up to which another may leave less that leaves so much to first
+order."""
 
 SETTLED = 16
 """Fits of which it is remembered where they settle: a search asks for some more than once."""
@@ -245,9 +246,10 @@ def _as_commanded(experiment: Experiment, best: Simulated, fitting: Fitting) -> 
 
 def may_leave_less(how: Shooting, fitted: Fit, values: Values) -> bool:
     """Whether another way to simulate may leave less, by what it leaves beside `values` to first order in the
-    parameters of a fit.
+    parameters of a fit: beside one at noise, which nothing leaves less of, first order has to show it.
     """
     left, own = fitted.weighing(how.balance(fitted.balance.motions, ()).stacked(values)), fitted.jacobian
     own = own * fitted.free
     left = left - own @ (inverse(fitted.curvature) @ (own.T @ left))
-    return bool(left @ left < STRAIGHTENED * (fitted.weighed @ fitted.weighed))
+    most = STRAIGHTENED if fitted.excess > AT_NOISE else 1.0
+    return bool(left @ left < most * (fitted.weighed @ fitted.weighed))
