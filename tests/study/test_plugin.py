@@ -137,8 +137,8 @@ def test_the_whole_package_of_a_plugin_counts(tmp_path: Path, monkeypatch: pytes
 
 
 def test_compiled_code_follows_every_file_of_a_plugin(tmp_path: Path) -> None:
-    """Half the gain, in a file that the entry point does not name, leaves a larger error. Nobody edits a file twice in a
-    second, in which Python would not see it where the size stays.
+    """Half the gain, in a file that the entry point does not name, leaves a larger error. Nobody edits a file twice in
+    a second, in which Python would not see it where the size stays.
     """
     package = tmp_path / "apart"
     package.mkdir()
