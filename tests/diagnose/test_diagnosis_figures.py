@@ -128,6 +128,17 @@ def test_bins_show_what_a_residual_depends_on() -> None:
     assert np.all(spread < 0.25)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_no_autocorrelation_is_above_one(seed: int) -> None:
+    """Where few pairs are left, these are as large as they happen to be."""
+    draw = np.random.default_rng(seed)
+    slow = np.sin(0.02 * np.arange(400)) * draw.uniform(0.1, 10.0, 400)
+    slow[draw.random(400) < 0.9] = np.nan
+    _, values, _ = autocorrelation([slow])
+    assert values[0] == pytest.approx(1.0)
+    assert np.max(np.abs(values)) <= 1.0 + 1e-12
+
+
 def test_autocorrelation_of_a_first_order_process_with_gaps() -> None:
     """phi^k, whatever is missing."""
     noise = np.random.default_rng(6).standard_normal(40_000)

@@ -135,7 +135,7 @@ def test_a_value_that_is_not_identified_stands_in_the_plant_without_a_deviation(
     assert "coulomb" in deviations
     text = path.read_text()
     assert "not identified, the fit ran to the end of its range; it goes with the other values" in text
-    assert "not identified, its standard deviation exceeds half its value; it goes with the other values" in text
+    assert "not identified, the standard deviation exceeds half the value; it goes with the other values" in text
 
 
 def test_a_plant_that_cannot_hold_what_was_found_is_not_called_corrected(diagnosis: Diagnosis, tmp_path: Path) -> None:
@@ -246,6 +246,8 @@ def test_numbers_have_the_digits_that_say_something() -> None:
     assert quantity("friction_per_pressure", 6.593e-6, 1.7e-7) == "0.6593 ± 0.017 N/bar"
     assert quantity("coulomb_negative", 775.9295, 0.0070) == "775.9295 ± 0.0070 N"
     assert interval(413.0225, 0.0475) == "412.975 to 413.070"
+    assert quantity("leakage_coefficient", 1.200038e-12, 3.3e-17) == "0.1200038 ± 3.3e-06 cm^3/(s bar)"
+    assert interval(0.1200038, 6.5e-06) == "0.1199973 to 0.1200103"
 
 
 def test_tables_show_readable_units(diagnosis: Diagnosis) -> None:

@@ -80,6 +80,18 @@ def test_swapped_pressures(tmp_path: Path, method: str) -> None:
     )
 
 
+def test_swapped_pressures_under_a_declared_load(tmp_path: Path) -> None:
+    """A load drives the rod by itself at most."""
+    axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
+    swapped = (
+        AXIAL.replace('"pressure_1"', '"x"').replace('"pressure_2"', '"pressure_1"').replace('"x"', '"pressure_2"')
+    )
+    for load, told in (("20 N", True), ("2 kN", False)):
+        text = swapped.replace("[channels]", f'[plant.set]\nload_force = "{load}"\n[channels]', 1)
+        answer = workbench("check", write(tmp_path, text, "experiment.toml"))
+        assert ("friction does not oppose the motion (-" in answer.err) is told, (load, answer.err)
+
+
 def test_pressures_in_the_wrong_unit(tmp_path: Path) -> None:
     """bar declared as kPa: both chambers at half a percent of the supply."""
     axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)

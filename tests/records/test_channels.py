@@ -115,3 +115,26 @@ def test_an_acceleration_is_held_against_the_velocity(tmp_path: Path) -> None:
     text = STRAIGHT.replace("[[records]]", 'acceleration = { column = "a", unit = "m/s^2" }\n[[records]]')
     a = -360.0 * np.sin(6.0 * STEP * np.arange(4000))  # mm/s^2, declared as m/s^2
     assert "acceleration is 1e+03 times the slope of velocity: one of" in record_of(tmp_path, text, a=a).notes[1]
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "told"),
+    [
+        pytest.param("Weg [cm]", "mm", True, id="another unit of the same kind"),
+        pytest.param("Weg [mm]", "mm", False, id="the same"),
+        pytest.param("Weg [V]", "mm", False, id="what a sensor gives"),
+        pytest.param("Weg", "mm", False, id="none"),
+        pytest.param("Weg [cm]", "mm, scale = 10.0", False, id="converted"),
+    ],
+)
+def test_a_column_that_is_called_by_another_unit_is_told(column: str, unit: str, told: bool, tmp_path: Path) -> None:
+    kind, _, scale = unit.partition(",")
+    text = STRAIGHT.replace(
+        'column = "x", unit = "mm"', f'column = "{column}", unit = "{kind}"{"," * bool(scale)}{scale}'
+    )
+    record = record_of(tmp_path, text, **{column: 10.0 * np.sin(6.0 * STEP * np.arange(4000))})
+    said = f'the column of position is called "{column}", and its unit said to be mm: which is right?'
+    assert (said in record.notes) is told
+    checked = workbench("check", tmp_path / "experiment.toml")
+    assert checked.code == 0
+    assert (said in checked.out) is told

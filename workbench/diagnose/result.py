@@ -23,8 +23,8 @@ WORSE = 1.02
 """Error of a balance, after over before, beyond which what was found is rejected."""
 
 ENDED = "the fit ran to the end of its range"
-VAGUE = "its standard deviation exceeds half its value"
-MISLED = "what was found moves it beyond what its standard deviation allows"
+VAGUE = "the standard deviation exceeds half the value"
+MISLED = "what was found moves the value beyond what its standard deviation allows"
 """Why a parameter is not identified."""
 
 BALANCE_ERRORS = {

@@ -1,5 +1,6 @@
 """The channels of an experiment: where each stands in a file, and how its numbers become SI along the plant's axis."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -7,6 +8,7 @@ from plants.axis import LINEAR, ROTARY, unit_along
 from plants.interface import Plant
 from workbench.errors import nearest
 from workbench.records.schema import CHANNELS, ChannelTable
+from workbench.records.spelled import without_unit
 from workbench.toml import reading as files
 from workbench.toml.units import QuantityError, factor, nearest_unit, si
 
@@ -21,7 +23,8 @@ AXES = {LINEAR: "goes straight", ROTARY: "turns"}
 class ChannelSpec:
     """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
 
-    SI value = factor * number + offset. `called` is its name in the experiment file.
+    SI value = factor * number + offset. `called` is its name in the experiment file; `doubt` says why its unit may be
+    wrong, "" where nothing speaks against it.
     """
 
     called: str
@@ -29,6 +32,7 @@ class ChannelSpec:
     factor: float
     offset: float
     anti_alias: float
+    doubt: str = ""
 
 
 def unit_of(name: str, plant: Plant) -> str:
@@ -53,10 +57,26 @@ def channels_of(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, C
         cutoff = quantity(table.anti_alias, "Hz", ("channels", called, "anti_alias"))
         raw = table.offset
         offset = raw * scale if isinstance(raw, float) else quantity(raw, unit, ("channels", called, "offset"))
-        specs[name] = ChannelSpec(called, table.column, table.scale * scale, offset, cutoff)
+        specs[name] = ChannelSpec(
+            called, table.column, table.scale * scale, offset, cutoff, _doubt(called, table, unit, scale)
+        )
     if "time" not in specs:
         raise files.SchemaError(("channels", "time"), "is missing; this key is needed here")
     return specs
+
+
+def _doubt(called: str, table: ChannelTable, unit: str, scale: float) -> str:
+    """That the column of a channel, as it is called, has another unit of the same kind; one with a `scale` of its own
+    is converted by somebody who knows.
+    """
+    named = without_unit(table.column)[1] if isinstance(table.column, str) and table.scale == 1.0 else ""
+    try:
+        other = factor(named, unit) if named else scale
+    except QuantityError:
+        return ""
+    if math.isclose(other, scale):
+        return ""
+    return f'the column of {called} is called "{table.column}", and its unit said to be {table.unit}: which is right?'
 
 
 def quantity(value: float | str, unit: str, place: files.Key) -> float:

@@ -67,8 +67,8 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     """Whether the force that pressures or a load cell show opposes the motion, on the average over the way of a record
     in its pieces; or a drive's command gives work to it.
 
-    What the pressure sensors may be off by, as [sensors] has it, is allowed for; a plant under a load or on a spring is
-    not judged.
+    What the pressure sensors may be off by, as [sensors] has it, is allowed for, and a declared load; a plant under a
+    load that nobody knows, or on a spring, is not judged, nor a drive that carries a load.
 
     Raises:
         UserError: it drives the rod instead.
@@ -78,10 +78,11 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     pressures = all(name in channels for name in AXIAL)
     free = experiment.free or ()
     load = name_along("load_force", experiment.plant.axis)
-    if any(values.get(name) or name in free for name in (load, "spring_stiffness")):
+    if load in free or values.get("spring_stiffness") or "spring_stiffness" in free:
         return
     if not pressures and not ("position" in channels and "force" in channels):
-        _check_command_works(pieces)
+        if not values.get(load):
+            _check_command_works(pieces)
         return
     data = [friction_of(piece, experiment) for piece in pieces]
     velocity, force = (
@@ -94,7 +95,7 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     opposing = float(np.sum(velocity * force) / np.sum(np.abs(velocity)))
     areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
     offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]
-    if opposing < -float(np.linalg.norm(np.multiply(areas, offsets))):
+    if opposing < -float(np.linalg.norm(np.multiply(areas, offsets))) - abs(values.get(load, 0.0)):
         unit = SHOWN[experiment.plant.axis].force_unit
         cause = "are the columns of pressure_1 and pressure_2 swapped, or is" if pressures else "is"
         raise UserError(

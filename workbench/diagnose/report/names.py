@@ -25,7 +25,7 @@ ERRORS = {
 }
 """Figures of the error: in words, the unit that they have, the unit that is shown."""
 
-MOST_DECIMALS, READABLE = 6, 1e7
+MOST_DECIMALS, READABLE = 9, 1e7
 """Decimals, and a size, up to which a number is written out."""
 
 _COARSE = {"Pa": 1e6, "s": 0.1}

@@ -167,22 +167,24 @@ def binned(signal: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.nda
 def autocorrelation(series: Sequence[np.ndarray], step: float = THINNED) -> tuple[np.ndarray, np.ndarray, float]:
     """Lags (s), autocorrelation over all series, and what white noise of that many values keeps to in 95 %.
 
-    Values that are NaN take no part. A series is sampled every `step` (s).
+    Values that are NaN take no part: of each lag it is the correlation of the pairs that are there, 1 at most. A series
+    is sampled every `step` (s).
     """
     series = [values for values in series if np.isfinite(values).any()]
     shortest = min(values.size for values in series)
     count = min(max(round(LONGEST_LAG / step), LEAST_LAGS), shortest // 2)
     filled = [np.where(np.isfinite(values), values - np.nanmean(values), 0.0) for values in series]
     known = [np.isfinite(values).astype(float) for values in series]
-    means = []
+    squares = [values**2 for values in filled]
+    correlation = np.zeros(count + 1)
     for lag in range(count + 1):
-        products, pairs = _lagged(filled, lag), _lagged(known, lag)
-        means.append(products / max(pairs, 1.0))
+        early, late = _lagged(squares, known, lag), _lagged(known, squares, lag)
+        correlation[lag] = _lagged(filled, filled, lag) / max(np.sqrt(early * late), 1e-300)
     total = sum(float(np.sum(values)) for values in known)
-    correlation = np.array(means)
-    return step * np.arange(count + 1), correlation / max(correlation[0], 1e-300), 1.96 / np.sqrt(max(total, 1.0))
+    return step * np.arange(count + 1), correlation, 1.96 / np.sqrt(max(total, 1.0))
 
 
-def _lagged(series: Sequence[np.ndarray], lag: int) -> float:
-    """Sum of the products of values that are `lag` samples apart."""
-    return sum(float(values[: values.size - lag] @ values[lag:]) for values in series)
+def _lagged(series: Sequence[np.ndarray], others: Sequence[np.ndarray], lag: int) -> float:
+    """Sum of the products of values with those of the others `lag` samples later."""
+    pairs = zip(series, others, strict=True)
+    return sum(float(values[: values.size - lag] @ other[lag:]) for values, other in pairs)

@@ -3,7 +3,7 @@ floor, what simulation says, which parameters the records do not identify, and w
 the records.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
@@ -11,7 +11,7 @@ from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, 
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import FAR, WORSE, Diagnosis, FoundEffect
+from workbench.diagnose.result import FAR, WORSE, Diagnosis, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm
@@ -215,7 +215,8 @@ def _of_parameters(diagnosis: Diagnosis) -> list[str]:
     first = [name for name, row in rows.items() if row.baseline is not None and row.baseline.doubt]
     lines = []
     if first:
-        lines.append(f"Without effects (baseline) the records do not identify {listed(first)}.")
+        why = _reasons([row.baseline for row in rows.values() if row.baseline is not None])
+        lines.append(f"Without effects (baseline) the records do not identify {listed(first)}: {why}.")
     if final:
         lines.append(f"With what was found the records do not identify {listed(final)}: {_doubts(final, rows)}.")
     elif first:
@@ -225,5 +226,9 @@ def _of_parameters(diagnosis: Diagnosis) -> list[str]:
 
 def _doubts(names: list[str], rows: Mapping[str, Row]) -> str:
     """Why parameters are not identified, and what plant.toml has of them."""
-    reasons = dict.fromkeys(rows[name].final.doubt for name in names)
-    return f"{listed(list(reasons), 'or')}. In plant.toml such a value stands without a deviation"
+    return f"{_reasons([rows[name].final for name in names])}. In plant.toml such a value stands without a deviation"
+
+
+def _reasons(parameters: Sequence[FittedParameter]) -> str:
+    """Why any of these is not identified."""
+    return listed(list(dict.fromkeys(one.doubt for one in parameters if one.doubt)), "or")
