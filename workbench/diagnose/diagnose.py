@@ -58,7 +58,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
                 stage, effects, start = plain, sensor, plain.simulation_start(sensor)
                 them = simulated_with(experiment, base, start, progress)
         if them is not None and them.fit.excess > NEAR_NOISE:
-            them = nearer_with(experiment, base, them, start)
+            them = nearer_with(experiment, base, them, start, progress)
         simulation = simulation_stage(experiment, start, base, them, progress)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 

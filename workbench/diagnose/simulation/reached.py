@@ -91,7 +91,7 @@ def simulated_baseline(
 
 def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
     """The same once more, by ways that lead nearer to noise."""
-    progress("simulating the declared plant", 0.45)
+    progress("leading the declared plant along its records")
     fitting = Fitting(base.fit.balance.motions, base.fit.names, experiment.bounds)
     return _baseline(experiment, _settled(experiment, _nearer(base, fitting, start.baseline), fitting))
 
@@ -125,8 +125,11 @@ def simulated_with(
     return _settled(experiment, *begun)
 
 
-def nearer_with(experiment: Experiment, base: Simulated, them: Simulated, start: SimulationStart) -> Simulated:
+def nearer_with(
+    experiment: Experiment, base: Simulated, them: Simulated, start: SimulationStart, progress: Progress
+) -> Simulated:
     """The same once more, by ways that lead nearer to noise."""
+    progress("leading the plant with what was found along its records")
     fitting = Fitting(them.fit.balance.motions, them.fit.names, experiment.bounds)
     return _settled(experiment, _nearer(them, fitting, _beside(base, start, them.fit.names)), fitting)
 

@@ -154,7 +154,11 @@ def simulation_stage(
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
-    if found.after.excess > NEAR_NOISE and (led := found_led(experiment, motions, base, start)) is not None:
+    led = None
+    if found.after.excess > NEAR_NOISE:
+        progress("effects while a loop leads the plant along its records")
+        led = found_led(experiment, motions, base, start)
+    if led is not None:
         again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
         again = _sought_anew(experiment, motions, start, base, again, progress)
         if again.effects and again.after.rms < found.after.rms:
