@@ -61,7 +61,12 @@ def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], 
         said = "; ".join(f"{name}: {why}" for name, why in reasons.items())
         alike = len(set(reasons.values())) == 1
         raise UserError(f"{content.path}: {reasons['diagnose'] if alike else f'no command can use it: {said}'}")
-    lines = [f"{name}: " + (f"not, since {why}" if why else "can use it") for name, why in reasons.items()]
+    needed = {name: [spec for spec in content.records if name == "diagnose" or spec.use == "fit"] for name in reasons}
+    serves = {
+        name: "can use it" + " once its records are there" * (not all(spec.is_there for spec in specs))
+        for name, specs in needed.items()
+    }
+    lines = [f"{name}: " + (f"not, since {why}" if why else serves[name]) for name, why in reasons.items()]
     return list(dict.fromkeys(name.split()[0] for name, why in reasons.items() if not why)), lines
 
 
