@@ -110,12 +110,15 @@ def test_what_is_not_identified_is_marked_and_by_which_fit(diagnosis: Diagnosis)
     lines = sureness(marked)
     baseline = next(line for line in lines if line.startswith("Without effects (baseline) the records do not identify"))
     assert "stribeck" in baseline
+    assert baseline.endswith(
+        "beyond what its standard deviation allows or the standard deviation exceeds half the value."
+    )
     assert "With what was found they identify every parameter that was fitted." in lines
     both = doubting(marked, "fitted_parameters", "stribeck", std=1e4)
     remark = parameter_table(both).set_index("parameter").loc["stribeck", "remark"]
     assert remark == "not identified by the baseline, with effects"
     assert any(
-        line.startswith("With what was found the records do not identify stribeck: its st") for line in sureness(both)
+        line.startswith("With what was found the records do not identify stribeck: the st") for line in sureness(both)
     )
 
 
@@ -181,6 +184,14 @@ def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis, floors: t
     drawn = f"noise floor (from draw to draw of that noise ± {shown_number(100.0 * spread, 2)} %)"
     said = EXPLAINED[floors].replace("noise floor", drawn, 1)
     assert line == f"What is left of the force balance is {said}"
+
+
+@pytest.mark.parametrize("floors", [1e20, np.nan])
+def test_a_balance_that_runs_away_is_not_held_against_its_floor(diagnosis: Diagnosis, floors: float) -> None:
+    """What swings along the motion may go beyond all bounds, and no quiet sensor is why."""
+    lines = sureness(with_left(diagnosis, {"force": floors}))
+    assert "The force balance runs away along the measured motion, and tells nothing." in lines
+    assert not any(line.startswith("What is left of the force balance is") for line in lines)
 
 
 def test_what_is_far_from_its_floor_and_not_called_unexplained_is_accounted_for(diagnosis: Diagnosis) -> None:

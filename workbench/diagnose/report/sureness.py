@@ -23,6 +23,11 @@ from workbench.toml.units import factor
 QUIET = 100.0
 """Floors that only the floor's smallness makes, where the simulated plant fits."""
 
+AWAY = 1e6
+"""Floors that nothing measured leaves: what is carried along the motion, as a load that swings, has gone beyond all
+bounds.
+"""
+
 
 def sureness(diagnosis: Diagnosis) -> list[str]:
     """How sure the verdict is, a line each: evidence, what remains over the floor, what the records do not show."""
@@ -80,6 +85,8 @@ def _of_effect(diagnosis: Diagnosis, effect: FoundEffect) -> str:
 def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
     """What is left of a balance in floors, on the records that were fitted and on those that were not."""
     fitted, tested = result.after.rms, held_out_floors(diagnosis, result)
+    if not fitted < AWAY:
+        return f"The {words_of(result.balance)} balance runs away along the measured motion, and tells nothing."
     times = f"{shown_number(fitted, 3)} times its noise floor"
     if result.balance.spread is not None:
         times += f" (from draw to draw of that noise ± {shown_number(100.0 * result.balance.spread, 2)} %)"
