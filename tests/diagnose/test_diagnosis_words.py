@@ -46,6 +46,14 @@ def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     assert none.simulation is not None
     off = f"{none.simulation.result.after.rms:.1f}"
     assert f"simulated along the records, is off by {off} standard deviations" in verdict_sentence(none)
+    noise = none.simulation.after
+    hum = replace(
+        none, simulation=replace(none.simulation, after=replace(noise, residual=3.6 / noise.rms * noise.residual))
+    )
+    assert verdict_sentence(hum).endswith(
+        "is off by 3.6 standard deviations of the sensors' noise, more than noise from sample to sample: the rest is "
+        "slow or hums, and goes with no signal; no known effect lowers that on data left out."
+    )
     none = replace(none, simulation=None)
     assert verdict_sentence(none).startswith("None missing: the declared plant, with its own parameters fitted, expl")
     assert " (" in verdict_sentence(none).partition("times the noise floor")[2], "judged on held-out records too"

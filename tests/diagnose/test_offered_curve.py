@@ -65,6 +65,9 @@ def test_the_file_of_the_corrected_plant_has_it_and_a_plant_of_that_file_has_it_
     diagnosed: tuple[Answer, Diagnosis],
 ) -> None:
     text = plant_file(replace(diagnosed[1], unexplained=FORCE))
+    reserve = "something is missing that no effect explains, and no deviation here counts what it moves"
+    assert reserve in text
+    assert reserve not in plant_file(replace(diagnosed[1], unexplained=None))
     values = {name: entry["value"] for name, entry in tomllib.loads(text)["parameters"].items()}
     assert values["position_force_curve_share"] == 0
     assert values["position_force_curve_12"] == "40 N"

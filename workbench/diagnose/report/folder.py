@@ -128,7 +128,9 @@ def plant_file(diagnosis: Diagnosis) -> str:
         source += f"; {model} cannot hold {listed_names(lost)}: the values are those of the fit without effects"
         fitted = {name: row.baseline for name, row in rows.items() if row.baseline is not None}
     else:
-        title = f"corrected by {experiment.path.name}"
+        title = f"{'corrected' if diagnosis.effects else 'fitted'} by {experiment.path.name}"
+        if diagnosis.unexplained is not None:
+            source += "; something is missing that no effect explains, and no deviation here counts what it moves"
         fitted = {name: row.final for name, row in rows.items() if _acts(name, row.final.value)}
     entries = []
     for name in dict.fromkeys([*experiment.values, *(name for name in fitted if name in known)]):

@@ -69,10 +69,12 @@ def _undecided(diagnosis: Diagnosis) -> str:
 def _none_missing(diagnosis: Diagnosis) -> str:
     simulation = diagnosis.simulation
     if simulation is not None:
+        off = simulation.after.rms
+        more = ", more than noise from sample to sample: the rest is slow or hums, and goes with no signal; "
         return (
             "None missing: the declared plant, with its own parameters fitted and simulated along the records, is off "
-            f"by {simulation.after.rms:.1f} standard deviations of the sensors' noise, and no known effect lowers "
-            "that on data left out."
+            f"by {off:.1f} standard deviations of the sensors' noise{', and ' if off < NOISE else more}"
+            "no known effect lowers that on data left out."
         )
     most = max(result.after.rms for result in diagnosis.results)
     tested = max((ratio for result in diagnosis.results if (ratio := held_out_floors(diagnosis, result))), default=0.0)
