@@ -216,7 +216,7 @@ def test_check_names_the_file_that_was_meant(tmp_path: Path) -> None:
     answer = checked(tmp_path, text)
     assert (answer.code, answer.err) == (0, "")
     assert 'de_drive_C.parquet: is not there (yet?); did you mean "de_drive_B.parquet"?\n' in answer.out
-    assert "\n  diagnose: can use it once its records are there\n" in answer.out
+    assert "\n  diagnose: can use it as soon as all records are there\n" in answer.out
 
 
 def test_check_says_whom_a_record_is_missing(tmp_path: Path) -> None:
@@ -225,7 +225,7 @@ def test_check_says_whom_a_record_is_missing(tmp_path: Path) -> None:
     text = AXIAL.partition("[[published]]")[0].replace("run_*.parquet", "de_drive_B.parquet")
     answer = checked(tmp_path, text + '[[records]]\nfile = "de_drive_C.parquet"\nuse = "held_out"\n')
     assert (answer.code, answer.err) == (0, "")
-    assert "\n  identify: can use it\n  diagnose: can use it once" in answer.out
+    assert "\n  identify: can use it\n  diagnose: can use it as soon" in answer.out
 
 
 def test_check_says_which_records_are_not_there_yet(tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], 
         raise UserError(f"{content.path}: {reasons['diagnose'] if alike else f'no command can use it: {said}'}")
     needed = {name: [spec for spec in content.records if name == "diagnose" or spec.use == "fit"] for name in reasons}
     serves = {
-        name: "can use it" + " once its records are there" * (not all(spec.is_there for spec in specs))
+        name: "can use it" + " as soon as all records are there" * (not all(spec.is_there for spec in specs))
         for name, specs in needed.items()
     }
     lines = [f"{name}: " + (f"not, since {why}" if why else serves[name]) for name, why in reasons.items()]
