@@ -62,11 +62,11 @@ def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], 
         alike = len(set(reasons.values())) == 1
         raise UserError(f"{content.path}: {reasons['diagnose'] if alike else f'no command can use it: {said}'}")
     needed = {name: [spec for spec in content.records if name == "diagnose" or spec.use == "fit"] for name in reasons}
-    serves = {
+    use = {
         name: "can use it" + " as soon as all records are there" * (not all(spec.is_there for spec in specs))
         for name, specs in needed.items()
     }
-    lines = [f"{name}: " + (f"not, since {why}" if why else serves[name]) for name, why in reasons.items()]
+    lines = [f"{name}: " + (f"not, since {why}" if why else use[name]) for name, why in reasons.items()]
     return list(dict.fromkeys(name.split()[0] for name, why in reasons.items() if not why)), lines
 
 

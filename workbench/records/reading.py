@@ -88,7 +88,7 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
     pieces, notes = pieces_of(spec.path, series, spec.sample_time)
     step = pieces[0].step
     notes += [sight_note(step)] * bool(sight_note(step))
-    notes += [spec.doubt for spec in experiment.channels.values() if spec.doubt]
+    notes += [channel.doubt for channel in experiment.channels.values() if channel.doubt]
     notes += agreement_notes([piece.channels for piece in pieces], step)
     together = _together(pieces)
     for name, values in together.items():

@@ -95,7 +95,8 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     opposing = float(np.sum(velocity * force) / np.sum(np.abs(velocity)))
     areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
     offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]
-    if opposing < -float(np.linalg.norm(np.multiply(areas, offsets))) - abs(values.get(load, 0.0)):
+    allowed = float(np.linalg.norm(np.multiply(areas, offsets))) + abs(values.get(load, 0.0))
+    if opposing < -allowed:
         unit = SHOWN[experiment.plant.axis].force_unit
         cause = "are the columns of pressure_1 and pressure_2 swapped, or is" if pressures else "is"
         raise UserError(

@@ -193,7 +193,8 @@ def _sought_anew(
     fitting = Fitting(motions, base.fit.names, experiment.bounds)
     nearer = fitting.final(fitting.found(replace(found.how, begins={}), found.before.values))
     again = _stage(experiment, motions, start, exactly(nearer, fitting), None, {}, progress)
-    return replace(again, dropped=[effect for effect in found.effects if effect not in again.effects])
+    gone = [effect for effect in (*found.dropped, *found.effects) if effect not in again.effects]
+    return replace(again, dropped=gone)
 
 
 def _held_otherwise(
