@@ -8,6 +8,8 @@ from scipy.linalg import expm
 from scipy.special import ellipj, ellipk
 from support import COLLAPSE, EXPLOSION, OSCILLATOR, PENDULUM, start
 
+from workbench.simulation.integrators.interface import check
+from workbench.simulation.integrators.ros34pw2 import ROS34PW2
 from workbench.simulation.references import Recorded
 from workbench.simulation.sensors import Sensors
 from workbench.simulation.simulate import Feed, Integrator, Run, Setup, simulate, solver_error
@@ -64,6 +66,55 @@ def test_order_of_convergence_of_a_method_by_its_tableau() -> None:
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([3.0, 3.0], abs=0.1)
 
 
+def test_order_of_convergence_of_an_implicit_method_by_its_tableau() -> None:
+    """As above, of a pair of order 3: that of a swing, and of one that ramps push, which its steps see as df/dt."""
+    method = Integrator("ros34pw2", tolerance=1e3)
+    setups = [replace(SWING, sample_time=h, integrator=method) for h in (0.025, 0.0125, 0.00625)]
+    errors = [true_error(setup)[1] for setup in setups]
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([3.0, 3.0], abs=0.1)
+    errors = []
+    for h in (0.02, 0.01, 0.005):
+        ramp = Feed("force", Recorded(np.array([0.0, 4.0]), np.array([0.0, 4.0])))
+        pushed = start(OSCILLATOR, stiffness=4.0, duration=4.0, sample_time=h, feeds=(ramp,), integrator=method)
+        run = simulate(pushed)
+        errors.append(np.max(np.abs(run.state("position") - (run.time / 4.0 - np.sin(2.0 * run.time) / 8.0))))
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([3.0, 3.0], abs=0.1)
+
+
+def test_an_implicit_method_keeps_its_order_whatever_its_jacobian_is() -> None:
+    """The order conditions of W-methods for the trees of up to three nodes (Hairer, Wanner 1996, section IV.7)."""
+    method, count = ROS34PW2, ROS34PW2.count
+    a, g = np.zeros((count, count)), np.zeros((count, count))
+    for i, row in enumerate(method.stages, start=1):
+        a[i, : len(row)] = row
+    for i, row in enumerate(method.implicit):
+        g[i, : len(row)] = row
+    b, one = np.array(method.weights), np.ones(count)
+    assert [b @ one, b @ a @ one, b @ g @ one] == pytest.approx([1.0, 0.5, 0.0], abs=1e-14)
+    assert b @ (a @ one) ** 2 == pytest.approx(1.0 / 3.0, abs=1e-14)
+    assert [b @ x @ y @ one for x in (a, g) for y in (a, g)] == pytest.approx([1.0 / 6.0, 0.0, 0.0, 0.0], abs=1e-14)
+    embedded = b - np.array(method.errors)
+    assert [embedded @ one, embedded @ (a + g) @ one] == pytest.approx([1.0, 0.5], abs=1e-14)
+
+
+def test_an_implicit_method_takes_few_steps_of_a_stiff_plant() -> None:
+    """k = 1e6 N/m and c = 1e6 N s/m: after a layer of 1e-6 s the mass creeps back by exp(-t). Explicit steps are as
+    short as the layer for good.
+    """
+    stiff = start(OSCILLATOR, 1.0, stiffness=1e6, damping=1e6, duration=1.0, sample_time=0.01)
+    explicit = simulate(stiff)
+    implicit = simulate(replace(stiff, integrator=Integrator("ros34pw2")))
+    assert implicit.steps < 3e-3 * explicit.steps
+    rate = 0.5e6 * (1.0 - np.sqrt(1.0 - 4e-6))
+    assert implicit.state("position") == pytest.approx(np.exp(-rate * implicit.time), abs=1e-5)
+
+
+def test_a_tableau_that_is_none_is_told() -> None:
+    for implicit in (ROS34PW2.implicit[:-1], ((0.4,), *ROS34PW2.implicit[1:])):
+        with pytest.raises(ValueError, match="implicit: expected a row of i numbers"):
+            check(replace(ROS34PW2, implicit=implicit))
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9])
 def test_error_follows_the_tolerance(tolerance: float) -> None:
     """Each step errs by at most tolerance (1 + |x|); the pendulum adds them up to less than 10 times that."""
@@ -78,6 +129,7 @@ def test_error_follows_the_tolerance(tolerance: float) -> None:
         (Integrator("heun", 2e-3), 3.0 / 4.0),
         (Integrator("rk4", 2e-2), 15.0 / 16.0),
         (Integrator("bogacki_shampine", tolerance=1e-6), 1.0),
+        (Integrator("ros34pw2", tolerance=1e-6), 1.0),
         (Integrator(tolerance=1e-6), 0.88),
     ],
 )

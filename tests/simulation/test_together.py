@@ -54,6 +54,8 @@ def is_same(run: Run, other: Run) -> bool:
         {},
         {"sensors": FILTERED},
         {"integrator": Integrator("bogacki_shampine", tolerance=1e-4)},
+        {"integrator": Integrator("ros34pw2", tolerance=1e-4)},
+        {"sensors": FILTERED, "integrator": Integrator("ros34pw2", tolerance=1e-3)},
         {"integrator": Integrator("rk4", 5e-5)},
         {"sensors": FILTERED, "integrator": Integrator("heun", 2e-5)},
         {"integrator": Integrator(tolerance=1e-4, fewest=3)},

@@ -1,6 +1,9 @@
-"""A whole step of a plant by an explicit Runge-Kutta method, as machine code of any number of states and lanes.
+"""A whole step of a plant by a Runge-Kutta method, as machine code of any number of states and lanes.
 
-The method's sums are written out over vectors of lanes: plants alike that go side by side. The plant itself is known by
+The method's sums are written out over vectors of lanes: plants alike that go side by side. Of a linearly implicit one
+so is the elimination of its linear system, without pivots: where h g J is large its diagonal is as well, since what is
+fast in a plant is damped, or swings and then stands beside the diagonal with opposite signs; where a pivot fails, the
+error is no number, and the step becomes shorter. The plant itself is known by
 the address of its rates, so that a step serves every plant of so many states. Beside the plant's states stand those of
 the sensors' anti-alias filters, so that these are integrated as exactly as the plant.
 """
@@ -21,6 +24,12 @@ CLOCK, KNOWN, RAMPED = 5, 3, 4
 """Numbers of a step's clock: its start and its length (s), when its inputs began to change; and, of all lanes the first
 one's, whether the slopes at its start are known, and whether inputs are ramps: 1, else 0.
 """
+
+NUDGE = 1.5e-8
+"""Share of a state and of its typical magnitude by which a difference quotient moves it: the root of the rounding."""
+
+AHEAD = 1e-3
+"""Share of a step over which a ramp of the inputs is seen."""
 
 
 def filtered_rates(plant: Plant) -> Equation:
@@ -54,8 +63,10 @@ def sizes_of(plant: Plant, filtered: bool) -> tuple[int, int, int]:
 
 
 def work_size(method: IntegrationMethod, states: int, inputs: int) -> int:
-    """Numbers of a lane that a step works on: slopes, the state and the inputs of a stage, and its time."""
-    return (method.count + 1) * states + inputs + 1
+    """Numbers of a lane that a step works on: slopes, the state and the inputs of a stage, its time, and one more rate
+    of an implicit method.
+    """
+    return (method.count + 1 + bool(method.implicit)) * states + inputs + 1
 
 
 @functools.cache
@@ -93,6 +104,7 @@ class _Writer:
             self._at(work, place)
             for place in (method.count * states, (method.count + 1) * states, (method.count + 1) * states + inputs)
         )
+        self.nudged = self._at(work, (method.count + 1) * states + inputs + 1)
         self.ramped = self._holds(RAMPED)
         self.fed = self.builder.select(self.ramped, self.given, self.now)
         by_value = NUMBER_TYPE if lanes == 1 else POINTER_TYPE
@@ -104,6 +116,16 @@ class _Writer:
         method, builder = self.method, self.builder
         start, h = self._load(self.clock, 0), self._load(self.clock, 1)
         begun = [self._load(self.y, j) for j in range(self.states)]
+        if method.implicit:
+            self._implicitly(start, h, begun)
+        else:
+            self._explicitly(start, h, begun)
+        builder.ret_void()
+        engine = compiled(str(self.module))
+        return MachineCode(engine.get_function_address("equations"), (True,) * 9, False, engine)
+
+    def _explicitly(self, start: Any, h: Any, begun: Sequence[Any]) -> None:
+        method, builder = self.method, self.builder
         if method.errors:  # the last slopes of a step are the first of the next one
             with builder.if_then(builder.not_(self._holds(KNOWN))):
                 self._rate(start, self.y, 0)
@@ -118,9 +140,63 @@ class _Writer:
             self._store(self._error(begun, h), self.behind, self.states)
         else:
             self._advance(self.behind, begun, h, method.weights)
-        builder.ret_void()
-        engine = compiled(str(self.module))
-        return MachineCode(engine.get_function_address("equations"), (True,) * 9, False, engine)
+
+    def _implicitly(self, start: Any, h: Any, begun: Sequence[Any]) -> None:
+        method, builder, places = self.method, self.builder, range(self.states)
+        self._rate(start, self.y, 0)
+        rates = [self._load(self.found, j) for j in places]
+        onward = self._onward(start, h, rates)
+        own = method.implicit[0][-1]
+        system = _Eliminated(
+            builder, self._number(1.0), self._system(start, begun, rates, builder.fmul(h, self._number(own)))
+        )
+        for stage, row in enumerate(method.implicit):
+            if stage > 0:
+                self._advance(self.trial, begun, h, method.stages[stage - 1])
+                self._rate(
+                    builder.fadd(start, builder.fmul(self._number(method.nodes[stage - 1]), h)), self.trial, stage
+                )
+            before = [self._combined([value / own for value in row[:-1]], j) for j in places]
+            given = []
+            for j in places:
+                rate = builder.fadd(
+                    self._load(self.found, stage * self.states + j), builder.fmul(self._number(sum(row)), onward[j])
+                )
+                given.append(rate if before[j] is None else builder.fadd(rate, before[j]))
+            for j, slope in enumerate(system.solved(given)):
+                slope = slope if before[j] is None else builder.fsub(slope, before[j])
+                self._store(slope, self.found, stage * self.states + j)
+        self._advance(self.behind, begun, h, method.weights)
+        if method.errors:
+            self._store(self._error(begun, h), self.behind, self.states)
+
+    def _onward(self, start: Any, h: Any, rates: Sequence[Any]) -> list[Any]:
+        """h df/dt, of inputs that are ramps."""
+        builder = self.builder
+        for j in range(self.states):
+            self._store(self._number(0.0), self.nudged, j)
+        with builder.if_then(self.ramped):
+            self._rate(builder.fadd(start, builder.fmul(self._number(AHEAD), h)), self.y, self.method.count + 1)
+            for j, rate in enumerate(rates):
+                moved = builder.fsub(self._load(self.nudged, j), rate)
+                self._store(builder.fdiv(moved, self._number(AHEAD)), self.nudged, j)
+        return [self._load(self.nudged, j) for j in range(self.states)]
+
+    def _system(self, start: Any, begun: Sequence[Any], rates: Sequence[Any], share: Any) -> list[list[Any]]:
+        """I - h g J, by rows; `share` is h g."""
+        builder, places = self.builder, range(self.states)
+        columns = []
+        for j in places:
+            self._store(begun[j], self.trial, j)
+        for j, old in enumerate(begun):
+            nudge = builder.fmul(self._number(NUDGE), builder.fadd(self._load(self.control, 1 + j), self._size(old)))
+            self._store(builder.fadd(old, nudge), self.trial, j)
+            self._rate(start, self.trial, self.method.count + 1)
+            self._store(old, self.trial, j)
+            over = builder.fdiv(share, builder.fsub(builder.fadd(old, nudge), old))
+            columns.append([builder.fmul(over, builder.fsub(rates[i], self._load(self.nudged, i))) for i in places])
+        one = self._number(1.0)
+        return [[builder.fadd(one, columns[j][i]) if i == j else columns[j][i] for j in places] for i in places]
 
     def _holds(self, place: int) -> Any:
         """What the clock says of all lanes."""
@@ -128,7 +204,7 @@ class _Writer:
         return self.builder.fcmp_ordered("!=", number, ir.Constant(NUMBER_TYPE, 0.0))
 
     def _rate(self, time: Any, y: Any, stage: int) -> None:
-        """The slopes of a stage."""
+        """The rates of a stage, in the place of its slopes; behind the last one's those of no stage."""
         builder = self.builder
         with builder.if_then(self.ramped):
             since = builder.fsub(time, self._load(self.clock, 2))
@@ -138,7 +214,7 @@ class _Writer:
         if self.lanes > 1:
             self._store(time, self.time, 0)
             time = self.time
-        into = self._at(self.found, stage * self.states)
+        into = self._at(self.found, stage * self.states) if stage < self.method.count else self.nudged
         builder.call(self.rates, [time, y, self.fed, self.parameters, into])
 
     def _advance(self, target: Any, begun: Sequence[Any], h: Any, weights: Sequence[float]) -> None:
@@ -158,7 +234,7 @@ class _Writer:
         return worst
 
     def _combined(self, weights: Sequence[float], j: int) -> Any:
-        """The sum of w_i k_i in place `j`, of those slopes that have a weight."""
+        """The sum of w_i k_i in place `j`, of those slopes that have a weight; None of none."""
         builder, total = self.builder, None
         for stage, weight in enumerate(weights):
             if weight != 0.0:
@@ -186,3 +262,31 @@ class _Writer:
 
     def _at(self, pointer: Any, place: int) -> Any:
         return self.builder.gep(pointer, [ir.Constant(ir.IntType(64), place * self.lanes)])
+
+
+class _Eliminated:
+    """A linear system by Gauss's elimination, written out."""
+
+    def __init__(self, builder: ir.IRBuilder, one: Any, rows: Sequence[Sequence[Any]]) -> None:
+        self._builder, self._rows = builder, [list(row) for row in rows]
+        size, self._over = len(rows), list[Any]()
+        for pivot in range(size):
+            over = builder.fdiv(one, self._rows[pivot][pivot])
+            self._over.append(over)
+            for i in range(pivot + 1, size):
+                factor = builder.fmul(self._rows[i][pivot], over)
+                self._rows[i][pivot] = factor
+                for j in range(pivot + 1, size):
+                    self._rows[i][j] = builder.fsub(self._rows[i][j], builder.fmul(factor, self._rows[pivot][j]))
+
+    def solved(self, given: Sequence[Any]) -> list[Any]:
+        """The unknowns of one right side."""
+        builder, x = self._builder, list(given)
+        for i in range(len(x)):
+            for j in range(i):
+                x[i] = builder.fsub(x[i], builder.fmul(self._rows[i][j], x[j]))
+        for i in reversed(range(len(x))):
+            for j in range(i + 1, len(x)):
+                x[i] = builder.fsub(x[i], builder.fmul(self._rows[i][j], x[j]))
+            x[i] = builder.fmul(x[i], self._over[i])
+        return x

@@ -26,6 +26,7 @@ from workbench.diagnose.simulation.beside import Followed
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.leading import led, quickest
+from workbench.diagnose.simulation.stiffness import method_for
 from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
@@ -358,6 +359,7 @@ class Shooting:
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
+        integrator = replace(setup.integrator, method=method_for(along, motion, values))
         followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
@@ -394,6 +396,7 @@ class Shooting:
                     duration=record.sample_time * (min(per, size - k) - 1),
                     feeds=tuple(_from(feed, k * record.sample_time) for feed in feeds),
                     reference=setup.reference if followed is None else followed.since(k * record.sample_time),
+                    integrator=integrator,
                 ),
             )
 

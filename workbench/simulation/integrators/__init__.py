@@ -1,1 +1,1 @@
-"""Integration methods as objects: each an explicit Runge-Kutta scheme, written as its tableau."""
+"""Integration methods as objects: each a Runge-Kutta scheme, explicit or linearly implicit, written as its tableau."""
