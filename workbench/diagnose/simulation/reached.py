@@ -28,7 +28,7 @@ from workbench.diagnose.simulation.fits import (
 )
 from workbench.diagnose.simulation.lacking import BESIDE
 from workbench.diagnose.simulation.nearer import fit_as_sensed, fit_led, fit_over_hollows
-from workbench.diagnose.simulation.setup import as_coloured, is_coloured, shooting_of
+from workbench.diagnose.simulation.setup import as_coloured, as_quick, blurs, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.covariance import inverse
@@ -97,11 +97,12 @@ def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationSt
 
 
 def _baseline(experiment: Experiment, base: Simulated) -> Simulated:
-    """The same on motions that show what noise is like that has memory."""
-    if not (base.is_near and is_coloured(base.fit)):
+    """The same on motions that show what noise is like that has memory, or what is quick."""
+    if not base.is_near:
         return base
     motions = base.fit.balance.motions
-    finer = as_coloured(motions)
+    finer = as_coloured(motions) if is_coloured(base.fit) else motions
+    finer = as_quick(motions) if blurs(base.how, base.fit) else finer
     if all(motion.thinning == before.thinning for motion, before in zip(finer, motions, strict=True)):
         return base
     fitting = Fitting(finer, base.fit.names, experiment.bounds)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plants.equation import fields
 from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
-from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.beside import is_sensed
@@ -27,6 +27,9 @@ COLOURED, FINER = 1.1, 4
 """Standard deviations of what is left over those of what could not be foreseen of it, from which it is coloured; and
 times that a fit then looks more often.
 """
+
+KEPT = 0.9
+"""Share of what a parameter changes of all samples that the means at which a fit looks are to keep of it."""
 
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
@@ -98,6 +101,28 @@ def as_coloured(motions: Sequence[Motion]) -> list[Motion]:
     one see of a slow motion, but noise that falls with the frequency hides least where it is fastest.
     """
     return [replace(motion, finer=max(motion.finer, FINER)) for motion in motions]
+
+
+def blurs(how: Shooting, fitted: Fit) -> bool:
+    """Whether the means at which a fit looks keep too little of what its parameters change, of most of them: what a
+    quick machine shows goes to and fro from sample to sample. Each channel counts over what is left of it.
+    """
+    motions = fitted.balance.motions
+    if not fitted.names or all(motion.thinning == 1 for motion in motions):
+        return False
+    balance = how.balance(as_quick(motions), fitted.names)
+    every = replace(fitted, balance=balance, residual=stacks(balance, [fitted.values])[0])
+    kept, whole = np.zeros(len(fitted.names)), np.zeros(len(fitted.names))
+    for means, samples in zip(zip(*fitted.balance.series, strict=True), zip(*balance.series, strict=True), strict=True):
+        left = float(np.sum([np.sum(every.residual[place] ** 2) for place in samples]))
+        for total, one, places in ((kept, fitted, means), (whole, every, samples)):
+            total += np.sum([np.sum(one.changes[place] ** 2, axis=0) for place in places], axis=0) / max(left, 1e-300)
+    return bool(np.median(kept / np.maximum(whole, 1e-300)) < KEPT)
+
+
+def as_quick(motions: Sequence[Motion]) -> list[Motion]:
+    """Motions as a simulation looks at them whose means blur what it shows: at every sample."""
+    return [replace(motion, finer=motion.grain) for motion in motions]
 
 
 def follows(how: Shooting, motions: Sequence[Motion], values: Values) -> bool:
