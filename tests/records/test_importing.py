@@ -121,6 +121,7 @@ def test_a_press_in_inch_and_psi_in_french(tmp_path: Path) -> None:
         zip(("time", "valve_voltage", "position", "pressure_1", "pressure_2"), list(content)[:5], strict=True)
     )
     assert [found["channels"][name]["unit"] for name in ("time", "position", "pressure_1")] == ["ms", "inch", "psi"]
+    assert found["fit"]["free"] == ["coulomb", "viscous", "bristle_stiffness", "valve_flow_gain", "bulk_modulus"]
     assert "# ? valve_voltage: how many volts are 100 % of Commande vanne [%]?" in text
     assert "# not used: Temp huile [degC]" in text
     read(tmp_path / "log.csv", text)
@@ -287,6 +288,7 @@ def test_a_set_chooses_a_plant_that_it_serves_and_knows_the_stroke(tmp_path: Pat
     content = tomllib.loads(text)
     assert content["plant"]["model"] == "cylinder"
     assert content["channels"]["position"].get("offset", 0.0) == offset
+    assert {"stribeck", "stribeck_velocity", "valve_flow_gain", "bulk_modulus"} <= {*content["fit"]["free"]}
 
 
 @pytest.mark.parametrize(("level", "chosen"), [(5.0, "air"), (80.0, "non_rotating")])

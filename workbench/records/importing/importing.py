@@ -59,7 +59,7 @@ def proposal_for(
     values = [] if parameters is not None else [each.asked(ask) for each in values_for(plant, found, motion)]
     stroke = own.get("stroke", np.inf) if own is not None else _stroke(plant, values)
     channels = [_line(one, *_offset(one, stroke, plant, own is not None)) for one in found.values()]
-    free = free_for(plant, found, motion)
+    free = free_for(plant, found, motion, own)
     listed = "[" + ", ".join(f'"{name}"' for name in free) + "]"
     method = _method(plant, found)
     fit = [Line("free", {"": listed}, "friction, and what the log tells beside it")] if free else []

@@ -49,6 +49,9 @@ ZERO = {
 }
 """Parameters that are 0 to begin with, and why."""
 
+FLOWING = ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent")
+"""What two pressures tell of a valve, of oil or air."""
+
 
 class Rough:
     """A log in SI as a first look has it: way, velocity, and the force that drives, as far as it is known."""
@@ -111,9 +114,10 @@ def values_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list
     return [_line(name, rough) for name in names if name in apart or not name.endswith(f"_{NEGATIVE}")]
 
 
-def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[str]:
-    """The parameters that a fit may move: friction; the mass where it shows; a constant load where no pressure of two
-    can look like it; what makes the drive out of a pump or one pressure.
+def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion, own: Mapping[str, float] | None) -> list[str]:
+    """The parameters that a fit may move: friction, with what a set (`own`, if there is one) knows of it at low speed;
+    the mass where it shows; a constant load where no pressure of two can look like it; what makes the drive out of a
+    pump or one pressure; and where both pressures show what the valve lets through, that and how it is compressed.
     """
     names = {item.name for item in fields(plant.Parameters)}
     two = "pressure_1" in found and "pressure_2" in found
@@ -125,6 +129,8 @@ def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list[s
     wanted += ["pump_displacement"]
     wanted += [] if two else ["load_force", "load_torque"]
     wanted += ["coulomb", "viscous", "bristle_stiffness"]
+    wanted += ["stribeck", "stribeck_velocity"] if own is not None and own.get("stribeck", 0.0) > 0.0 else []
+    wanted += FLOWING if two else []
     return [name for name in wanted if name in names or name == "piston_area_1"]
 
 
