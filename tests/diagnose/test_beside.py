@@ -79,7 +79,7 @@ def gain_of_a_compliance(experiment: Experiment, motions: list[Motion]) -> float
 
     def left(changed: Values) -> Left:
         fitted = fit(balance, changed, ())
-        return weighing_at(fitted), fitted.residual
+        return weighing_at(fitted), fitted.residual, 0.0
 
     frequency = 1.5 * np.sqrt(noise["force"] / (TRUE["mass"] * noise["position"])) / (2.0 * np.pi)
     return gained(balance, left({**values, "compliant_share": 0.3, "compliant_frequency": frequency}), left(values))

@@ -47,7 +47,7 @@ def test_a_floor_is_the_same_to_the_last_bit_whatever_the_order_of_a_set(
     found = []
     for draw in map(random.Random, range(20)):
         monkeypatch.setattr(balances, "dependences", ordered(partial(shuffled, draw)))
-        made = balances.balances_of(experiment.plant, experiment.flow, motions, values, experiment.free)
+        made = balances.balances_of(experiment, motions, values)
         found.append({balance.name: balance.floor for balance in made})
     assert all(floors == found[0] for floors in found)
     assert {"flow", "force"} <= set(found[0])

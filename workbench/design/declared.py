@@ -12,9 +12,8 @@ from workbench.design.asked import Asked
 from workbench.design.hypotheses import Hypothesis
 from workbench.diagnose.readiness import declared_values
 from workbench.diagnose.residuals.balances import allowed, effects_told, own_parameters
-from workbench.diagnose.residuals.fit import VAGUE
 from workbench.diagnose.residuals.scales import Moved, scales_from
-from workbench.diagnose.residuals.unknowns import Unknown, unknown
+from workbench.diagnose.residuals.unknowns import VAGUE, Unknown, unknown
 from workbench.errors import UserError, nearest
 from workbench.parameters.sets import NEUTRAL
 from workbench.records.experiment import Experiment

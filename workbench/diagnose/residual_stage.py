@@ -98,7 +98,7 @@ def baselines(
     bounds, values = experiment.bounds, dict(declared)
     if offset is not None:
         values |= {name: number.value for name, number in offset.parameters.items()}
-    balances = balances_of(experiment.plant, experiment.flow, motions, values, experiment.free)
+    balances = balances_of(experiment, motions, values)
     progress("fitting the declared plant", 0.02)
     fits = list[Fit]()
     for balance in balances:

@@ -52,6 +52,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
             f"signal by more than {percent(LEAST)} of its variance: nothing measured says what is missing."
         )
     lines += _of_parameters(diagnosis)
+    lines.append(_of_held(diagnosis))
     if (lost := not_held(diagnosis)) and not diagnosis.is_rejected:
         lines.append(
             f"plant.toml does not have {listed_names(lost)}, which {plant_of(diagnosis).name} cannot "
@@ -229,6 +230,21 @@ def _of_parameters(diagnosis: Diagnosis) -> list[str]:
     elif first:
         lines.append("With what was found they identify every parameter that was fitted.")
     return lines
+
+
+def _of_held(diagnosis: Diagnosis) -> str:
+    """What deviations rest on: values that are held, exactly or by what is declared of them."""
+    priors = list(dict.fromkeys(name for result in diagnosis.results for name in result.balance.priors))
+    if priors:
+        of_them = "it" if len(priors) == 1 else "them"
+        return (
+            f"{listed(priors)} may be off by what is declared of {of_them}, and deviations count that; all else that "
+            "is held they take for exact."
+        )
+    return (
+        "Deviations take what is held for exact, mass and areas too: a std beside a value in the parameter file lets "
+        "it be off by that much, and widens them."
+    )
 
 
 def _doubts(names: list[str], rows: Mapping[str, Row]) -> str:

@@ -1,7 +1,7 @@
 """A physical balance of some records: what is left of it with values of the parameters, over its noise floor."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from plants.axis import LINEAR
 from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.unknowns import Priors, Values
 from workbench.fitting.threads import side_by_side
 
 BLOCKS = 10
@@ -48,10 +48,11 @@ class Balance:
     kept, else the sensors' noise alone. Where several draws of noise made it, `spread` is their standard deviation, as
     a share of it.
     `free` are the declared plant's own parameters that a fit moves before anything is called an effect, on a machine of
-    these `scales`. `parts` is the number of residuals that each motion gives. One with a `contact` in it says
-    nothing where that rests, and none does where smoothing blurs what happened: rates are not linear in all signals.
-    `axis` is that of the plant, "m" or "rad"; `beside` is what no parameter decides. Residuals that are dear one by one
-    come `together` where several are asked for.
+    these `scales`; `priors` are what is declared of those among them that are known to a deviation, and would be held
+    without it. `parts` is the number of residuals that each motion gives. One with a `contact` in it says nothing where
+    that rests, and none does where smoothing blurs what happened: rates are not linear in all signals. `axis` is that
+    of the plant, "m" or "rad"; `beside` is what no parameter decides. Residuals that are dear one by one come
+    `together` where several are asked for.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Balance:
     beside: Beside = nothing
     null: Sequence[Motion] = ()
     together: Together | None = None
+    priors: Priors = field(default_factory=dict)
 
     def known(self, motion: Motion) -> np.ndarray:
         """At which of a motion's thinned instants the residual says something: a simulation is not smoothed, and says

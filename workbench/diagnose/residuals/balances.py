@@ -21,6 +21,7 @@ from workbench.diagnose.residuals.scales import scales_of
 from workbench.diagnose.residuals.shown import balances_shown, dependences, deviation, given_by, shown
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
+from workbench.records.experiment import Experiment
 from workbench.records.schema import FRICTION
 
 FORCE, FLOW = "force", "flow"
@@ -108,9 +109,12 @@ def effects_told(plant: Plant, channels: Collection[str]) -> tuple[str, ...]:
     return tuple(effect.name for effect in possible(plant) if can_be_told(effect, plant, channels))
 
 
-def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, values: Values) -> dict[str, list[str]]:
+def own_parameters(
+    balances: Sequence[Diagnosed], free: Sequence[str] | None, values: Values, uncertain: Collection[str] = ()
+) -> dict[str, list[str]]:
     """The plant's parameters that a fit of each balance may move: its own, in each direction that has a value of its
-    own, unless an experiment says which are `free`.
+    own, unless an experiment says which are `free`; and beside these the `uncertain` ones, which are declared with a
+    deviation.
 
     A free one is moved on the balance whose own it is, else on that of forces, else on the first that it counts in.
     """
@@ -120,7 +124,7 @@ def own_parameters(balances: Sequence[Diagnosed], free: Sequence[str] | None, va
     order = sorted(chosen, key=lambda name: name != FORCE)
     named = [each for item in balances for name in own[item.name] for each in (name, f"{name}_{NEGATIVE}")]
     wanted = [name for name in named if name in values] if free is None else free
-    for name in wanted:
+    for name in dict.fromkeys([*wanted, *uncertain]):
         plain = name.removesuffix(f"_{NEGATIVE}")
         if not (values.get(name, 0.0) > 0.0 or name in EITHER_SIGN):
             continue
@@ -145,12 +149,21 @@ def _counting(item: Diagnosed) -> set[str]:
     return names | (set(AREAS) if (plant.bare or plant) is pressed(plant.axis) else set())
 
 
-def balances_of(
-    plant: Plant, flow: str, motions: Sequence[Motion], values: Values, free: Sequence[str] | None
-) -> list[Balance]:
+def priors_of(experiment: Experiment, channels: Collection[str]) -> dict[str, tuple[float, float]]:
+    """What is declared, with its deviation, of parameters that count in a balance and that an experiment would hold."""
+    values = {**experiment.known_values(), **experiment.values}
+    balances = allowed(experiment.plant, experiment.flow, channels)
+    free = {name for own in own_parameters(balances, experiment.free, values).values() for name in own}
+    every = own_parameters(balances, experiment.free, values, experiment.deviations)
+    held = [name for own in every.values() for name in own if name not in free]
+    return {name: (values[name], experiment.deviations[name]) for name in held}
+
+
+def balances_of(experiment: Experiment, motions: Sequence[Motion], values: Values) -> list[Balance]:
     """The balances that the channels of the records allow."""
-    balances = allowed(plant, flow, motions[0].channels)
-    own, scales = own_parameters(balances, free, values), scales_of(motions, values)
+    plant, channels = experiment.plant, motions[0].channels
+    balances, priors = allowed(plant, experiment.flow, channels), priors_of(experiment, channels)
+    own, scales = own_parameters(balances, experiment.free, values, priors), scales_of(motions, values)
     made = []
     for item in balances:
         floor = float(np.sqrt(np.mean([noise(item, motion, values) ** 2 for motion in motions])))
@@ -168,6 +181,7 @@ def balances_of(
                 parts=len(chosen.states),
                 contact=bool(item.along.hidden(motions[0], chosen.states) & item.along.contact),
                 axis=plant.axis,
+                priors=priors,
             )
         )
     return made

@@ -60,7 +60,7 @@ def _scanned(balance: Balance, values: Values) -> dict[str, float]:
     for _ in range(SWEEPS):
         before = found
         for name in balance.free:
-            if name in EITHER_SIGN or values[name] <= 0.0:
+            if name in (*EITHER_SIGN, *balance.priors) or values[name] <= 0.0:
                 continue
             tried = [{**found, name: factor * values[name]} for factor in FACTORS]
             found = tried[int(np.argmin(side_by_side(left, tried)))]

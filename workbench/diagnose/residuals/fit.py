@@ -8,15 +8,11 @@ import numpy as np
 
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import fluctuation
-from workbench.diagnose.residuals.unknowns import WIDEST, Bounds, Unknown, Values, unknown, values_at
+from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, declared_with, unknown, values_at
 from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, differences, jacobian_of, least_squares
 from workbench.fitting.threads import side_by_side
-
-VAGUE = 0.5 * float(np.log(WIDEST))
-"""Standard deviation of the logarithm of a positive parameter about its start, before any record: two that records
-cannot tell apart do not run away together."""
 
 BOUNDED = 1e-9
 """Distance (of an unknown as the search sees it) to an end of its range at which a parameter has stopped there: a fine
@@ -106,10 +102,19 @@ class Fit:
         return np.array([u.place(self.values[u.name]) for u in self.unknowns])
 
     @cached_property
+    def known(self) -> np.ndarray:
+        """What is known of the unknowns before any record: 1 over the variance of each."""
+        return _precisions(self.unknowns) ** 2
+
+    @cached_property
     def curvature(self) -> np.ndarray:
         """J' J of the unknowns, with what is known before any record."""
-        known = np.diag([1.0 / VAGUE**2 if u.logarithmic else 0.0 for u in self.unknowns])
-        return np.asarray(self.jacobian.T @ self.jacobian + known)
+        return np.asarray(self.jacobian.T @ self.jacobian + np.diag(self.known))
+
+    @cached_property
+    def pull(self) -> np.ndarray:
+        """By how much half the squares of what is known before any record rise with each unknown."""
+        return self.known * (self.places - np.array([u.centre for u in self.unknowns]))
 
     @cached_property
     def changes(self) -> np.ndarray:
@@ -133,10 +138,7 @@ class Fit:
         series = [place for slices in self.balance.series for place in slices]
         length = long_run_length([self.weighed[place] for place in series])
         held = self.jacobian * self.free
-        known = np.array(
-            [1.0 / VAGUE if u.logarithmic and f else 0.0 for u, f in zip(self.unknowns, self.free, strict=True)]
-        )
-        return sandwich(held, self.weighed, series, length, known**2)
+        return sandwich(held, self.weighed, series, length, self.known * self.free)
 
     @cached_property
     def deviations(self) -> dict[str, float]:
@@ -173,7 +175,9 @@ class Fit:
     def seen_at_each(self, several: Sequence[Values]) -> list[float]:
         """The same of several."""
         weighed = map(self.weighing, stacks(self.balance, several))
-        return [float(one @ one + self.vague @ self.vague) for one in weighed]
+        places = (np.array([u.place(values[u.name]) for u in self.unknowns]) for values in several)
+        vague = (_vague(self.unknowns, place) for place in places)
+        return [float(one @ one + own @ own) for one, own in zip(weighed, vague, strict=True)]
 
 
 def fit(
@@ -185,14 +189,13 @@ def fit(
     weighing: Weighing | None = None,
 ) -> Fit:
     """The best values of the parameters `names`, all others as in `values`: every row counts alike, or as weighed."""
-    unknowns = [unknown(name, values, bounds or {}, balance.scales) for name in names]
+    unknowns = unknowns_of(balance, names, values, bounds or {})
 
     def lefts(places: Sequence[np.ndarray]) -> list[np.ndarray]:
         return stacks(balance, [values_at(values, unknowns, x) for x in places])
 
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start = np.clip([u.first for u in unknowns], low, high)
-    logarithmic = np.array([float(u.logarithmic) for u in unknowns]) / VAGUE
     weigh = plain(balance.series, balance.rows) if weighing is None else weighing
 
     left = dict[bytes, np.ndarray]()
@@ -201,7 +204,7 @@ def fit(
         found = lefts(places)
         left[places[0].tobytes()] = found[0]  # a search ends at one that it asked for first
         weighed = side_by_side(weigh, found)
-        return [np.concatenate([one, logarithmic * x]) for one, x in zip(weighed, places, strict=True)]
+        return [np.concatenate([one, _vague(unknowns, x)]) for one, x in zip(weighed, places, strict=True)]
 
     solution = least_squares(lambda x: residuals([x])[0], start, low, high, search, _longest(unknowns), residuals)
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
@@ -218,6 +221,21 @@ def fit(
         bounded=frozenset(u.name for u, place in places if min(place - u.low, u.high - place) < BOUNDED),
         weighing=weigh,
     )
+
+
+def unknowns_of(balance: Balance, names: Sequence[str], values: Values, bounds: Bounds) -> list[Unknown]:
+    """Parameters of a balance as a search sees them that starts at these values."""
+    unknowns = [unknown(name, values, bounds, balance.scales) for name in names]
+    return [declared_with(u, *balance.priors[u.name]) if u.name in balance.priors else u for u in unknowns]
+
+
+def _precisions(unknowns: Sequence[Unknown]) -> np.ndarray:
+    return np.array([1.0 / u.deviation for u in unknowns])
+
+
+def _vague(unknowns: Sequence[Unknown], places: np.ndarray) -> np.ndarray:
+    """How far unknowns are from where they are before any record, in the standard deviations of that."""
+    return _precisions(unknowns) * (places - np.array([u.centre for u in unknowns]))
 
 
 def _longest(unknowns: Sequence[Unknown]) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Parameters as a search sees them: logarithms of what is positive, multiples of a size of what has either sign."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,13 +14,25 @@ from workbench.parameters.sets import EITHER_SIGN, NEUTRAL
 WIDEST = 10.0
 """A positive parameter stays within this factor of its start."""
 
+VAGUE = 0.5 * float(np.log(WIDEST))
+"""Standard deviation of the logarithm of a positive parameter about its start, before any record: two that records
+cannot tell apart do not run away together."""
+
+SURELY = 5.0
+"""Standard deviations from what is declared, beyond which no search takes a parameter that is declared with one."""
+
 Values = Mapping[str, float]
+Priors = Mapping[str, tuple[float, float]]
+"""What is declared of parameters with a deviation: value and standard deviation."""
+
 Bounds = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A parameter as a search sees it: log(value / start), or value / size."""
+    """A parameter as a search sees it: log(value / start), or value / size; where it is before any record, and the
+    standard deviation of that, without bound if nothing is known.
+    """
 
     name: str
     start: float
@@ -28,6 +40,8 @@ class Unknown:
     logarithmic: bool
     low: float
     high: float
+    centre: float = 0.0
+    deviation: float = np.inf
 
     def value(self, x: float) -> float:
         return self.start * float(np.exp(x)) if self.logarithmic else self.size * x
@@ -62,9 +76,16 @@ def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknow
         widest = float(np.log(WIDEST))
         least = float(np.log(low / start)) if low > 0.0 else -widest
         most = float(np.log(high / start)) if np.isfinite(high) else widest
-        return Unknown(name, start, start, True, least, most)
+        return Unknown(name, start, start, True, least, most, 0.0, VAGUE)
     least = low if plain in EITHER_SIGN else max(low, 0.0)
     return Unknown(name, start, max(abs(start), 1.0), False, least, high)
+
+
+def declared_with(of: Unknown, value: float, std: float) -> Unknown:
+    """The same of a parameter that is declared with a standard deviation."""
+    centre, deviation = of.place(value), std / (value if of.logarithmic else of.size)
+    low, high = (centre + side * SURELY * deviation for side in (-1.0, 1.0))
+    return replace(of, low=max(of.low, low), high=min(of.high, high), centre=centre, deviation=deviation)
 
 
 def values_at(values: Values, unknowns: Sequence[Unknown], places: np.ndarray) -> dict[str, float]:

@@ -92,7 +92,8 @@ def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
         frequency = humming_at(found.balance, trial.effect, found.moved)
         if frequency is not None:
             one, other = (
-                (fitted.weighing, without_hum(fitted.balance, fitted.residual, frequency)) for fitted in (found, beside)
+                (weighing, without_hum(found.balance, residual, frequency), vague)
+                for weighing, residual, vague in map(left_by, (found, beside))
             )
             if gained(found.balance, one, other) < ask.price((trial,), (), {}, found.balance):
                 return False

@@ -30,8 +30,10 @@ TIMES = 3
 """Times that noise is found anew as what is left with some columns."""
 
 
-Left = tuple[Weighing, np.ndarray]
-"""What is left of a record, and how it weighs as noise."""
+Left = tuple[Weighing, np.ndarray, float]
+"""What is left of a record, how it weighs as noise, and half the squares by which unknowns are beside what is known of
+them before any record.
+"""
 
 
 def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
@@ -49,33 +51,34 @@ def gained(balance: Balance, one: Left, other: Left) -> float:
     """By how much the logarithm of the likelihood of what is left is above that of what another leaves: of a simulation
     each by the noise that it is itself, of a balance, whose noise nobody knows, by that of the first.
     """
-    (weighing, left), (beside, rest) = one, other
+    (weighing, left, vague), (beside, rest, vaguer) = one, other
     if balance.name != SIMULATION:
-        return 0.5 * float(np.sum(weighing(rest) ** 2) - np.sum(weighing(left) ** 2))
+        return 0.5 * float(np.sum(weighing(rest) ** 2) - np.sum(weighing(left) ** 2)) + vaguer - vague
     counts = weighing.counts & beside.counts
-    return weighing.log_likelihood(left, counts) - beside.log_likelihood(rest, counts)
+    return weighing.log_likelihood(left, counts) - beside.log_likelihood(rest, counts) + vaguer - vague
 
 
 def _settled(fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, Left]:
     """How far columns go, of which the first are a fit's own unknowns, and what is left then."""
     count, residual, weigh = len(fitted.unknowns), fitted.residual, fitted.weighing
-    vague = fitted.curvature - fitted.jacobian.T @ fitted.jacobian  # what is known of them before any record
+    known, pull = np.zeros(stack.shape[1]), np.zeros(stack.shape[1])
+    known[:count], pull[:count] = fitted.known, fitted.pull
     wide = np.full(count, np.inf)
     low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
     x, left = np.zeros(stack.shape[1]), residual
     for _ in range(TIMES):
         columns = weigh(stack)
-        curvature = columns.T @ columns
-        curvature[:count, :count] += vague
-        x = bounded_minimum(curvature, columns.T @ weigh(residual), low, high)
+        curvature = columns.T @ columns + np.diag(known)
+        x = bounded_minimum(curvature, columns.T @ weigh(residual) + pull, low, high)
         left = np.where(residual != 0.0, residual + stack @ x, 0.0)
         weigh = weighed_without(fitted, left)
-    return x, (weigh, left)
+    vague = 0.5 * float(fitted.vague @ fitted.vague) + float(pull @ x + 0.5 * known @ x**2)
+    return x, (weigh, left, vague)
 
 
 def left_by(fitted: Fit) -> Left:
     """What a fit leaves, as it weighs there."""
-    return fitted.weighing, fitted.residual
+    return fitted.weighing, fitted.residual, 0.5 * float(fitted.vague @ fitted.vague)
 
 
 @lru_cache(maxsize=2)
@@ -117,10 +120,11 @@ class Outlook:
         for trial, columns in self.columns.items():
             stack[:, places[trial]] = columns.block
         curvature = stack.T @ stack
-        known = np.zeros(at)
-        known[: own.shape[1]] = np.diag(self.fitted.curvature) - np.diag(self.fitted.jacobian.T @ self.fitted.jacobian)
+        known, slope = np.zeros(at), stack.T @ self.fitted.weighed
+        known[: own.shape[1]] = self.fitted.known
+        slope[: own.shape[1]] += self.fitted.pull
         curvature += np.diag(known)
-        return curvature, stack.T @ self.fitted.weighed, places
+        return curvature, slope, places
 
     def gain(
         self, added: Sequence[Trial], moved: Mapping[int, float] | None = None

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacks
+from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacks, unknowns_of
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values, unknown, values_at
+from workbench.diagnose.residuals.unknowns import Values, values_at
 from workbench.diagnose.simulation.fits import ASTRAY, AT_NOISE, BETTER, NOISE, PIECES, Fitting, Simulated
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
@@ -170,7 +170,7 @@ def _are_alike(left: Sequence[float]) -> bool:
 def _over_hollows(of: Simulated, fitting: Fitting) -> Values:
     """Values of the parameters that leave less, however rugged the way there is."""
     balance, values = of.how.balance(fitting.motions, ()), of.fit.values
-    unknowns = [unknown(name, values, fitting.bounds, balance.scales) for name in fitting.names]
+    unknowns = unknowns_of(balance, fitting.names, values, fitting.bounds)
     first, low, high = (np.array([getattr(u, end) for u in unknowns]) for end in ("first", "low", "high"))
 
     def residuals(places: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -195,7 +195,7 @@ def _scanned(fitting: Fitting, best: Simulated) -> Simulated:
         width = max(1.4826 * float(np.median(np.abs(best.fit.residual))), 1.0)
 
         for name in fitting.names:
-            if name not in EITHER_SIGN and values[name] > 0.0:
+            if name not in (*EITHER_SIGN, *balance.priors) and values[name] > 0.0:
                 tried = [{**values, name: factor * values[name]} for factor in FACTORS]
                 left = [float(np.mean(np.log1p((one / width) ** 2))) for one in stacks(balance, tried)]
                 values = tried[int(np.argmin(left))]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from plants.equation import fields
-from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, scales_of
+from workbench.diagnose.residuals.balances import diagnosed_plant, effects_told, priors_of, scales_of
 from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -63,7 +63,8 @@ def shooting_of(experiment: Experiment, motions: Sequence[Motion], *, held: bool
             observed.setup, feeds=feeds, sample_time=record.sample_time, farthest=_farthest(observed.setup, motion)
         )
     told = effects_told(along.plant, motions[0].channels)
-    return Shooting(along, setups, channels, held, scales_of(motions, experiment.known_values()), told, beside)
+    scales, priors = scales_of(motions, experiment.known_values()), priors_of(experiment, motions[0].channels)
+    return Shooting(along, setups, channels, held, scales, told, beside, priors=priors)
 
 
 def _farthest(setup: Setup, motion: Motion) -> float:

@@ -21,7 +21,7 @@ from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.residuals.unknowns import Priors, Values
 from workbench.diagnose.simulation.beside import Followed
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
@@ -78,7 +78,8 @@ class Push:
 class Shooting:
     """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
     on a machine of which `scales`, whether it `is_beside` its records, which show with noise what drives it, and how
-    often (s) it starts anew, in `most` pieces of a record at most.
+    often (s) it starts anew, in `most` pieces of a record at most. `priors` are what is declared of parameters that are
+    known to a deviation.
 
     The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
     what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it; `begins` is
@@ -96,6 +97,7 @@ class Shooting:
     most: int = MOST_PIECES
     begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
     push: Push | None = None
+    priors: Priors = field(default_factory=dict)
 
     @property
     def has_valve(self) -> bool:
@@ -129,6 +131,7 @@ class Shooting:
             axis=self.along.plant.axis,
             beside=lambda values: self.undecided(motions, values),
             together=lambda asked: errors_of([Asked(self, *each) for each in asked]),
+            priors=self.priors,
         )
 
     def undecided(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:

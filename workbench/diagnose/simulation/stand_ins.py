@@ -93,7 +93,7 @@ def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: flo
 class Place:
     """The place of effects beside a fit, whose names are in `taken` and which are `worth` so much in the logarithm of
     the likelihood: which of its unknowns are the plant's own, what they change, what is known of them before any
-    record, and what is left without the effects (weighed).
+    record and how that pulls them, and what is left without the effects (weighed).
     """
 
     found: Fit
@@ -103,6 +103,7 @@ class Place:
     own: Sequence[int]
     changes: np.ndarray
     known: np.ndarray
+    pull: np.ndarray
     left: np.ndarray
 
     @classmethod
@@ -119,8 +120,7 @@ class Place:
             if plain != name and plain in places:
                 jacobian[:, places[plain]] += jacobian[:, places[name]]
         own = [i for name, i in places.items() if name not in names]
-        known = np.diag(found.curvature - found.jacobian.T @ found.jacobian)[own]
-        return cls(found, names, worth, ask, own, jacobian[:, own], known, left)
+        return cls(found, names, worth, ask, own, jacobian[:, own], found.known[own], found.pull[own], left)
 
     def without(self, columns: np.ndarray) -> tuple[float, np.ndarray]:
         """Likelihood (its logarithm) that is lost with columns (weighed) in the effects' place, to first order, and how
@@ -132,9 +132,12 @@ class Place:
         nodes = np.arange(count, stack.shape[1])
         curvature[nodes, nodes] += UNSEEN**2 * float(np.max(curvature[nodes, nodes], initial=0.0))
         wide = np.full(stack.shape[1], np.inf)
-        x = bounded_minimum(curvature, stack.T @ self.left, -wide, wide)
-        rest = self.left + stack @ x
-        return 0.5 * float(rest @ rest - self.found.weighed @ self.found.weighed), x
+        slope = stack.T @ self.left
+        slope[:count] += self.pull
+        x = bounded_minimum(curvature, slope, -wide, wide)
+        rest, moved = self.left + stack @ x, x[:count]
+        vaguer = float(self.pull @ moved + 0.5 * self.known @ moved**2)
+        return 0.5 * float(rest @ rest - self.found.weighed @ self.found.weighed) + vaguer, x
 
 
 @dataclass(frozen=True, eq=False)

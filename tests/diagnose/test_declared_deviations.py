@@ -1,0 +1,104 @@
+"""What is declared with a deviation moves with what is fitted: its error is no effect, and widens what rests on it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driven import TRUE, driven_experiment
+from made_up_balances import made_balance, made_motion
+
+from workbench.diagnose.diagnose import diagnose
+from workbench.diagnose.report.sureness import sureness
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.fit import fit, weighing_at
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.selection.likelihood import Outlook, gain_of, gained, left_by
+from workbench.diagnose.selection.trials import Trial, columns_of
+from workbench.fitting.least_squares import Search
+
+DURATION, NOISE = 6.0, 2e-6
+"""s, m."""
+
+EXACT = Search(flat=1e-14)
+MASS, STD = 30.0, 1.5
+"""kg, as declared."""
+
+
+def forces(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A drag in proportion to the mass, as on a slope, and a load that goes with the velocity."""
+    drag = values["mass"] * values["viscous"] * motion.velocity
+    return np.asarray(drag + values.get("load_force", 0.0) * (1.0 + motion.velocity / 0.04))
+
+
+def slope(load: float = 0.0) -> Balance:
+    """Of a mass that is one deviation more than is declared."""
+    truth = {"mass": MASS + STD, "viscous": 100.0, "load_force": load}
+    return replace(made_balance([made_motion()], forces, truth), priors={"mass": (MASS, STD)})
+
+
+def test_what_a_record_cannot_tell_is_as_uncertain_as_it_is_declared() -> None:
+    start = {"mass": MASS, "viscous": 100.0}
+    first = fit(slope(), start, ["mass", "viscous"], search=EXACT)
+    both = fit(slope(), first.values, ["mass", "viscous"], None, EXACT, weighing_at(first))
+    held = fit(slope(), start, ["viscous"], None, EXACT, both.weighing)
+    assert both.values["mass"] == pytest.approx(MASS, rel=1e-3), "nothing says otherwise"
+    assert both.deviations["mass"] == pytest.approx(STD, rel=0.02)
+    assert both.deviations["viscous"] / both.values["viscous"] == pytest.approx(STD / MASS, rel=0.02)
+    assert held.deviations["viscous"] < 0.1 * both.deviations["viscous"]
+
+
+def test_a_search_stays_where_a_declared_value_may_be() -> None:
+    far = fit(slope(), {"mass": MASS, "viscous": 100.0}, ["mass"], search=EXACT)
+    assert far.bounded == set()
+    wrong = replace(slope(), priors={"mass": (MASS, 0.01 * STD)})
+    assert fit(wrong, {"mass": MASS, "viscous": 100.0}, ["mass"], search=EXACT).bounded == {"mass"}
+
+
+def test_an_effect_gains_beside_what_is_declared_what_a_fit_says() -> None:
+    balance, start = slope(0.1), {"mass": MASS, "viscous": 100.0}
+    whole = fit(balance, {**start, "load_force": 0.0}, ["mass", "load_force"], search=EXACT)
+    before = fit(balance, start, ["mass"], None, EXACT, weighing_at(whole))
+    after = fit(balance, {**before.values, "load_force": 0.0}, ["mass", "load_force"], None, EXACT, before.weighing)
+    trial = Trial("constant_load", ("load_force",))
+    columns = columns_of(before, [trial], {})[trial]
+    promised, _ = Outlook(before, {trial: columns}).gain([trial])
+    assert promised == pytest.approx(0.5 * (before.squares - after.squares), rel=1e-3)
+    alone, _ = gain_of(before, columns.change, columns.low, columns.high)
+    assert alone == pytest.approx(gained(balance, left_by(after), left_by(before)), rel=0.05)
+    exact = replace(balance, priors={"mass": (MASS, 1e-6)})
+    held = fit(exact, start, [], None, EXACT, before.weighing)
+    assert held.squares > before.squares + 100.0, "a mass that is known to be wrong leaves much"
+
+
+def diagnosis(folder: Path, off: float, std: float | None) -> Diagnosis:
+    """Of a mass that is declared so many times what it is, with such a deviation (kg)."""
+    path = driven_experiment(folder, 0.0, NOISE, DURATION, stroke=1.0)
+    declared = folder / "declared.toml"
+    lines = declared.read_text(encoding="utf-8").splitlines()
+    at = lines.index("[parameters.mass]")
+    lines[at + 1] = f'value = "{off * TRUE["mass"]} kg"'
+    if std is not None:
+        lines.insert(at + 2, f'std = "{std} kg"')
+    declared.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return diagnose(path)
+
+
+def test_a_mass_that_is_off_by_what_is_declared_is_no_effect(tmp_path: Path) -> None:
+    wrong = diagnosis(tmp_path, 1.1, 0.1 * TRUE["mass"])
+    assert wrong.verdict == "none_missing"
+    fitted = wrong.fitted_parameters
+    assert "mass may be off by what is declared of it, and deviations count that" in "\n".join(sureness(wrong))
+    assert fitted["mass"].value == pytest.approx(TRUE["mass"], abs=3.0 * fitted["mass"].std)
+    assert fitted["mass"].std < 0.01 * TRUE["mass"], "the record tells it better"
+    for name in ("coulomb", "viscous"):
+        assert fitted[name].value == pytest.approx(TRUE[name], abs=3.0 * fitted[name].std)
+
+
+def test_what_is_declared_exactly_is_held(tmp_path: Path) -> None:
+    exact = diagnosis(tmp_path, 1.0, None)
+    assert exact.verdict == "none_missing"
+    assert "mass" not in exact.fitted_parameters
+    assert any("take what is held for exact" in line for line in sureness(exact))
