@@ -18,6 +18,7 @@ from plants.equation import Equation, from_array, leaves, select, size_of
 from plants.interface import Measurement, Plant
 from workbench.recording.lowering import ALIGNED, COMPARING, NUMBER_TYPE, POINTER_TYPE, constant
 from workbench.recording.machine_code import MachineCode, compiled
+from workbench.simulation.elimination import Eliminated
 from workbench.simulation.integrators.interface import IntegrationMethod
 
 CLOCK, KNOWN, RAMPED = 5, 3, 4
@@ -142,33 +143,32 @@ class _Writer:
             self._advance(self.behind, begun, h, method.weights)
 
     def _implicitly(self, start: Any, h: Any, begun: Sequence[Any]) -> None:
-        method, builder, places = self.method, self.builder, range(self.states)
+        method, builder = self.method, self.builder
         self._rate(start, self.y, 0)
-        rates = [self._load(self.found, j) for j in places]
-        onward = self._onward(start, h, rates)
-        own = method.implicit[0][-1]
-        system = _Eliminated(
-            builder, self._number(1.0), self._system(start, begun, rates, builder.fmul(h, self._number(own)))
-        )
+        rates = [self._load(self.found, j) for j in range(self.states)]
+        own, onward = method.implicit[0][-1], self._onward(start, h, rates)
+        share = builder.fmul(self._number(own), h)
+        system = Eliminated(builder, self._system(start, begun, rates, share))
         for stage, row in enumerate(method.implicit):
             if stage > 0:
+                later = builder.fmul(self._number(method.nodes[stage - 1]), h)
                 self._advance(self.trial, begun, h, method.stages[stage - 1])
-                self._rate(
-                    builder.fadd(start, builder.fmul(self._number(method.nodes[stage - 1]), h)), self.trial, stage
-                )
-            before = [self._combined([value / own for value in row[:-1]], j) for j in places]
-            given = []
-            for j in places:
-                rate = builder.fadd(
-                    self._load(self.found, stage * self.states + j), builder.fmul(self._number(sum(row)), onward[j])
-                )
-                given.append(rate if before[j] is None else builder.fadd(rate, before[j]))
-            for j, slope in enumerate(system.solved(given)):
-                slope = slope if before[j] is None else builder.fsub(slope, before[j])
-                self._store(slope, self.found, stage * self.states + j)
+                self._rate(builder.fadd(start, later), self.trial, stage)
+            ahead = [builder.fmul(self._number(sum(row)), each) for each in onward]
+            self._solve(stage, system, [value / own for value in row[:-1]], ahead)
         self._advance(self.behind, begun, h, method.weights)
         if method.errors:
             self._store(self._error(begun, h), self.behind, self.states)
+
+    def _solve(self, stage: int, system: Eliminated, weights: Sequence[float], ahead: Sequence[Any]) -> None:
+        """The slopes of a stage in the place of its rates: k = (I - h g J)^-1 (f + ahead + s) - s, s = sum w_j k_j."""
+        builder, given = self.builder, list[Any]()
+        before = [self._combined(weights, j) for j in range(self.states)]
+        for j, own in enumerate(before):
+            rate = builder.fadd(self._load(self.found, stage * self.states + j), ahead[j])
+            given.append(rate if own is None else builder.fadd(rate, own))
+        for j, (own, both) in enumerate(zip(before, system.solved(given), strict=True)):
+            self._store(both if own is None else builder.fsub(both, own), self.found, stage * self.states + j)
 
     def _onward(self, start: Any, h: Any, rates: Sequence[Any]) -> list[Any]:
         """h df/dt, of inputs that are ramps."""
@@ -262,31 +262,3 @@ class _Writer:
 
     def _at(self, pointer: Any, place: int) -> Any:
         return self.builder.gep(pointer, [ir.Constant(ir.IntType(64), place * self.lanes)])
-
-
-class _Eliminated:
-    """A linear system by Gauss's elimination, written out."""
-
-    def __init__(self, builder: ir.IRBuilder, one: Any, rows: Sequence[Sequence[Any]]) -> None:
-        self._builder, self._rows = builder, [list(row) for row in rows]
-        size, self._over = len(rows), list[Any]()
-        for pivot in range(size):
-            over = builder.fdiv(one, self._rows[pivot][pivot])
-            self._over.append(over)
-            for i in range(pivot + 1, size):
-                factor = builder.fmul(self._rows[i][pivot], over)
-                self._rows[i][pivot] = factor
-                for j in range(pivot + 1, size):
-                    self._rows[i][j] = builder.fsub(self._rows[i][j], builder.fmul(factor, self._rows[pivot][j]))
-
-    def solved(self, given: Sequence[Any]) -> list[Any]:
-        """The unknowns of one right side."""
-        builder, x = self._builder, list(given)
-        for i in range(len(x)):
-            for j in range(i):
-                x[i] = builder.fsub(x[i], builder.fmul(self._rows[i][j], x[j]))
-        for i in reversed(range(len(x))):
-            for j in range(i + 1, len(x)):
-                x[i] = builder.fsub(x[i], builder.fmul(self._rows[i][j], x[j]))
-            x[i] = builder.fmul(x[i], self._over[i])
-        return x
