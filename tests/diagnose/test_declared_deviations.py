@@ -10,14 +10,17 @@ from driven import TRUE, driven_experiment
 from made_up_balances import made_balance, made_motion
 
 from workbench.diagnose.diagnose import diagnose
+from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.report.sureness import sureness
 from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balances import balances_of, priors_of
 from workbench.diagnose.residuals.fit import fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.selection.likelihood import Outlook, gain_of, gained, left_by
 from workbench.diagnose.selection.trials import Trial, columns_of
 from workbench.fitting.least_squares import Search
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
 
 DURATION, NOISE = 6.0, 2e-6
 """s, m."""
@@ -73,21 +76,21 @@ def test_an_effect_gains_beside_what_is_declared_what_a_fit_says() -> None:
     assert held.squares > before.squares + 100.0, "a mass that is known to be wrong leaves much"
 
 
-def diagnosis(folder: Path, off: float, std: float | None) -> Diagnosis:
-    """Of a mass that is declared so many times what it is, with such a deviation (kg)."""
+def declared(folder: Path, off: float, std: float | None) -> Path:
+    """An experiment of a mass that is declared so many times what it is, with such a deviation (kg)."""
     path = driven_experiment(folder, 0.0, NOISE, DURATION, stroke=1.0)
-    declared = folder / "declared.toml"
-    lines = declared.read_text(encoding="utf-8").splitlines()
+    file = folder / "declared.toml"
+    lines = file.read_text(encoding="utf-8").splitlines()
     at = lines.index("[parameters.mass]")
     lines[at + 1] = f'value = "{off * TRUE["mass"]} kg"'
     if std is not None:
         lines.insert(at + 2, f'std = "{std} kg"')
-    declared.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return diagnose(path)
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
 
 
 def test_a_mass_that_is_off_by_what_is_declared_is_no_effect(tmp_path: Path) -> None:
-    wrong = diagnosis(tmp_path, 1.1, 0.1 * TRUE["mass"])
+    wrong = diagnose(declared(tmp_path, 1.1, 0.1 * TRUE["mass"]))
     assert wrong.verdict == "none_missing"
     fitted = wrong.fitted_parameters
     assert "mass may be off by what is declared of it, and deviations count that" in "\n".join(sureness(wrong))
@@ -97,8 +100,19 @@ def test_a_mass_that_is_off_by_what_is_declared_is_no_effect(tmp_path: Path) -> 
         assert fitted[name].value == pytest.approx(TRUE[name], abs=3.0 * fitted[name].std)
 
 
-def test_what_is_declared_exactly_is_held(tmp_path: Path) -> None:
-    exact = diagnosis(tmp_path, 1.0, None)
-    assert exact.verdict == "none_missing"
-    assert "mass" not in exact.fitted_parameters
-    assert any("take what is held for exact" in line for line in sureness(exact))
+@pytest.mark.parametrize(("std", "known"), [(None, {}), (3.0, {"mass": (TRUE["mass"], 3.0)})])
+def test_what_is_declared_exactly_is_held(
+    tmp_path: Path, std: float | None, known: Mapping[str, tuple[float, float]]
+) -> None:
+    experiment = read_experiment(declared(tmp_path, 1.0, std))
+    motions = motions_of(experiment, read_records(experiment))
+    (force,) = balances_of(experiment, motions, declared_values(experiment))
+    assert force.priors == known
+    assert {*known} <= {*force.free}
+    assert ("mass" in force.free) == bool(known)
+
+
+def test_what_a_user_frees_is_known_by_the_records_alone(tmp_path: Path) -> None:
+    path = declared(tmp_path, 1.0, 3.0)
+    path.write_text(path.read_text(encoding="utf-8") + '[fit]\nfree = ["mass", "coulomb"]\n', encoding="utf-8")
+    assert priors_of(read_experiment(path), ["time", "command", "position"]) == {}

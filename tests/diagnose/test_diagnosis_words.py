@@ -23,6 +23,10 @@ from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
 
 
+def test_it_is_said_that_deviations_rest_on_what_is_held(diagnosis: Diagnosis) -> None:
+    assert any("Deviations take what is held for exact, mass and areas too" in line for line in sureness(diagnosis))
+
+
 def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     two = replace(diagnosis.effects[0], alternatives=["internal_leakage", "supply_droop"])
     ambiguous = replace(diagnosis, effects=[two])
