@@ -15,7 +15,7 @@ TUNINGS := tuning tuning_rotation tuning_comparison tuning_hoses
 IDENTIFICATIONS := 0_rpm rotary rotating
 MACHINES := thesis_rig thesis_simulation
 
-.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test test-thorough combinations export-proof fmu-proof fuzz kills lint docs docs-answers docs-test benchmark diagnosis design-proof clean
+.PHONY: study study-comparison study-thesis study-closed-loop study-tuning study-decision test tested test-thorough combinations export-proof fmu-proof fuzz kills lint docs docs-answers docs-test benchmark diagnosis design-proof clean
 
 study: $(ENVIRONMENT)/ready
 	@set -e; for name in $(STUDIES); do \
@@ -58,7 +58,11 @@ study-decision: $(ENVIRONMENT)/ready
 		$(BIN)/workbench decide studies/decision.toml --machine $$machine --out results/decision_$$machine --overwrite; \
 	done
 
-test: lint
+# Types are checked on one processor: the tests begin beside that.
+test: $(ENVIRONMENT)/ready-for-tests
+	@$(MAKE) --no-print-directory --jobs=2 lint tested
+
+tested: $(ENVIRONMENT)/ready-for-tests
 	$(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
 
 # What takes minutes: whole diagnoses of measured records and of further machines, the closed loop from end to end, and
