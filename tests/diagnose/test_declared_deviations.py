@@ -93,7 +93,7 @@ def test_a_mass_that_is_off_by_what_is_declared_is_no_effect(tmp_path: Path) -> 
     wrong = diagnose(declared(tmp_path, 1.1, 0.1 * TRUE["mass"]))
     assert wrong.verdict == "none_missing"
     fitted = wrong.fitted_parameters
-    assert "mass may be off by what is declared of it, and deviations count that" in "\n".join(sureness(wrong))
+    assert "mass moved within what is declared of it, and deviations count that" in "\n".join(sureness(wrong))
     assert fitted["mass"].value == pytest.approx(TRUE["mass"], abs=3.0 * fitted["mass"].std)
     assert fitted["mass"].std < 0.01 * TRUE["mass"], "the record tells it better"
     for name in ("coulomb", "viscous"):

@@ -57,6 +57,15 @@ def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: 
     assert [step.added for step in led.steps] == [("position_dependent_friction",)]
 
 
+def test_what_loops_do_not_bring_nearer_has_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(led_search, "fit_as_sensed", lambda first, *_: first)
+    _, led = found(tmp_path, 0.5)
+    assert led is not None
+    numbers = {number for own in led.effects.values() for number in own}
+    assert {*NAMES, "friction_gradient"} <= {*NAMES, *numbers} == {*led.simulated.fit.names}
+    assert {*led.simulated.fit.deviations} == {*led.simulated.fit.names}
+
+
 def test_nothing_is_sought_beside_a_loop_that_leaves_no_less(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Noise that wanders slowly is far from white, and a loop follows it; what it hides no loop shows."""
 

@@ -27,6 +27,7 @@ from workbench.records.importing.proposal import Ask
 from workbench.records.importing.words import MOST_WORDS, scores, words_of
 from workbench.records.importing.writing import text_of
 from workbench.records.reading import read_records
+from workbench.records.schema import FRICTION
 from workbench.records.tables import read_table
 
 TIME = 0.002 * np.arange(10_000)
@@ -288,7 +289,7 @@ def test_a_set_chooses_a_plant_that_it_serves_and_knows_the_stroke(tmp_path: Pat
     content = tomllib.loads(text)
     assert content["plant"]["model"] == "cylinder"
     assert content["channels"]["position"].get("offset", 0.0) == offset
-    assert {"stribeck", "stribeck_velocity", "valve_flow_gain", "bulk_modulus"} <= {*content["fit"]["free"]}
+    assert {*FRICTION, "valve_flow_gain", "bulk_modulus"} <= {*content["fit"]["free"]}
 
 
 @pytest.mark.parametrize(("level", "chosen"), [(5.0, "air"), (80.0, "non_rotating")])

@@ -205,13 +205,14 @@ def _parsed(path: Path, text: str, axis: str | None) -> tuple[Mapping[str, float
     axis = axis or axis_of(content.parameters)
     values, deviations = {}, {}
     for name, entry in content.parameters.items():
-        key = ("parameters", name, "value")
+        key = "value"
         try:
             values[name] = parameter_value(name, entry.value, axis)
+            key = "std"
             if entry.std is not None:
                 deviations[name] = _deviation(entry.std, known_units(axis)[name])
         except (QuantityError, UserError) as error:
-            raise toml.at(path, text, key, str(error)) from None
+            raise toml.at(path, text, ("parameters", name, key), str(error)) from None
     if {*RatedFlow._fields} & values.keys():
         values = _with_flow_gain(values, path, text)
     return MappingProxyType(values), MappingProxyType(deviations)
@@ -231,7 +232,7 @@ def _with_flow_gain(values: dict[str, float], path: Path, text: str) -> dict[str
 def _deviation(value: object, unit: str) -> float:
     number = si(value, unit)
     if number < 0.0:
-        raise UserError(f"std: got {spelled(value)}, expected a value that is not negative")
+        raise UserError(f"got {spelled(value)}, expected a value that is not negative")
     return number
 
 

@@ -10,6 +10,7 @@ from workbench.diagnose.report.names import ERRORS, listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
+from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.result import FAR, WORSE, Diagnosis, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
@@ -108,8 +109,9 @@ def _of_floor(diagnosis: Diagnosis, result: BalanceResult) -> str:
 def why_none(result: BalanceResult) -> str:
     """Why no effect was added to a balance: what stopped the best one."""
     best = result.steps[0].candidates[0]
+    where = "simulated plant" if result.balance.name == SIMULATION else f"{words_of(result.balance)} balance"
     return (
-        f"No effect was added to the {words_of(result.balance)} balance: the best, {plain_name(best.effect)}, stands "
+        f"No effect was added to the {where}: the best, {plain_name(best.effect)}, stands "
         f"out by {best.deviations:.1f} standard deviations of the noise, {_stopped(best, result.steps[0].before)}."
     )
 
@@ -238,8 +240,8 @@ def _of_held(diagnosis: Diagnosis) -> str:
     if priors:
         of_them = "it" if len(priors) == 1 else "them"
         return (
-            f"{listed(priors)} may be off by what is declared of {of_them}, and deviations count that; all else that "
-            "is held they take for exact."
+            f"{listed(priors)} moved within what is declared of {of_them}, and deviations count that; all else that is "
+            "held they take for exact."
         )
     return (
         "Deviations take what is held for exact, mass and areas too: a std beside a value in the parameter file lets "

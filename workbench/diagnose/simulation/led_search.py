@@ -77,7 +77,7 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
             name: tuple(number for number in effect.numbers if number in one.names) for name, effect in known.items()
         }
         yield FoundLed(
-            fit_as_sensed(own.begun(whole, one.values), own, one.values),
+            fit_as_sensed(own.final(own.begun(whole, one.values)), own, one.values),
             {name: those for name, those in numbers.items() if those and not set(those) <= set(fitting.names)},
             found.steps[: place + 1],
         )

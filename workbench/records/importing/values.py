@@ -15,6 +15,7 @@ from workbench.records.importing.channels import Found
 from workbench.records.importing.columns import Motion, correlation, rounded_up
 from workbench.records.importing.plants import given
 from workbench.records.importing.proposal import Line, Question
+from workbench.records.schema import FRICTION
 from workbench.toml.units import factor
 
 AREA = 1e-3
@@ -48,6 +49,9 @@ ZERO = {
     "tank_pressure": "the surroundings'",
 }
 """Parameters that are 0 to begin with, and why."""
+
+GUESSED = ("coulomb", "viscous", "bristle_stiffness")
+"""Of friction, where no set is there: the rest is 0 to begin with."""
 
 FLOWING = ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent")
 """What two pressures tell of a valve, of oil or air."""
@@ -115,9 +119,9 @@ def values_for(plant: Plant, found: Mapping[str, Found], motion: Motion) -> list
 
 
 def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion, own: Mapping[str, float] | None) -> list[str]:
-    """The parameters that a fit may move: friction, with what a set (`own`, if there is one) knows of it at low speed;
-    the mass where it shows; a constant load where no pressure of two can look like it; what makes the drive out of a
-    pump or one pressure; and where both pressures show what the valve lets through, that and how it is compressed.
+    """The parameters that a fit may move: what a set (`own`, if there is one) knows of friction, else what is guessed
+    of it; the mass where it shows; a constant load where no pressure of two can look like it; what makes the drive out
+    of a pump or one pressure; and where both pressures show what the valve lets through, that and how it is compressed.
     """
     names = {item.name for item in fields(plant.Parameters)}
     two = "pressure_1" in found and "pressure_2" in found
@@ -128,8 +132,8 @@ def free_for(plant: Plant, found: Mapping[str, Found], motion: Motion, own: Mapp
         wanted.append("piston_area_1")
     wanted += ["pump_displacement"]
     wanted += [] if two else ["load_force", "load_torque"]
-    wanted += ["coulomb", "viscous", "bristle_stiffness"]
-    wanted += ["stribeck", "stribeck_velocity"] if own is not None and own.get("stribeck", 0.0) > 0.0 else []
+    known = own if own is not None else dict.fromkeys(GUESSED, 1.0)
+    wanted += [name for name in FRICTION if known.get(name, 0.0) > 0.0]
     wanted += FLOWING if two else []
     return [name for name in wanted if name in names or name == "piston_area_1"]
 
