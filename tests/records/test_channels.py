@@ -117,6 +117,15 @@ def test_an_acceleration_is_held_against_the_velocity(tmp_path: Path) -> None:
     assert "acceleration is 1e+03 times the slope of velocity: one of" in record_of(tmp_path, text, a=a).notes[1]
 
 
+@pytest.mark.parametrize(("column", "told"), [("Setpoint [mm]", True), ("Position actual [mm]", False)])
+def test_a_column_that_is_called_as_what_was_wanted_is_told(column: str, told: bool, tmp_path: Path) -> None:
+    text = STRAIGHT.replace('column = "x"', f'column = "{column}"')
+    record = record_of(tmp_path, text, **{column: 10.0 * np.sin(6.0 * STEP * np.arange(4000))})
+    said = f'the column of position is called "{column}", as what was wanted is: was it measured?'
+    assert (said in record.notes) is told
+    assert (said in workbench("check", tmp_path / "experiment.toml").out) is told
+
+
 @pytest.mark.parametrize(
     ("column", "unit", "told"),
     [

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from plants.axis import LINEAR, ROTARY, unit_along
-from plants.interface import Plant
+from plants.interface import SENSORS, Plant
 from workbench.errors import nearest
+from workbench.records.importing.words import is_reference
 from workbench.records.schema import CHANNELS, ChannelTable
 from workbench.records.spelled import without_unit
 from workbench.toml import reading as files
@@ -23,8 +24,8 @@ AXES = {LINEAR: "goes straight", ROTARY: "turns"}
 class ChannelSpec:
     """Where a channel stands in a file, by a column's name or its number from 0, and how its numbers become SI.
 
-    SI value = factor * number + offset. `called` is its name in the experiment file; `doubt` says why its unit may be
-    wrong, "" where nothing speaks against it.
+    SI value = factor * number + offset. `called` is its name in the experiment file; `doubt` says why its column or
+    unit may be wrong, "" where nothing speaks against it.
     """
 
     called: str
@@ -66,9 +67,11 @@ def channels_of(tables: Mapping[str, ChannelTable], plant: Plant) -> dict[str, C
 
 
 def _doubt(called: str, table: ChannelTable, unit: str, scale: float) -> str:
-    """That the column of a channel, as it is called, has another unit of the same kind; one with a `scale` of its own
-    is converted by somebody who knows.
+    """That the column of a channel is, as it is called, what was wanted and not measured, or has another unit of the
+    same kind; one with a `scale` of its own is converted by somebody who knows.
     """
+    if called in SENSORS and isinstance(table.column, str) and is_reference(table.column):
+        return f'the column of {called} is called "{table.column}", as what was wanted is: was it measured?'
     named = without_unit(table.column)[1] if isinstance(table.column, str) and table.scale == 1.0 else ""
     try:
         other = factor(named, unit) if named else scale
