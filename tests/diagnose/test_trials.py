@@ -12,6 +12,7 @@ from plants.effects.loads import COGGING, CUSHION
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import unknown
 from workbench.diagnose.selection.lines import PEAKS
 from workbench.diagnose.selection.trials import UNSEEN, Trial, columns_of, looks, sizing, trials_of
 
@@ -168,3 +169,10 @@ def test_what_no_record_could_show_is_no_candidate() -> None:
     balance = made_balance([made_motion()], hidden, {}, effects=("constant_load",))
     fitted = unfitted(balance)
     assert not columns_of(fitted, trials_of(fitted, (), {}), {})
+
+
+def test_what_repeats_along_the_way_repeats_on_it() -> None:
+    """A wave much longer than the way is a spring there, with a number more than that has."""
+    pitch = unknown("cogging_pitch", {"cogging_pitch": 0.5 * SCALES.travel}, {}, SCALES)
+    assert pitch.value(pitch.high) == pytest.approx(2.0 * SCALES.travel)
+    assert pitch.value(pitch.low) == pytest.approx(0.05 * SCALES.travel), "a tenth of where it begins"
