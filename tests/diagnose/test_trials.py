@@ -175,4 +175,5 @@ def test_what_repeats_along_the_way_repeats_on_it() -> None:
     """A wave much longer than the way is a spring there, with a number more than that has."""
     pitch = unknown("cogging_pitch", {"cogging_pitch": 0.5 * SCALES.travel}, {}, SCALES)
     assert pitch.value(pitch.high) == pytest.approx(2.0 * SCALES.travel)
-    assert pitch.value(pitch.low) == pytest.approx(0.05 * SCALES.travel), "a tenth of where it begins"
+    fine = unknown("cogging_pitch", {"cogging_pitch": 0.01 * SCALES.travel}, {}, SCALES)
+    assert fine.value(fine.high) == pytest.approx(0.1 * SCALES.travel), "ten times where it begins"

@@ -73,7 +73,7 @@ def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknow
             size = min(size, abs(start))  # by that much it is moved
         return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
     if number is not None and number.period_of:  # of what is longer than the way a piece is seen, as a spring's is
-        low, high = max(low, number.low * number.scale(scales)), min(high, number.high * number.scale(scales))
+        high = min(high, number.high * number.scale(scales), WIDEST * start)
     if start > 0.0 and plain not in EITHER_SIGN:
         widest = float(np.log(WIDEST))
         least = float(np.log(low / start)) if low > 0.0 else -widest
