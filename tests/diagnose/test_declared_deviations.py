@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,12 +14,15 @@ from made_up_balances import made_balance, made_motion
 from workbench.diagnose.diagnose import diagnose
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.report.sureness import sureness
+from workbench.diagnose.residual_stage import ResidualStage, with_declared_of
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.balances import balances_of, priors_of
 from workbench.diagnose.residuals.fit import fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.likelihood import Outlook, gain_of, gained, left_by
+from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.trials import Trial, columns_of
+from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.least_squares import Search
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -74,6 +79,30 @@ def test_an_effect_gains_beside_what_is_declared_what_a_fit_says() -> None:
     exact = replace(balance, priors={"mass": (MASS, 1e-6)})
     held = fit(exact, start, [], None, EXACT, before.weighing)
     assert held.squares > before.squares + 100.0, "a mass that is known to be wrong leaves much"
+
+
+def test_balances_know_what_the_simulated_plant_says_of_a_declared_value(tmp_path: Path) -> None:
+    """One that holds the mass as it is declared, as a balance does on which another does not move it."""
+    values = {"mass": MASS, "viscous": 100.0}
+
+    def sloped(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        return forces(motion, values) + 50.0 * values["mass"] * motion.acceleration
+
+    truth = {"mass": MASS + STD, "viscous": 100.0}
+    balance = replace(made_balance([made_motion()], sloped, truth, ("viscous",)), priors={"mass": (MASS, STD)})
+    held = fit(balance, values, ["viscous"])
+    assert held.rms > 1.05
+    stage = ResidualStage([BalanceResult(balance, held, held, [], {}, {}, {})], values, values, values, {})
+    found = fit(balance, truth, ["mass", "viscous"])
+    simulation = cast(SimulationStage, SimpleNamespace(before=found, after=found))
+    around = with_declared_of(stage, read_experiment(declared(tmp_path, 1.0, None)), simulation)
+    (result,) = around.results
+    assert result.before is result.after
+    assert result.after.names == ("viscous",)
+    assert result.after.rms == pytest.approx(1.0, abs=0.02)
+    for told in (around.declared, around.baseline, around.corrected):
+        assert told["mass"] == found.values["mass"]
+    assert around.corrected["viscous"] == result.after.values["viscous"]
 
 
 def declared(folder: Path, off: float, std: float | None) -> Path:

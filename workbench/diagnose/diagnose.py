@@ -9,6 +9,7 @@ from workbench.diagnose.readiness import check_experiment, declared_values, moti
 from workbench.diagnose.residual_stage import (
     ResidualStage,
     baselines,
+    with_declared_of,
     with_effects,
     with_effects_of,
     with_floors,
@@ -74,6 +75,8 @@ def _diagnosis(
 ) -> Diagnosis:
     """What both stages say together: `effects` are those of the residual stage, and of a sensor."""
     if simulation is not None:
+        if simulation.is_trusted:
+            stage = with_declared_of(stage, experiment, simulation)
         stage = with_effects_of(stage, experiment, effects, simulation)
         effects = effects_of_both(effects, simulation)
         if simulation.is_near and simulation.lacks is None:

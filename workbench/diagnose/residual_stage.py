@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.balances import balances_of, diagnosed_plant
 from workbench.diagnose.residuals.baseline import baseline
-from workbench.diagnose.residuals.fit import Fit, fit, over
+from workbench.diagnose.residuals.fit import Fit, fit, over, weighed_fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored, null_motion, surrogate, with_fitted_floor
 from workbench.diagnose.residuals.unknowns import Bounds, Values
@@ -205,6 +205,32 @@ def with_effects_of(
         own = {effect: names for effect, names in simulation.effects.items() if effect in balance.effects}
         again.append(replace(result, after=after, effects=own))
     return replace(stage, results=again, corrected=values)
+
+
+def with_declared_of(stage: ResidualStage, experiment: Experiment, simulation: SimulationStage) -> ResidualStage:
+    """The balances around what the simulated plant says of parameters that are declared with a deviation: each moves
+    on one balance alone, and the others would hold it as it is declared.
+    """
+    told = {name for result in stage.results for name in result.balance.priors} & set(simulation.after.names)
+    if not told:
+        return stage
+
+    def around(one: Fit, simulated: Fit) -> Fit:
+        values = {**one.values, **{name: simulated.values[name] for name in told}}
+        names = [name for name in one.names if name not in told]
+        return weighed_fit(one.balance, values, names, experiment.bounds)
+
+    results = []
+    first, last = ({name: one.values[name] for name in told} for one in (simulation.before, simulation.after))
+    declared, baseline, corrected = {**stage.declared, **last}, {**stage.baseline, **first}, {**stage.corrected, **last}
+    for result in stage.results:
+        before = around(result.before, simulation.before)
+        alike = result.after is result.before and simulation.after is simulation.before
+        after = before if alike else around(result.after, simulation.after)
+        results.append(replace(result, before=before, after=after))
+        baseline |= before.moved
+        corrected |= after.moved
+    return replace(stage, results=results, declared=declared, baseline=baseline, corrected=corrected)
 
 
 def _starts(declared: Values, values: Values, fits: Sequence[Fit]) -> dict[str, float]:
