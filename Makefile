@@ -58,12 +58,12 @@ study-decision: $(ENVIRONMENT)/ready
 		$(BIN)/workbench decide studies/decision.toml --machine $$machine --out results/decision_$$machine --overwrite; \
 	done
 
-# Types are checked on one processor: the tests begin beside that.
+# Types are checked on one processor: the tests begin beside that, and know nothing of it, since some call make themselves.
 test: $(ENVIRONMENT)/ready-for-tests
 	@$(MAKE) --no-print-directory --jobs=2 lint tested
 
 tested: $(ENVIRONMENT)/ready-for-tests
-	$(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
+	env -u MAKEFLAGS -u MFLAGS $(BIN)/python -m pytest -n 2 --dist worksteal  # in the order of tests/conftest.py
 
 # What takes minutes: whole diagnoses of measured records and of further machines, the closed loop from end to end, and
 # whether the generators of records are right by which diagnoses are proved.
