@@ -161,7 +161,7 @@ def simulation_stage(
     if led is not None:
         again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
         again = _sought_anew(experiment, motions, start, base, again, progress)
-        if again.effects and again.after.rms < found.after.rms:
+        if _tells_more(again, found):
             gone = [effect for effect in given if effect not in again.effects]
             found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
             return _held_otherwise(experiment, motions, start, base, found, given, progress)
@@ -177,6 +177,14 @@ def simulation_stage(
     return _held_otherwise(experiment, motions, start, base, found, given, progress)
 
 
+def _tells_more(again: SimulationStage, found: SimulationStage) -> bool:
+    """Whether effects that loops showed bring the plant nearer to noise than what was `found` without: but where one
+    curve did in the place of effects, others that leave one, too, only stand in for it once more.
+    """
+    once_more = bool(found.stood_in) and found.lacks is not None and again.lacks is not None
+    return bool(again.effects) and again.after.rms < found.after.rms and not once_more
+
+
 def _sought_anew(
     experiment: Experiment,
     motions: Sequence[Motion],
@@ -186,9 +194,9 @@ def _sought_anew(
     progress: Progress,
 ) -> SimulationStage:
     """The search once more from the plant without effects, where that has come nearer to noise by what was found than
-    the plant with it: it had lost its way, and what was found says no more than that.
+    the plant with it: it had lost its way, and what was found says no more than that. Pieces say nothing of it.
     """
-    if not found.effects or found.before.rms >= found.after.rms:
+    if not found.effects or base.how.length != found.how.length or found.before.rms >= found.after.rms:
         return found
     fitting = Fitting(motions, base.fit.names, experiment.bounds)
     nearer = fitting.final(fitting.found(replace(found.how, begins={}), found.before.values))
