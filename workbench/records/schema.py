@@ -59,6 +59,9 @@ SUFFIXES: Mapping[str, str] = {"forward": "", "backward": f"_{NEGATIVE}", "rotar
 FRICTION = ("coulomb", "stribeck", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 """The parameters of friction."""
 
+FLOWING = ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent")
+"""What two pressures tell of a valve, of oil or air."""
+
 STATIC = "static"
 """Coulomb and Stribeck friction together: shown, never fitted."""
 

@@ -22,13 +22,13 @@ from workbench.diagnose.residuals.shown import balances_shown, dependences, devi
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.parameters.sets import EITHER_SIGN, FLOW_SHARE
 from workbench.records.experiment import Experiment
-from workbench.records.schema import FRICTION
+from workbench.records.schema import FLOWING, FRICTION
 
 FORCE, FLOW = "force", "flow"
 
 OWN: Mapping[str, tuple[str, ...]] = {
     FORCE: FRICTION,
-    FLOW: ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent"),
+    FLOW: FLOWING,
     "rotation": tuple(f"{name}_{ROTARY}" for name in FRICTION),
 }
 """What the baseline may move on each balance where an experiment does not say."""

@@ -85,7 +85,7 @@ def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Moti
     a load that hangs behind a spring, would gain by them.
     """
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
-    return [replace(motion, finer=motion.grain) if is_sensed(along, motion) else motion for motion in motions]
+    return as_quick(motions) if is_sensed(along, motions[0]) else list(motions)
 
 
 def is_coloured(fitted: Fit) -> bool:

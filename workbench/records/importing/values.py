@@ -15,7 +15,7 @@ from workbench.records.importing.channels import Found
 from workbench.records.importing.columns import Motion, correlation, rounded_up
 from workbench.records.importing.plants import given
 from workbench.records.importing.proposal import Line, Question
-from workbench.records.schema import FRICTION
+from workbench.records.schema import FLOWING, FRICTION
 from workbench.toml.units import factor
 
 AREA = 1e-3
@@ -52,9 +52,6 @@ ZERO = {
 
 GUESSED = ("coulomb", "viscous", "bristle_stiffness")
 """Of friction, where no set is there: the rest is 0 to begin with."""
-
-FLOWING = ("valve_flow_gain", "bulk_modulus", "sonic_conductance", "polytropic_exponent")
-"""What two pressures tell of a valve, of oil or air."""
 
 
 class Rough:
