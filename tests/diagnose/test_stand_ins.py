@@ -7,22 +7,27 @@ import pytest
 from driven import driven_shooting
 
 from plants.effects.curves import CURVES
-from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.selection.likelihood import gained, left_by
+from workbench.diagnose.selection.search import LEVEL, Found
+from workbench.diagnose.selection.sets import Asked, without_effects
+from workbench.diagnose.simulation import stage
 from workbench.diagnose.simulation.fits import Fitting
-from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.lacking import Lacking, dependence_of, lacking
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stand_ins import Place, standing_in
 
 SPRING, WAY = 2e4, 0.04
 """N/m, of the straight one, and m, within which the mass moves."""
 
-SPRINGS = {"straight": lambda way: SPRING * way, "hardening": lambda way: SPRING * way**3 / (0.5 * WAY) ** 2}
+SPRINGS = {
+    "straight": lambda way: SPRING * way,
+    "hardening": lambda way: SPRING * way**3 / (0.5 * WAY) ** 2,
+    "weak": lambda way: 3e-5 * SPRING * way,
+}
 
-Found = tuple[Shooting, Fit, Asked]
 
-
-def found_of(folder: Path, spring: str) -> Found:
+def found_of(folder: Path, spring: str) -> tuple[Shooting, Fit, Asked]:
     """A mass with a spring, of which a fit has found a straight one."""
     values = -SPRINGS[spring](np.linspace(-WAY, WAY, 12))
     curve = dict(zip(CURVES["force", "position"].own_names, [1.0, -WAY, WAY, *values], strict=True))
@@ -50,3 +55,24 @@ def test_no_curve_does_in_the_place_of_a_spring(tmp_path: Path) -> None:
     taken = {"spring_load": ("spring_stiffness",)}
     for price in (ask.of("spring_load", taken["spring_load"], fitted.balance), 15.0):
         assert standing_in(how, Place.of(fitted, taken, 1e4, ask), lacking(how, fitted), price) == []
+
+
+@pytest.mark.parametrize("more", [-1.0, 1.0])
+def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: float
+) -> None:
+    """By odds that data can tell, with what is asked of each: first order beside the effects need not see it."""
+    how, fitted, ask = found_of(tmp_path, "weak")
+    effects = {"spring_load": ("spring_stiffness",)}
+    found = Found(fitted, effects, [], {}, {}, {})
+    without = without_effects(fitted, effects, ask)
+    worth = gained(fitted.balance, left_by(fitted), left_by(ask.settled(without)))
+    worth -= ask.of("spring_load", effects["spring_load"], fitted.balance)
+    assert worth > 10.0
+    assert without.excess < NEAR_NOISE
+    curve = Lacking("force", "velocity", 16.0 + worth + LEVEL + more, 16.0, np.zeros((fitted.residual.size, 1)))
+    monkeypatch.setattr(stage, "standing_in", lambda *_: [])
+    monkeypatch.setattr(stage, "lacking", lambda _, of: [] if of is fitted else [curve])
+    kept, lacks = stage._without_stand_ins(how, found, without, ask)
+    assert (not kept.effects, lacks is not None) == (more > 0.0, more > 0.0)
+    assert kept.fit is fitted or kept.fit.names == without.names

@@ -15,7 +15,8 @@ from workbench.diagnose.residuals.along import ARRIVES
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.search import Found, search
+from workbench.diagnose.selection.likelihood import gained, left_by
+from workbench.diagnose.selection.search import LEVEL, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
@@ -27,7 +28,7 @@ from workbench.diagnose.simulation.fits import (
     Simulated,
     exactly,
 )
-from workbench.diagnose.simulation.lacking import dependence_of, lacking
+from workbench.diagnose.simulation.lacking import Lacking, dependence_of, lacking
 from workbench.diagnose.simulation.led_search import found_led
 from workbench.diagnose.simulation.nearer import fit_farther
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, given_by, may_leave_less
@@ -300,8 +301,8 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
-    beside many effects, or beside few where one curve in their place loses nothing; nor where effects leave nothing,
-    but one curve is likelier than they are. `without` is the fit without effects.
+    beside many effects, or beside few where one curve in their place loses nothing; nor where one curve beside the
+    plant without them is likelier than they are, whatever is left. `without` is the fit without effects.
     """
     pushes = lacking(how, found.fit)
     lacks = dependence_of(pushes)
@@ -311,6 +312,21 @@ def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) ->
     place = Place.of(found.fit, found.effects, 0.5 * (without.squares - found.fit.squares), ask)
     instead = standing_in(how, place, pushes, cost if lacks is None else None)
     if instead or (lacks is not None and len(found.effects) >= MANY):
-        found = replace(found, fit=without, effects={}, gains={}, alternatives={})
-        lacks = dependence_of(instead or lacking(how, without)) or lacks
+        return _nothing(found, without), dependence_of(instead or lacking(how, without)) or lacks
+    if without.excess < NEAR_NOISE:  # farther off first order is no guide
+        plain = ask.settled(without)
+        alone, beside = lacking(how, plain), _net(pushes) if lacks is not None else 0.0
+        gain = gained(found.fit.balance, left_by(found.fit), left_by(plain))
+        if _net(alone) > gain - cost + beside + LEVEL:
+            return _nothing(found, plain), dependence_of(alone)
     return found, lacks
+
+
+def _net(curves: Sequence[Lacking]) -> float:
+    """What the best of some curves gains beyond what is asked of it."""
+    return max((curve.gain - curve.asked for curve in curves), default=-np.inf)
+
+
+def _nothing(found: Found, without: Fit) -> Found:
+    """A search that found nothing, whose fit is that `without` effects."""
+    return replace(found, fit=without, effects={}, gains={}, alternatives={})
