@@ -15,7 +15,7 @@ from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
-from workbench.diagnose.report.verdict import verdict_sentence
+from workbench.diagnose.report.verdict import next_words, verdict_sentence
 from workbench.diagnose.result import BeforeAfter, Diagnosis
 from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
@@ -76,9 +76,32 @@ def test_effects_that_only_stood_in_for_something_are_told_of(diagnosis: Diagnos
     assert not any("The search found" in line for line in sureness(left))
     found = replace(left, simulation=replace(left.simulation, stood_in=("spring_load", "cogging")))
     assert (
-        "The search found spring load and cogging, not named here: one curve over a signal does in the place of all of "
-        "them, or something is left beside so many."
+        "The search found spring load and cogging, not named here: one curve over a signal does in their place, or "
+        "something is left beside so many."
     ) in sureness(found)
+
+
+def test_effects_of_balances_that_the_simulated_plant_does_without_are_told_of(diagnosis: Diagnosis) -> None:
+    simulation = diagnosis.simulation
+    assert simulation is not None
+    near = replace(simulation, dropped=("internal_leakage",))
+    said = "Added to the balances, and not named here: internal leakage. Simulated along the records, the plant"
+    assert f"{said} does as well without." in sureness(replace(diagnosis, simulation=near))
+    lost = replace(near, after=replace(near.after, residual=1e3 * near.after.residual))
+    told = next(line for line in sureness(replace(diagnosis, simulation=lost)) if line.startswith(said))
+    assert "without it comes near them neither, so that the balances may be right" in told
+
+
+def test_a_plant_to_which_nothing_was_added_is_not_called_corrected(diagnosis: Diagnosis) -> None:
+    none, left = without_effects(diagnosis), unexplained(diagnosis, "force", {"position": 1.0}, 250.0)
+    fitted = "plant.toml: the declared plant with its own parameters fitted"
+    assert f"{fitted}; a study names it with model" in summary(none)
+    assert f"{fitted}; it lacks what no known effect explains; a study names it with model" in summary(left)
+    assert next_words(none, "DIR") == ""
+    assert next_words(left, "DIR") == (
+        "To simulate the plant with a curve over position for what is not explained: position_force_curve_share = 1 in "
+        "DIR/plant.toml"
+    )
 
 
 @pytest.mark.parametrize("far", [False, True])

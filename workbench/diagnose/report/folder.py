@@ -108,7 +108,11 @@ def plant_words(diagnosis: Diagnosis) -> str:
         return (
             f"the declared plant, fitted without effects, for model = {model}, which cannot hold {listed_names(lost)}"
         )
-    return f"the corrected plant; a study names it with model = {model}"
+    named = f"a study names it with model = {model}"
+    if diagnosis.effects:
+        return f"the corrected plant; {named}"
+    lacks = "; it lacks what no known effect explains" if diagnosis.unexplained is not None else ""
+    return f"the declared plant with its own parameters fitted{lacks}; {named}"
 
 
 def plant_file(diagnosis: Diagnosis) -> str:

@@ -16,6 +16,7 @@ from workbench.diagnose.result import FAR, WORSE, Diagnosis, FittedParameter, Fo
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm
+from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
@@ -149,11 +150,11 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         error = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
     lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
     if simulation.dropped:
-        lines.append(f"The simulated plant does without {listed_names(simulation.dropped)}: dropped.")
+        lines.append(_of_dropped(simulation))
     if simulation.stood_in:
         lines.append(
             f"The search found {listed_names(simulation.stood_in)}, not named here: one curve over a signal does in "
-            "the place of all of them, or something is left beside so many."
+            "their place, or something is left beside so many."
         )
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.after.position is not None and after.position is not None:
@@ -168,6 +169,19 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
             "between records add up."
         )
     return lines
+
+
+def _of_dropped(simulation: SimulationStage) -> str:
+    """Why effects that were added to balances are not named."""
+    added = (
+        f"Added to the balances, and not named here: {listed_names(simulation.dropped)}. Simulated along the records"
+    )
+    if simulation.is_near:
+        return f"{added}, the plant does as well without."
+    return (
+        f"{added}, the plant comes no nearer to them with what was added; but without it comes near them neither, so "
+        "that the balances may be right: look at what is declared and held."
+    )
 
 
 def _of_worse(diagnosis: Diagnosis) -> list[str]:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 
 from workbench.diagnose.report.names import listed_names, percent, quantity
+from workbench.diagnose.report.offered import offered_entries
+from workbench.diagnose.report.parameters import plant_of
 from workbench.diagnose.result import Diagnosis, Estimate
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence
@@ -46,10 +48,21 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def next_words(diagnosis: Diagnosis, folder: str) -> str:
-    """What to do next where effects could not be told apart: the command that finds out; empty otherwise."""
-    if diagnosis.verdict != "ambiguous" or diagnosis.simulation is None:
+    """What to do next where effects could not be told apart: the command that finds out; where something is not
+    explained, how a plant is simulated with a curve for it; empty otherwise.
+    """
+    if diagnosis.verdict == "ambiguous" and diagnosis.simulation is not None:
+        return f"What to record to tell them apart: workbench design {folder} --out {folder}_next"
+    left = diagnosis.unexplained
+    if diagnosis.verdict != "unexplained" or left is None:
         return ""
-    return f"What to record to tell them apart: workbench design {folder} --out {folder}_next"
+    entries = offered_entries(left, plant_of(diagnosis), diagnosis.experiment.values, "")
+    if not entries:
+        return ""
+    return (
+        f"To simulate the plant with a curve over {plain_name(left.term.signal)} for what is not explained: "
+        f"{entries[0].name} = 1 in {folder}/plant.toml"
+    )
 
 
 def _undecided(diagnosis: Diagnosis) -> str:

@@ -103,11 +103,11 @@ def draw_parameters(data: ParametersData) -> Picture:
         markers = [Line2D([], [], color=side.colour, marker=MARKERS[side.key], **OPEN) for side in data.sides]
         legend(figure, axes, more={"open: not identified": markers})
     caption = (
-        "Each parameter that the fit may move, over its declared value, with its 95 % interval; autocorrelation of the "
-        "residual is taken into account. An open marker is not identified: its standard deviation exceeds half its "
-        "value, the fit ran to the end of its range, or what was found moves it by more than it allows. The "
-        "axis is chosen for the values; an arrow is an interval that goes on beyond it, or on a logarithmic axis to 0 "
-        "and below."
+        "Each parameter that the fit may move, over its declared value, with its 95 % interval; what is declared as 0, "
+        "as an effect's number is, stands in the table alone. Autocorrelation of the residual is taken into account. "
+        "An open marker is not identified: its standard deviation exceeds half its value, the fit ran to the end of "
+        "its range, or what was found moves it by more than it allows. The axis is chosen for the values; an arrow is "
+        "an interval that goes on beyond it, or on a logarithmic axis to 0 and below."
     )
     return Picture(figure, caption)
 

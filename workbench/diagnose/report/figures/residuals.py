@@ -63,11 +63,11 @@ class Residuals:
 
 
 def residuals_of(diagnosis: Diagnosis, result: BalanceResult) -> Residuals:
-    """The residuals of a balance; one side alone where nothing that was found changes them."""
+    """The residuals of a balance; one side alone where nothing was found that changes them."""
     balance = result.balance
     parts = parts_of(diagnosis, balance)
     sides = [Side("after", "declared plant, fitted (nothing was added here)")]
-    if is_changed(parts):
+    if diagnosis.effects and is_changed(parts):
         after = "with what was rejected" if diagnosis.is_rejected else "after, with what was found"
         sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
     signals = shown_signals(diagnosis, balance, parts[0])

@@ -26,7 +26,10 @@ NOISE: dict[str, Any] = {"color": "#999999", "alpha": 0.35, "linewidth": 0.0}
 """Green is measured, grey is noise."""
 
 THICKNESS = {"before": 0.9, "after": 0.7}
-"""Points of the curves: what came later is drawn over what was before."""
+"""Points of the curves."""
+
+LAYER = {"before": 1.9, "after": 2.1}
+"""Of the curves: what was measured, at 2, is drawn over what was before, and what came later over both."""
 
 BUCKETS = 800
 """Of a curve, of which extremes are drawn: more than a page has columns of dots for it."""
@@ -160,7 +163,7 @@ def _draw(panels: np.ndarray, time: np.ndarray, compared: Compared, sides: Seque
         values, width = compared.simulated[side.key], THICKNESS[side.key]
         error = compared.measured - values
         kept = thinned(values, error, buckets=BUCKETS)
-        upper.plot(time[kept], values[kept], color=side.colour, linewidth=width)
+        upper.plot(time[kept], values[kept], color=side.colour, linewidth=width, zorder=LAYER[side.key])
         axes.axhspan(-2.0 * compared.noise, 2.0 * compared.noise, label="noise (2 std)", **NOISE)
         axes.plot(time[kept], error[kept], color=side.colour, linewidth=width, label=side.label)
         most = float(np.nanquantile(np.abs(error), 0.995)) if np.isfinite(error).any() else 0.0
