@@ -15,7 +15,7 @@ from workbench.diagnose.report.figures.evidence import (
     draw_evidence,
 )
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
-from workbench.diagnose.report.figures.simulation import simulation_data
+from workbench.diagnose.report.figures.simulation import _compared, simulation_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
@@ -71,6 +71,23 @@ def test_the_simulated_curves_are_of_the_plants_whose_errors_are_told(diagnosis:
     told = [diagnosis.errors.fit.before.position, diagnosis.errors.fit.after.position]
     assert drawn((before, after)) == pytest.approx(told, rel=1e-6)
     assert drawn((after, before)) == pytest.approx(told[::-1], rel=1e-6)
+
+
+def test_the_noise_of_a_quick_machine_is_what_its_plant_leaves(diagnosis: Diagnosis) -> None:
+    """Oil that swings nearly as fast as it is sampled scatters from sample to sample as a sensor's noise would."""
+    motion, draw = diagnosis.results[0].balance.motions[0], np.random.default_rng(1)
+    simulated = {
+        name: values + motion.sensed[name] * draw.standard_normal(values.size)
+        for name, values in motion.measured.items()
+    }
+    of_pressure = 1e-3 * np.hypot(motion.sensed["pressure_1"], motion.sensed["pressure_2"])
+    true = {"position": 1e3 * motion.sensed["position"], "load pressure": of_pressure}
+    for times, told in ((1.0, 1.0), (6.0, 1.0), (0.5, 0.5)):
+        shown = replace(motion, sensed={name: times * std for name, std in motion.sensed.items()})
+        compared = _compared(diagnosis, shown, {"before": simulated, "after": simulated})
+        assert {one.words: one.noise for one in compared} == pytest.approx(
+            {words: told * std for words, std in true.items()}, rel=0.05
+        )
 
 
 def test_a_bar_of_evidence_ends_where_its_candidate_stands_out() -> None:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from workbench.diagnose.report.figures.frame import WIDE, Side, legend
 from workbench.diagnose.residuals.balance import SIMULATION
-from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.motion import Motion, fluctuation
 from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.stage import SimulationStage
@@ -107,15 +107,24 @@ def _compared(
     """Position, and the load pressure where both pressures are measured, and what is `simulated` by each side."""
     scale, unit = SHOWN[diagnosis.axis].factor, SHOWN[diagnosis.axis].unit
     shown = {side: scale * channels["position"] for side, channels in simulated.items()}
-    quantities = [
-        Compared("position", unit, scale * motion.measured["position"], shown, scale * motion.sensed["position"])
-    ]
+    measured = scale * motion.measured["position"]
+    noise = _noise(scale * motion.sensed["position"], measured - shown["after"])
+    quantities = [Compared("position", unit, measured, shown, noise)]
     if all({"pressure_1", "pressure_2"} <= set(channels) for channels in simulated.values()):
         scale = factor("Pa", "kPa")
         shown = {side: scale * _load_pressure(channels) for side, channels in simulated.items()}
-        noise = scale * float(np.hypot(motion.sensed["pressure_1"], motion.sensed["pressure_2"]))
-        quantities.append(Compared("load pressure", "kPa", scale * _load_pressure(motion.measured), shown, noise))
+        measured = scale * _load_pressure(motion.measured)
+        sensed = scale * float(np.hypot(motion.sensed["pressure_1"], motion.sensed["pressure_2"]))
+        quantities.append(Compared("load pressure", "kPa", measured, shown, _noise(sensed, measured - shown["after"])))
     return quantities
+
+
+def _noise(sensed: float, error: np.ndarray) -> float:
+    """Standard deviation of a sensor's noise: as its samples scatter, or, where the machine itself is as quick, as the
+    error does that the plant leaves of them.
+    """
+    left = fluctuation(error[np.isfinite(error)])
+    return min(sensed, left) if left > 0.0 else sensed
 
 
 def _load_pressure(channels: Mapping[str, np.ndarray]) -> np.ndarray:
