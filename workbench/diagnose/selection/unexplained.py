@@ -22,6 +22,10 @@ ABOVE = 1.3
 """Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
 
 
+TURNING = ("position", "time", "rotation_angle")
+"""Signals over which what is missing may turn with the direction of motion, as friction does at a place."""
+
+
 @dataclass(frozen=True)
 class Dependence:
     """A balance that is not explained: the signals on which its residual depends, with the share of its variance that
@@ -162,16 +166,19 @@ def _moving(balance: Balance, motion: Motion, values: Values) -> tuple[np.ndarra
 def dependence(balance: Balance, values: Values) -> Dependence | None:
     """The signals on which a balance's residual depends; None where it is at its floor or depends on none."""
     parts: dict[str, list[np.ndarray]] = {}
-    residuals = []
+    residuals, ways = [], []
     for motion in balance.motions:
         residual, moving = _moving(balance, motion, values)
         residuals.append(residual / balance.floor)
+        ways.append(np.sign(motion.thinned.velocity[moving]))
         for name, signal in signals_of(motion.thinned).items():
             parts.setdefault(name, []).append(signal[moving])
     residual = np.concatenate(residuals)
     if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
         return None
-    shares = {name: explained_share(np.concatenate(pieces), residual) for name, pieces in parts.items()}
+    along, turned = {name: np.concatenate(pieces) for name, pieces in parts.items()}, np.concatenate(ways) * residual
+    shares = {name: explained_share(signal, residual) for name, signal in along.items()}
+    shares |= {name: max(shares[name], explained_share(along[name], turned)) for name in TURNING if name in along}
     strong = {name: share for name, share in shares.items() if share > LEAST}
     return Dependence(balance.name, strong) if strong else None
 
