@@ -243,9 +243,10 @@ def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
     (flow, *_) = diagnosis.results
     step = flow.steps[0]
     best = step.candidates[0]
+    had: dict[str, tuple[str, ...]] = {}
 
     def said(one: Any = best, before: Any = step.before) -> str:
-        return why_none(replace(flow, steps=[replace(step, before=before, candidates=[one], added=())]))
+        return why_none(replace(flow, effects=had, steps=[replace(step, before=before, candidates=[one], added=())]))
 
     known = f"the best, {plain_name(best.effect)}, stands out by {best.deviations:.1f} standard deviations of the noise"
     assert said().startswith(f"No effect was added to the flow balance: {known}, ")
@@ -257,6 +258,8 @@ def test_what_stopped_the_best_effect_is_told(diagnosis: Diagnosis) -> None:
     assert "but the balance is at its noise floor without any." in said(best, at_floor)
     poor = replace(best, gain=2.0, asked=8.0)
     assert "stands out by 2.0 standard deviations of the noise, where 4.0 are asked of one among so many." in said(poor)
+    had["internal_leakage"] = ("leakage_coefficient",)
+    assert said().startswith(f"No further effect was added to the flow balance, which has internal leakage: {known}, ")
 
 
 def test_a_term_that_makes_it_worse_does_not_lower_it() -> None:

@@ -57,11 +57,8 @@ def quantity(name: str, value: float, std: float | None = None, axis: str = LINE
     unit = known_units(axis).get(name, "1")
     shown = shown_unit(unit, value)
     scale = factor(unit, shown)
-    text = shown_number(scale * value, 4)
+    text = within(scale * value, 0.0 if std is None else scale * std)
     if std is not None:
-        decimals = _decimals(scale * std)
-        if len(text.partition(".")[2]) < decimals <= MOST_DECIMALS and "e" not in text:
-            text = f"{scale * value:.{decimals}f}"
         text += f" ± {shown_number(scale * std, 2)}"
     return text if shown == "1" else f"{text} {shown}"
 
@@ -78,6 +75,13 @@ def percent(share: float, digits: int = 0) -> str:
 def _decimals(spread: float) -> int:
     """Decimals with which two digits of a spread are shown."""
     return max(1 - math.floor(math.log10(spread)), 0) if math.isfinite(spread) and spread > 0.0 else 0
+
+
+def within(value: float, half: float) -> str:
+    """A value with four digits, or as many as its interval has: the one is to lie in the other."""
+    text, decimals = shown_number(value, 4), _decimals(half)
+    more = len(text.partition(".")[2]) < decimals <= MOST_DECIMALS and "e" not in text
+    return f"{value:.{decimals}f}" if more else text
 
 
 def interval(value: float, half: float) -> str:

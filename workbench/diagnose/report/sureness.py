@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
+from workbench.diagnose.report.offered import offered_curve
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
@@ -48,6 +49,12 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
         lines.append(of_term(unexplained.term))
+        if offered_curve(unexplained, plant_of(diagnosis)) is None:
+            balance, over = SHOWN[diagnosis.axis].said(unexplained.balance), unexplained.dependence.signals
+            lines.append(
+                f"plant.toml offers no curve for it: {plant_of(diagnosis).name} can have none of the {balance} balance "
+                f"over {listed_names(over, 'or')}."
+            )
     elif far := _far(diagnosis):
         lines.append(
             f"What is left of the {listed(far)} balance is not called unexplained, since it depends on no measured "
@@ -112,9 +119,15 @@ def why_none(result: BalanceResult) -> str:
     best = result.steps[0].candidates[0]
     where = "simulated plant" if result.balance.name == SIMULATION else f"{words_of(result.balance)} balance"
     return (
-        f"No effect was added to the {where}: the best, {plain_name(best.effect)}, stands "
+        f"No {'further ' * bool(result.effects)}effect was added to the {where}{_beside(result)}: the best, "
+        f"{plain_name(best.effect)}, stands "
         f"out by {best.deviations:.1f} standard deviations of the noise, {_stopped(best, result.steps[0].before)}."
     )
+
+
+def _beside(result: BalanceResult) -> str:
+    """What a balance had from the beginning."""
+    return f", which has {listed_names(result.effects)}" if result.effects else ""
 
 
 def _stopped(best: Candidate, before: Fit) -> str:

@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 
-from workbench.diagnose.report.names import ERRORS, interval, percent, quantity, shown_unit
+from workbench.diagnose.report.names import ERRORS, interval, percent, quantity, shown_unit, within
 from workbench.diagnose.report.parameters import Row, parameter_rows
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.residuals.fit import Fit
@@ -72,6 +72,7 @@ def parameter_table(diagnosis: Diagnosis) -> pd.DataFrame:
     """
     lines = []
     last = "rejected" if diagnosis.is_rejected else "with effects"
+    of_effects = {name for effect in diagnosis.effects for name in effect.parameters}
     for name, row in parameter_rows(diagnosis).items():
         unit = known_units(diagnosis.axis).get(name, "1")
         shown = shown_unit(unit, row.final.value)
@@ -83,19 +84,19 @@ def parameter_table(diagnosis: Diagnosis) -> pd.DataFrame:
         }
         sides = {"baseline": row.baseline, last: row.final} if diagnosis.effects else {"fitted": row.final}
         for heading, fitted in sides.items():
-            line[heading] = "" if fitted is None else shown_number(scale * fitted.value, 4)
             half = math.nan if fitted is None or fitted.doubt == ENDED else INTERVAL * scale * fitted.std
+            line[heading] = "" if fitted is None else within(scale * fitted.value, half)
             line[f"{heading}, 95 % interval"] = "" if fitted is None else interval(scale * fitted.value, half)
-        remark = _remark(row, last) if diagnosis.effects else NOT_IDENTIFIED * bool(row.final.doubt)
+        remark = _remark(row, last, name in of_effects) if diagnosis.effects else NOT_IDENTIFIED * bool(row.final.doubt)
         lines.append({**line, "remark": remark})
     return _without_empty(lines)
 
 
-def _remark(row: Row, last: str) -> str:
+def _remark(row: Row, last: str, of_effect: bool) -> str:
     """What a reader has to know of a parameter: of an effect, or not identified, and by which fit."""
     doubts = (("by the baseline", row.baseline is not None and row.baseline.doubt), (last, row.final.doubt))
     unsure = [words for words, doubt in doubts if doubt]
-    remarks = ["of an effect"] if row.baseline is None else []
+    remarks = ["of an effect"] if of_effect else []
     return "; ".join([*remarks, *([f"{NOT_IDENTIFIED} {', '.join(unsure)}"] if unsure else [])])
 
 

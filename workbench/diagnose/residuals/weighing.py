@@ -23,7 +23,8 @@ ROWS_A_NUMBER = 40
 """Rows of a series that an autoregression has for each of its numbers, at least."""
 
 NEGLIGIBLE = 1e-9
-"""Share of the largest of the directions that are projected off, below which one is none."""
+"""Share of itself that is left of a direction where rows count, and of the largest of those that are projected off,
+below which it is none: their units are those of each sensor."""
 
 Slices = Sequence[Sequence[slice]]
 """Where the residuals of each record stand in a stack: records, and the kinds of residual of each."""
@@ -109,7 +110,7 @@ class Weighing:
         for rows in groups:
             block = weighed[rows]
             norms = np.linalg.norm(block, axis=0)
-            block = block[:, norms > NEGLIGIBLE * max(float(np.max(norms, initial=0.0)), 1e-300)]
+            block = block[:, norms > NEGLIGIBLE * np.linalg.norm(columns[rows], axis=0)]
             if block.size:
                 left, sizes, _ = np.linalg.svd(block / np.linalg.norm(block, axis=0), full_matrices=False)
                 beside.append((rows, left[:, sizes > NEGLIGIBLE]))

@@ -111,7 +111,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         seen[frozenset(taken)] = found.rms
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
-    gains = {effect: _worth_of(current, taken, effect, ask) for effect in taken}
+    gains = {effect: min(_worth_of(current, taken, effect, ask), _gained_by(effect, steps)) for effect in taken}
     return Found(current, taken, steps, gains, level, shapes)
 
 
@@ -274,6 +274,14 @@ def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
     """What an effect gains that is there: how much would be lost without it, to first order."""
     outlook = Outlook(current, {})
     return -outlook.gain([], away_of(current, taken[effect], ask))[0]
+
+
+def _gained_by(effect: str, steps: Sequence[Step]) -> float:
+    """What an effect gained in the round that added it: what is lost without it to first order is too much of one that
+    bends far.
+    """
+    gains = [one.gain for step in steps if effect in step.added for one in step.candidates if one.effect == effect]
+    return gains[-1] if gains else np.inf
 
 
 def _candidates(outlook: Outlook, fitted: Sequence[tuple[Proposal, Fit]], ask: Asked) -> list[Candidate]:

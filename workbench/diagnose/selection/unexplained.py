@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from plants.effects.curves import curves_over
 from workbench.diagnose.residuals.balance import BLOCKS, Balance
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, signals_of
@@ -127,9 +128,12 @@ class Unexplained:
 
 
 def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion]) -> Unexplained:
-    """What a fit of a balance leaves unexplained, with a term over the signal on which it depends most."""
-    balance, values = after.balance, after.values
-    term = data_driven_term(balance, values, dependence.signals[0])
+    """What a fit of a balance leaves unexplained, with a term over the signal on which it depends most, of those over
+    which a plant can have a curve, if there are any.
+    """
+    balance, values, signals = after.balance, after.values, dependence.signals
+    over = next((signal for signal in signals if curves_over(balance.name, signal)), signals[0])
+    term = data_driven_term(balance, values, over)
     fitted, tested = (
         TermErrors(*term.left(motions, values)) if term.is_tested_by(motions) else None
         for motions in (balance.motions, held_out)
@@ -177,20 +181,26 @@ def dependence(balance: Balance, values: Values) -> Dependence | None:
     if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
         return None
     along, turned = {name: np.concatenate(pieces) for name, pieces in parts.items()}, np.concatenate(ways) * residual
-    shares = {name: explained_share(signal, residual) for name, signal in along.items()}
-    shares |= {name: max(shares[name], explained_share(along[name], turned)) for name in TURNING if name in along}
+    shares = {name: explained_share(name, signal, residual) for name, signal in along.items()}
+    shares |= {name: max(shares[name], explained_share(name, along[name], turned)) for name in TURNING if name in along}
     strong = {name: share for name, share in shares.items() if share > LEAST}
     return Dependence(balance.name, strong) if strong else None
 
 
-def explained_share(signal: np.ndarray, residual: np.ndarray) -> float:
+def explained_share(name: str, signal: np.ndarray, residual: np.ndarray) -> float:
     """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
-    means.
+    means; over time what the blocks before and after one foretell of its mean, since it is all that there is of its
+    time.
     """
+    residual = residual - np.mean(residual)
+    blocks, left = np.array_split(np.arange(residual.size), BLOCKS), np.empty_like(residual)
+    if name == "time":
+        means = np.array([np.mean(residual[block]) for block in blocks])
+        for k, block in enumerate(blocks):
+            left[block] = residual[block] - np.mean(means[[one for one in (k - 1, k + 1) if 0 <= one < BLOCKS]])
+        return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
     place = bins_of(signal)
     size = int(np.max(place)) + 1
-    blocks = np.array_split(np.arange(residual.size), BLOCKS)
-    left = np.empty_like(residual)
     for block in blocks:
         rest = np.ones(residual.size, dtype=bool)
         rest[block] = False

@@ -91,7 +91,8 @@ def draw_over_signals(data: OverSignals) -> Picture:
                 low, high, side = curve.mean - curve.spread, curve.mean + curve.spread, curve.side
                 shade: dict[str, Any] = {"color": side.colour, "alpha": 0.18, "linewidth": 0.0}
                 line: dict[str, Any] = {"color": side.colour, "linestyle": "-", "linewidth": 0.9, "markersize": 3.0}
-                axes.fill_between(curve.signal, low, high, label=f"its spread (± 1 std), {side.key}", **shade)
+                which = f", {side.key}" if len(panel.curves) > 1 else ""
+                axes.fill_between(curve.signal, low, high, label=f"its spread (± 1 std){which}", **shade)
                 axes.plot(curve.signal, curve.mean, marker, label=side.label, **line)
             axes.set_xlabel(panel.signal_label)
             axes.set_ylabel(panel.residual_label)
