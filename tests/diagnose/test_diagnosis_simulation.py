@@ -1,6 +1,7 @@
 """The simulation stage: what smoothing hides shows in the simulated plant; a complete one leaves noise alone."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -63,6 +64,16 @@ def test_a_record_that_says_nothing_is_refused_in_a_line(
     record = tmp_path / "fit.parquet"
     change(pd.read_parquet(record)).to_parquet(record)
     with pytest.raises(UserError, match=said):
+        diagnose(path)
+
+
+def test_a_copy_under_another_name_is_refused_in_a_line(tmp_path: Path) -> None:
+    """Held out it would test nothing."""
+    path = make_experiment(tmp_path, {}, SEED)
+    shutil.copy(tmp_path / "fit.parquet", tmp_path / "held_out.parquet")
+    with pytest.raises(
+        UserError, match=r"held_out\.parquet: holds the same samples as .*fit\.parquet; expected another"
+    ):
         diagnose(path)
 
 

@@ -75,6 +75,7 @@ def test_a_turning_axis_has_angles_and_a_torque(tmp_path: Path) -> None:
         (STRAIGHT, "velocity =", "torque =", 'goes straight, and what drives it is a force: call it "force", in N'),
         (TURNING, "velocity =", "force =", 'turns, and what drives it is a torque: call the channel "torque", in N m'),
         (STRAIGHT, 'unit = "mm/s"', 'unit = "rpm"', 'got "rpm", the unit of an axis that turns'),
+        (STRAIGHT, ', unit = "mm/s"', "", 'got no unit; expected that of the column, such as unit = "m/s"'),
         (STRAIGHT, 'unit = "mm/s"', 'unit = "bar"', 'got "bar", expected a unit such as "m/s"'),
         (STRAIGHT, "velocity =", "velocty =", 'unknown channel; did you mean "velocity"?'),
     ],

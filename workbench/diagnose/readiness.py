@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -55,8 +56,10 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
     A piece of a record that says nothing is left out, and the record's first piece that stays says so.
 
     Raises:
-        UserError: a record of which every piece is too short, on which nothing moves, or whose friction drives the rod.
+        UserError: a record of which every piece is too short, on which nothing moves, or whose friction drives the rod;
+            one that is a copy of another.
     """
+    _check_differ(records)
     taken: list[str] = []
     motions = []
     for pieces in by_log(records):
@@ -73,6 +76,18 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
                 told, notes = (*motion.record.notes, *notes), []
                 motions.append(replace(motion, record=replace(motion.record, label=taken[-1], piece=0, notes=told)))
     return motions
+
+
+def _check_differ(records: Sequence[Record]) -> None:
+    """No record is another one under another name: held out it would test nothing, and fitted it would count twice."""
+    for record, other in combinations(records, 2):
+        alike = record.path != other.path and record.time.size == other.time.size
+        if alike and all(
+            np.array_equal(values, other.channels[name], True) for name, values in record.channels.items()
+        ):
+            raise UserError(
+                f"{other.path}: holds the same samples as {record.path}; expected another motion, or one of both alone"
+            )
 
 
 def _unique(label: str, taken: Sequence[str]) -> str:

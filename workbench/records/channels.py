@@ -110,6 +110,8 @@ def _name(called: str, plant: Plant) -> str:
 
 def _unit_mistake(name: str, got: str, plant: Plant) -> str:
     unit = unit_of(name, plant)
+    if got == "1":
+        return f'got no unit; expected that of the column, such as unit = "{unit}"'
     if meant := nearest_unit(got, unit):
         return f'got "{got}"; did you mean "{meant}"?'
     other = LINEAR if plant.axis == ROTARY else ROTARY

@@ -53,10 +53,10 @@ class RelativeFit:
 
 @dataclass(frozen=True)
 class ParametersData:
-    """Of each parameter by its label the relative fit of each side."""
+    """Of each parameter by its label the relative fit of each side; None of one that did not move it."""
 
     sides: Sequence[Side]
-    rows: Mapping[str, Sequence[RelativeFit]]
+    rows: Mapping[str, Sequence[RelativeFit | None]]
 
 
 def parameters_data(diagnosis: Diagnosis) -> ParametersData | None:
@@ -67,10 +67,10 @@ def parameters_data(diagnosis: Diagnosis) -> ParametersData | None:
         sides = [Side("before", "baseline: declared plant, fitted"), Side("after", last)]
     rows = {}
     for name, row in parameter_rows(diagnosis).items():
-        if row.declared and row.baseline is not None:
+        if row.declared:
             fits = [row.baseline, row.final][-len(sides) :]
             label = name + (" (not identified)" if row.final.doubt else "")
-            rows[label] = [_over_declared(row.declared, fitted) for fitted in fits]
+            rows[label] = [None if fitted is None else _over_declared(row.declared, fitted) for fitted in fits]
     return ParametersData(sides, rows) if rows else None
 
 
@@ -88,12 +88,15 @@ def draw_parameters(data: ParametersData) -> Picture:
         figure.suptitle("Parameters: fitted over declared")
         axes = figure.subplots()
         axes.axvline(1.0, color="black", linestyle="--", linewidth=1.0, label="declared")
-        limits = _scaled(axes, [fitted for row in data.rows.values() for fitted in row])
+        limits = _scaled(axes, [fitted for row in data.rows.values() for fitted in row if fitted is not None])
+        for side in data.sides:
+            axes.plot([], [], MARKERS[side.key], color=side.colour, label=side.label)
         for place, row in enumerate(data.rows.values()):
             for fitted, side, shift in zip(row, data.sides, shifts, strict=True):
+                if fitted is None:
+                    continue
                 face = side.colour if fitted.identified else "white"
-                label = None if place else side.label
-                style: dict[str, Any] = {"color": side.colour, "markerfacecolor": face, "label": label}
+                style: dict[str, Any] = {"color": side.colour, "markerfacecolor": face}
                 axes.plot(fitted.value, place + shift, MARKERS[side.key], **style)
                 _interval(axes, place + shift, fitted.ends, limits, side.colour)
         axes.plot([], [], "k>", linestyle="-", label="its interval goes on beyond the axis")
