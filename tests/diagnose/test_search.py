@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from made_up_balances import made_balance, made_motion, ripple
 
@@ -9,7 +10,8 @@ from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import AS_IT_IS, fit, weighing_at
 from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.search import search
+from workbench.diagnose.selection.search import _gained_by, search
+from workbench.diagnose.selection.selection import Candidate, Step
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
 from workbench.fitting.least_squares import Search
@@ -32,6 +34,16 @@ def test_a_shape_that_was_taken_for_the_best_is_not_the_only_one(shapes: Shapes)
     assert list(found.effects) == ["cogging"]
     assert found.fit.values["cogging_pitch"] == pytest.approx(PITCH, rel=1e-2)
     assert abs(found.fit.values["cogging_sine"] + 0.4) < 4.0 * found.fit.deviations["cogging_sine"]
+
+
+def test_what_an_effect_gained_is_known_of_one_that_was_added_alone() -> None:
+    """Beside another it may be worth far more than by itself: the round of both knows nothing of it."""
+    current = fit(made_balance([made_motion()], ripple, TRUTH), START, ["load_force"], None, EXACT)
+    steps = [
+        Step(current, [Candidate("a", ("x",), 9.0, 6.0), Candidate("b", ("y",), 2.0, 6.0)], ("a",)),
+        Step(current, [Candidate("c", ("z",), -29.5, 6.0), Candidate("d", ("w",), 24.4, 6.0)], ("c", "d")),
+    ]
+    assert [_gained_by(effect, steps) for effect in "abcd"] == [9.0, np.inf, np.inf, np.inf]
 
 
 def test_a_set_that_was_left_is_taken_again_where_it_is_nearer_now() -> None:

@@ -126,7 +126,7 @@ def test_directions_are_projected_off_in_each_group_alone(colour: list[float]) -
 
 
 def test_directions_count_in_whatever_units_they_are() -> None:
-    """Those of a pressure beside those of a position were 1e-10 as large, and none: noise seemed 20 % too large."""
+    """Those of a pressure beside those of a position were 1e-10 as large, and none: noise seemed 20 % too small."""
     columns, groups = directions()
     residual = coloured([1.0], 1.0, 1) + 3.0 * columns[:, 0] + 0.5 * columns[:, 1]
     weighing = weighing_of([[slice(0, ROWS)]], without(residual, columns, groups))

@@ -15,6 +15,7 @@ from workbench.diagnose.residual_stage import (
     with_floors,
     with_simulated_floors,
 )
+from workbench.diagnose.residuals.balances import richest
 from workbench.diagnose.residuals.fit import NEAR_NOISE
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
@@ -93,7 +94,7 @@ def _diagnosis(
         left = strongest(stage.dependences)
     after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
     if left is not None and after is not None:
-        unexplained = unexplained_of(after, left, held_out)
+        unexplained = unexplained_of(after, left, held_out, richest(experiment.plant))
     progress("held-out records", 0.9)
     return Diagnosis(
         experiment=experiment,

@@ -83,7 +83,7 @@ def _check_differ(records: Sequence[Record]) -> None:
     for record, other in combinations(records, 2):
         alike = record.path != other.path and record.time.size == other.time.size
         if alike and all(
-            np.array_equal(values, other.channels[name], True) for name, values in record.channels.items()
+            np.array_equal(values, other.channels[name], equal_nan=True) for name, values in record.channels.items()
         ):
             raise UserError(
                 f"{other.path}: holds the same samples as {record.path}; expected another motion, or one of both alone"

@@ -15,7 +15,7 @@ from workbench.diagnose.selection.search import search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes
-from workbench.diagnose.selection.unexplained import Dependence, dependence
+from workbench.diagnose.selection.unexplained import PLACES, Dependence, dependence
 from workbench.diagnose.simulation.fits import begun
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import behind_backlash
@@ -42,8 +42,8 @@ FAR = 10.0
 """Floors above which what effects leave is none of them, on whatever signals it depends or not: a play in the valve
 depends on where it was before."""
 
-PLACES, PLACED = ("position", "time", "rotation_angle"), 0.3
-"""Signals that no force makes, and the share of a residual's variance from which it is theirs."""
+PLACED = 0.3
+"""Share of a residual's variance from which it is that of a signal that no force makes."""
 
 DRAWS, FEWEST, DRAWN = 8, 2, 160_000
 """Of noise by which a balance's floor is found, at most and at least, and samples that all of them have together: one

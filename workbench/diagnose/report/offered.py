@@ -4,18 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from plants.effects.attach import lacks
-from plants.effects.curves import HIGH, LOW, NODES, SHARE, curves_over, nodes_of
-from plants.effects.interface import Effect
+from plants.effects.curves import HIGH, LOW, NODES, SHARE, nodes_of
 from plants.interface import Plant
-from workbench.diagnose.selection.unexplained import OfferedTerm, Unexplained
+from workbench.diagnose.selection.unexplained import OfferedTerm, Unexplained, curve_over
 from workbench.parameters.corrected import Entry
-
-
-def offered_curve(unexplained: Unexplained, plant: Plant) -> Effect | None:
-    """The curve by which a plant can have what is offered; None where there is none over that signal."""
-    offers = curves_over(unexplained.balance, unexplained.term.signal)
-    return next((effect for effect in offers if not lacks(plant.bare or plant, effect)), None)
 
 
 def curve_values(name: str, term: OfferedTerm) -> dict[str, float]:
@@ -39,7 +31,7 @@ def offered_entries(
     """What is offered as entries of a parameter file for a plant, and how it is switched on; none where it can have
     none, or is declared with that curve already.
     """
-    if unexplained is None or (effect := offered_curve(unexplained, plant)) is None:
+    if unexplained is None or (effect := curve_over(plant, unexplained.balance, unexplained.term.signal)) is None:
         return []
     here = effect.along(plant.axis)
     share, *_ = here.own_names

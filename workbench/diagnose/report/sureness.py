@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from plants.effects.registry import effects
 from workbench.diagnose.report.names import ERRORS, listed_names, percent
-from workbench.diagnose.report.offered import offered_curve
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
@@ -16,7 +15,7 @@ from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.result import FAR, WORSE, Diagnosis, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
-from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm
+from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, curve_over
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
@@ -49,11 +48,12 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
         lines.append(of_term(unexplained.term))
-        if offered_curve(unexplained, plant_of(diagnosis)) is None:
-            balance, over = SHOWN[diagnosis.axis].said(unexplained.balance), unexplained.dependence.signals
+        plant, over = plant_of(diagnosis), unexplained.dependence.signals
+        if curve_over(plant, unexplained.balance, unexplained.term.signal) is None:
+            balance = SHOWN[diagnosis.axis].said(unexplained.balance)
             lines.append(
-                f"plant.toml offers no curve for it: {plant_of(diagnosis).name} can have none of the {balance} balance "
-                f"over {listed_names(over, 'or')}."
+                f"plant.toml offers no curve for it: {plant.name} can have none of the {balance} balance over "
+                f"{listed_names(over, 'or')}."
             )
     elif far := _far(diagnosis):
         lines.append(

@@ -241,6 +241,11 @@ def fluctuation(values: np.ndarray) -> float:
     return float(np.sqrt(np.median(third**2) / 0.4549 / 20.0)) if third.size else 0.0
 
 
+def ways_of(velocity: np.ndarray, creep: float) -> np.ndarray:
+    """The direction of a motion at each instant, -1 to 1: between them where it creeps."""
+    return np.asarray(velocity / (np.abs(velocity) + max(creep, 1e-30)))
+
+
 def motion_of(record: Record) -> Motion:
     """Smooth and differentiate a record. A gap is bridged for the filter alone, and what it touches is not valid."""
     step, points = record.sample_time, window_points(record.sample_time)

@@ -277,10 +277,10 @@ def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:
 
 
 def _gained_by(effect: str, steps: Sequence[Step]) -> float:
-    """What an effect gained in the round that added it: what is lost without it to first order is too much of one that
-    bends far.
+    """What an effect gained in the round that added it alone, without bound if none did: what is lost without it to
+    first order is too much of one that bends far.
     """
-    gains = [one.gain for step in steps if effect in step.added for one in step.candidates if one.effect == effect]
+    gains = [one.gain for step in steps if step.added == (effect,) for one in step.candidates if one.effect == effect]
     return gains[-1] if gains else np.inf
 
 

@@ -7,10 +7,13 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from plants.effects.attach import lacks
 from plants.effects.curves import curves_over
+from plants.effects.interface import Effect
+from plants.interface import Plant
 from workbench.diagnose.residuals.balance import BLOCKS, Balance
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.residuals.motion import Motion, signals_of
+from workbench.diagnose.residuals.motion import Motion, signals_of, ways_of
 from workbench.diagnose.residuals.unknowns import Values
 
 BINS = 24
@@ -22,9 +25,8 @@ LEAST = 0.15
 ABOVE = 1.3
 """Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
 
-
-TURNING = ("position", "time", "rotation_angle")
-"""Signals over which what is missing may turn with the direction of motion, as friction does at a place."""
+PLACES = ("position", "time", "rotation_angle")
+"""Signals that no force makes: over them what is missing may turn with the direction of motion, as friction does."""
 
 
 @dataclass(frozen=True)
@@ -127,12 +129,18 @@ class Unexplained:
         }
 
 
-def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion]) -> Unexplained:
+def curve_over(plant: Plant, balance: str, signal: str) -> Effect | None:
+    """The curve that a plant can have of a balance over a signal; None where there is none."""
+    offers = curves_over(balance, signal)
+    return next((effect for effect in offers if not lacks(plant.bare or plant, effect)), None)
+
+
+def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion], plant: Plant) -> Unexplained:
     """What a fit of a balance leaves unexplained, with a term over the signal on which it depends most, of those over
-    which a plant can have a curve, if there are any.
+    which the plant can have a curve, if there are any.
     """
     balance, values, signals = after.balance, after.values, dependence.signals
-    over = next((signal for signal in signals if curves_over(balance.name, signal)), signals[0])
+    over = next((signal for signal in signals if curve_over(plant, balance.name, signal)), signals[0])
     term = data_driven_term(balance, values, over)
     fitted, tested = (
         TermErrors(*term.left(motions, values)) if term.is_tested_by(motions) else None
@@ -174,40 +182,56 @@ def dependence(balance: Balance, values: Values) -> Dependence | None:
     for motion in balance.motions:
         residual, moving = _moving(balance, motion, values)
         residuals.append(residual / balance.floor)
-        ways.append(np.sign(motion.thinned.velocity[moving]))
+        ways.append(ways_of(motion.thinned.velocity, motion.creep)[moving])
         for name, signal in signals_of(motion.thinned).items():
             parts.setdefault(name, []).append(signal[moving])
     residual = np.concatenate(residuals)
     if residual.size < BINS * BLOCKS or np.sqrt(np.mean(residual**2)) < ABOVE:
         return None
-    along, turned = {name: np.concatenate(pieces) for name, pieces in parts.items()}, np.concatenate(ways) * residual
-    shares = {name: explained_share(name, signal, residual) for name, signal in along.items()}
-    shares |= {name: max(shares[name], explained_share(name, along[name], turned)) for name in TURNING if name in along}
-    strong = {name: share for name, share in shares.items() if share > LEAST}
+    turned = np.concatenate(ways) * residual
+    strong = dict[str, float]()
+    for name, pieces in parts.items():
+        sides = (residual, turned) if name in PLACES else (residual,)
+        share = max(foretold(side) if name == "time" else explained(np.concatenate(pieces), side) for side in sides)
+        if share > LEAST:
+            strong[name] = share
     return Dependence(balance.name, strong) if strong else None
 
 
-def explained_share(name: str, signal: np.ndarray, residual: np.ndarray) -> float:
+def explained(signal: np.ndarray, residual: np.ndarray) -> float:
     """Share of the residual's variance that its mean over bins of a signal explains, on blocks left out of the
-    means; over time what the blocks before and after one foretell of its mean, since it is all that there is of its
-    time.
+    means.
     """
-    residual = residual - np.mean(residual)
-    blocks, left = np.array_split(np.arange(residual.size), BLOCKS), np.empty_like(residual)
-    if name == "time":
-        means = np.array([np.mean(residual[block]) for block in blocks])
-        for k, block in enumerate(blocks):
-            left[block] = residual[block] - np.mean(means[[one for one in (k - 1, k + 1) if 0 <= one < BLOCKS]])
-        return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
     place = bins_of(signal)
     size = int(np.max(place)) + 1
-    for block in blocks:
+    means = []
+    for block in _blocks(residual):
         rest = np.ones(residual.size, dtype=bool)
         rest[block] = False
         counts = np.bincount(place[rest], minlength=size)
-        sums = np.bincount(place[rest], weights=residual[rest], minlength=size)
-        left[block] = residual[block] - (sums / np.maximum(counts, 1))[place[block]]
-    return 1.0 - float(np.mean(left**2) / np.mean(residual**2))
+        sums = np.bincount(place[rest], weights=(residual - np.mean(residual))[rest], minlength=size)
+        means.append((sums / np.maximum(counts, 1))[place[block]])
+    return _share(residual, np.concatenate(means))
+
+
+def foretold(residual: np.ndarray) -> float:
+    """Share of its variance that the blocks before and after one foretell by their means: over time a block that is
+    left out is all that there is of its bins.
+    """
+    blocks = _blocks(residual)
+    means = np.array([np.mean(residual[block]) for block in blocks]) - np.mean(residual)
+    beside = [np.mean(means[[one for one in (k - 1, k + 1) if 0 <= one < BLOCKS]]) for k in range(BLOCKS)]
+    return _share(residual, np.repeat(beside, [block.size for block in blocks]))
+
+
+def _blocks(residual: np.ndarray) -> list[np.ndarray]:
+    return np.array_split(np.arange(residual.size), BLOCKS)
+
+
+def _share(residual: np.ndarray, told: np.ndarray) -> float:
+    """Share of a residual's variance that goes with what is told of it beside its mean."""
+    beside = residual - np.mean(residual)
+    return 1.0 - float(np.mean((beside - told) ** 2) / np.mean(beside**2))
 
 
 def strongest(dependences: Sequence[Dependence | None]) -> Dependence | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.diagnose.residuals.fit import Fit, stacked, without_lost
-from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of
+from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of, ways_of
 from workbench.diagnose.selection.likelihood import asked, gain_of, own_noise
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.shooting import Push, Shooting
@@ -169,7 +169,7 @@ def _hats(
         heights[k] = 1.0
         hat = {}
         for motion, smooth, values in zip(motions, followed, along, strict=True):
-            ways = smooth.velocity / (np.abs(smooth.velocity) + max(motion.creep, 1e-30)) if turns else 1.0
+            ways = ways_of(smooth.velocity, motion.creep) if turns else 1.0
             hat[motion.record] = ways * np.interp(values, nodes, heights)
         hats.append(hat)
     return nodes, hats
