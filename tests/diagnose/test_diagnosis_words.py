@@ -92,6 +92,18 @@ def test_effects_of_balances_that_the_simulated_plant_does_without_are_told_of(d
     assert "without it comes near them neither, so that the balances may be right" in told
 
 
+def test_effects_that_held_out_records_speak_against_are_told_of_once(diagnosis: Diagnosis) -> None:
+    simulation = diagnosis.simulation
+    assert simulation is not None
+    refuted = replace(simulation, dropped=("internal_leakage",), refuted=("internal_leakage",))
+    lines = sureness(replace(diagnosis, simulation=refuted))
+    assert (
+        "The search found internal leakage, not named here: without, the plant follows the held-out records within "
+        "noise, and they are likelier."
+    ) in lines
+    assert not any("Added to the balances" in line for line in lines)
+
+
 def test_a_plant_to_which_nothing_was_added_is_not_called_corrected(diagnosis: Diagnosis) -> None:
     none, left = without_effects(diagnosis), unexplained(diagnosis, "force", {"position": 1.0}, 250.0)
     fitted = "plant.toml: the declared plant with its own parameters fitted"

@@ -52,6 +52,7 @@ def driven_experiment(
     sensor: float | None = None,
     stroke: float = TRUE["stroke"],
     acting: Mapping[str, float] = NOTHING,
+    seed: int = 1,
 ) -> Path:
     """An experiment of `duration` (s) with a spring (N/m) and noise of the position (m); the force is a command, or
     what a `sensor` with noise (N) shows; the `stroke` is in m. The friction is declared 1.5 times too large, and what
@@ -65,7 +66,7 @@ def driven_experiment(
     time = 1e-3 * np.arange(round(1e3 * duration) + 1)
     feed = Feed(plant.command, Sampled(time, Multisine(FORCE, 0.5, (1, 2, 3))(time)[0]))
     run = simulate(Setup(plant, parameters, state, inputs, duration, feeds=(feed,)))
-    draw = np.random.default_rng(1)
+    draw = np.random.default_rng(seed)
     position = run.measurements[:, 0] + noise * draw.standard_normal(run.time.size)
     shown = run.inputs[:, plant.input_index(plant.command)] + (sensor or 0.0) * draw.standard_normal(run.time.size)
     frame = pd.DataFrame({"time": run.time, "force": shown, "position": position})

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
+from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
-from workbench.diagnose.simulation.fits import Fitting, Simulated, begun
+from workbench.diagnose.simulation.fits import Fitting, Simulated
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
+from workbench.diagnose.simulation.held_out import along_held_out, likelier
 from workbench.diagnose.simulation.nearer import freely
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash
 from workbench.diagnose.simulation.shooting import Shooting
@@ -52,7 +53,8 @@ def errors_of(
         own = _own_fits(experiment, simulation, held_out)
     found = ErrorsByUse(fitted, tested, own, runs=runs)
     if simulation is not None and simulation.effects and found.runs_worse:
-        return replace(found, gained=_gained(experiment, simulation, held_out))
+        along = along_held_out(experiment, simulation, held_out)
+        return replace(found, gained=likelier(along(simulation.after), along(simulation.before)))
     return found
 
 
@@ -122,17 +124,3 @@ def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Seq
     runs = side_by_side(lambda values: free_run(whole, held_out, values), _freely(experiment, simulation, held_out))
     axis = experiment.plant.axis
     return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
-
-
-def _gained(experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> float:
-    """By how much the logarithm of the likelihood of held-out records rises with what was found, by the noise that it
-    leaves of them: an error that goes up with slow noise alone says nothing.
-    """
-    held_out = as_simulated(experiment, held_out)
-    whole = simulation.along(experiment, held_out)
-    before, after = side_by_side(
-        lambda one: fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ()),
-        (simulation.before, simulation.after),
-    )
-    noise = weighing_at(after)
-    return 0.5 * (before.seen_by(noise) - after.seen_by(noise))

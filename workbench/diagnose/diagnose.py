@@ -21,6 +21,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
+from workbench.diagnose.simulation.held_out import without_refuted
 from workbench.diagnose.simulation.reached import nearer_baseline, nearer_with, simulated_baseline, simulated_with
 from workbench.diagnose.simulation.setup import as_simulated
 from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
@@ -61,7 +62,8 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
                 them = simulated_with(experiment, base, start, progress)
         if them is not None and them.fit.excess > NEAR_NOISE:
             them = nearer_with(experiment, base, them, start, progress)
-        simulation = simulation_stage(experiment, start, base, them, progress)
+        found = simulation_stage(experiment, start, base, them, progress)
+        simulation = without_refuted(experiment, found, held_out, start)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
 

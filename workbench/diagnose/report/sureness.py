@@ -162,8 +162,13 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     if not simulation.is_trusted:
         error = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
     lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
-    if simulation.dropped:
-        lines.append(_of_dropped(simulation))
+    if dropped := [effect for effect in simulation.dropped if effect not in simulation.refuted]:
+        lines.append(_of_dropped(dropped, simulation))
+    if simulation.refuted:
+        lines.append(
+            f"The search found {listed_names(simulation.refuted)}, not named here: without, the plant follows the "
+            "held-out records within noise, and they are likelier."
+        )
     if simulation.stood_in:
         lines.append(
             f"The search found {listed_names(simulation.stood_in)}, not named here: one curve over a signal does in "
@@ -184,11 +189,9 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     return lines
 
 
-def _of_dropped(simulation: SimulationStage) -> str:
+def _of_dropped(dropped: Sequence[str], simulation: SimulationStage) -> str:
     """Why effects that were added to balances are not named."""
-    added = (
-        f"Added to the balances, and not named here: {listed_names(simulation.dropped)}. Simulated along the records"
-    )
+    added = f"Added to the balances, and not named here: {listed_names(dropped)}. Simulated along the records"
     if simulation.is_near:
         return f"{added}, the plant does as well without."
     return (

@@ -50,7 +50,7 @@ class SimulationStage:
     stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters, `gains` what each
     gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
     of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains, and
-    `stood_in` were effects that only stood in for it.
+    `stood_in` were effects that only stood in for it; `refuted` were those against which held-out records speak.
     """
 
     how: Shooting
@@ -65,6 +65,7 @@ class SimulationStage:
     dropped: Sequence[str]
     lacks: Dependence | None = None
     stood_in: Sequence[str] = ()
+    refuted: Sequence[str] = ()
 
     @property
     def result(self) -> BalanceResult:
@@ -123,6 +124,7 @@ class SimulationStage:
             "parameters_from_it": self.is_trusted,
             "dropped": list(self.dropped),
             "stood_in": list(self.stood_in),
+            "refuted": list(self.refuted),
         }
 
 
