@@ -188,7 +188,7 @@ class Kind(NamedTuple):
     capacities: Mapping[str, Equation] = {}
 
 
-FLOWS = ("pressure_1", "pressure_2", "valve_voltage", "position")
+FLOWS = ("pressure_1", "pressure_2", "valve_voltage", "position", "velocity")
 
 KINDS: Mapping[str, Kind] = {
     "force": Kind("force", "N", force, ("position", "velocity", "load_pressure", "time")),

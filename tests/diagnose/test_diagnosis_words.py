@@ -77,7 +77,7 @@ def test_effects_that_only_stood_in_for_something_are_told_of(diagnosis: Diagnos
     found = replace(left, simulation=replace(left.simulation, stood_in=("spring_load", "cogging")))
     assert (
         "The search found spring load and cogging, not named here: one curve over a signal does in their place, or "
-        "something is left beside so many."
+        "what is left beside them says more than they do."
     ) in sureness(found)
 
 

@@ -64,7 +64,7 @@ def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
     """By odds that data can tell, with what is asked of each: first order beside the effects need not see it."""
     how, fitted, ask = found_of(tmp_path, "weak")
     effects = {"spring_load": ("spring_stiffness",)}
-    found = Found(fitted, effects, [], {}, {}, {})
+    found = Found(fitted, effects, [], {"spring_load": 40.0}, {}, {})
     without = without_effects(fitted, effects, ask)
     worth = gained(fitted.balance, left_by(fitted), left_by(ask.settled(without)))
     worth -= ask.of("spring_load", effects["spring_load"], fitted.balance)
@@ -76,3 +76,21 @@ def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
     kept, lacks = stage._without_stand_ins(how, found, without, ask)
     assert (not kept.effects, lacks is not None) == (more > 0.0, more > 0.0)
     assert kept.fit is fitted or kept.fit.names == without.names
+
+
+@pytest.mark.parametrize("more", [-1.0, 1.0])
+def test_effects_are_not_named_where_more_is_left_beside_than_they_gain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: float
+) -> None:
+    how, fitted, ask = found_of(tmp_path, "straight")
+    effects = {"spring_load": ("spring_stiffness",)}
+    found = Found(fitted, effects, [], {"spring_load": 40.0}, {}, {})
+    without = without_effects(fitted, effects, ask)
+    assert without.excess > NEAR_NOISE
+    curve = Lacking("force", "velocity", 40.0 + more, 16.0, np.zeros((fitted.residual.size, 1)))
+    monkeypatch.setattr(stage, "standing_in", lambda *_: [])
+    monkeypatch.setattr(stage, "lacking", lambda *_: [curve])
+    kept, lacks = stage._without_stand_ins(how, found, without, ask)
+    assert lacks is not None
+    assert kept.fit is (without if more > 0.0 else fitted)
+    assert bool(kept.effects) is (more < 0.0)

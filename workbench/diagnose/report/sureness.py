@@ -172,7 +172,7 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     if simulation.stood_in:
         lines.append(
             f"The search found {listed_names(simulation.stood_in)}, not named here: one curve over a signal does in "
-            "their place, or something is left beside so many."
+            "their place, or what is left beside them says more than they do."
         )
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.after.position is not None and after.position is not None:

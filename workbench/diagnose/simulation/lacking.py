@@ -1,8 +1,9 @@
 """What a simulated plant lacks that no effect is: a force, or a flow, over a signal.
 
 Beside the plant's own parameters a curve over one signal at a time is fitted to what the simulated plant leaves, to
-first order, as a push on its mass, or on its valve's command, that follows the signal as it was recorded. Where a curve
-gains more in likelihood than noise would, something is missing, however small.
+first order, as a push on its mass, or on its valve's command, that follows the signal as it was recorded; of flow into
+one chamber as a curve that the plant has itself. Where a curve gains more in likelihood than noise would, something is
+missing, however small.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,10 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plants.effects.interface import Effect
 from workbench.diagnose.residuals.fit import Fit, stacked, without_lost
-from workbench.diagnose.residuals.motion import Motion, motion_of, signals_of, ways_of
+from workbench.diagnose.residuals.motion import Motion, signals_of, ways_of
 from workbench.diagnose.selection.likelihood import asked, gain_of, own_noise
 from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.simulation.own_curves import balance_told, curves_of, flat_curve, simulated_motion
 from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.fitting.threads import side_by_side
@@ -91,6 +94,9 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
 
+    along = [signals_of(motion) for motion in followed]
+    flows = [] if how.is_beside else _flows(how, along)
+    candidates = 2 * (len(wanted) + len(flows))
     own_noise(fitted)  # once for all threads
 
     def over(each: tuple[str, str, bool], count: int) -> list[Lacking]:
@@ -101,21 +107,29 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         hats, name = _columns(how, fitted, base, balance, pushes), balance_told(how, balance)
         shapes, certain = ([hats], CERTAIN_FINE) if count == FINE else ([hats @ _powers(nodes), hats], CERTAIN)
         return [
-            Lacking(
-                name, signal, _gain(fitted, block), max(certain, beside) * asked(block.shape[1], 2 * len(wanted)), block
-            )
+            Lacking(name, signal, _gain(fitted, block), max(certain, beside) * asked(block.shape[1], candidates), block)
             for block in shapes
+        ]
+
+    def into_chamber(offer: tuple[str, Effect]) -> list[Lacking]:
+        curve = flat_curve(how, fitted, *offer, along, {})
+        hats, name = curve.flat.changes, curve.balance
+        return [
+            Lacking(name, curve.signal, _gain(fitted, block), CERTAIN * asked(block.shape[1], candidates), block)
+            for block in (hats @ _powers(np.linspace(0.0, 1.0, len(curve.nodes))), hats)
         ]
 
     curves_over = side_by_side(lambda each: over(each, NODES), wanted)
     tried = [(curves, each) for curves, each in zip(curves_over, wanted, strict=True) if curves]
     most = max((curve.gain for curves, _ in tried for curve in curves), default=0.0)
     leading = sorted(tried, key=lambda one: -max(curve.gain for curve in one[0]))[:LEADING]
-    least = max(REFINED * most, SEEN * CERTAIN_FINE * asked(FINE, 2 * len(wanted)))
+    least = max(REFINED * most, SEEN * CERTAIN_FINE * asked(FINE, candidates))
     refined = [each for curves, each in leading if max(curve.gain for curve in curves) > least]
     finer = side_by_side(lambda each: over(each, FINE), refined)
+    own = side_by_side(into_chamber, flows)
     return sorted(
-        (one for curves in [*(c for c, _ in tried), *finer] for one in curves), key=lambda one: one.asked - one.gain
+        (one for curves in [*(c for c, _ in tried), *finer, *own] for one in curves),
+        key=lambda one: one.asked - one.gain,
     )
 
 
@@ -137,22 +151,16 @@ def dependence_of(found: Sequence[Lacking]) -> Dependence | None:
     return Dependence(best.balance, shares, best.gain)
 
 
-def balance_told(how: Shooting, balance: str) -> str:
-    """What the balance is called of which a push is part, on a plant that has another."""
-    names = tuple(how.along.plant.balances)
-    return balance if balance in names else names[0]
+def _flows(how: Shooting, along: Sequence[Mapping[str, np.ndarray]]) -> list[tuple[str, Effect]]:
+    """The curves of flow that a plant can have, over signals that are there `along` all records."""
+    curves = [(signal, effect) for signal, effect in curves_of(how.along.plant) if effect.balance == FLOW]
+    return [(signal, effect) for signal, effect in curves if all(signal in signals for signals in along)]
 
 
 def _is_there(how: Shooting, motions: Sequence[Motion], balance: str, signal: str) -> bool:
     if not (how.has_valve if balance == FLOW else how.takes_a_force):
         return False
     return all(signal in signals_of(motion) for motion in motions)
-
-
-def simulated_motion(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
-    """The motion as the plant shows it: a measured signal has in it the noise that is to be explained."""
-    channels = {**motion.record.channels, **how.simulated(motion, fitted.values)}
-    return motion_of(replace(motion.record, channels=channels))
 
 
 def _hats(

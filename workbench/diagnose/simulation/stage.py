@@ -303,8 +303,8 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
-    beside many effects, or beside few where one curve in their place loses nothing; nor where one curve beside the
-    plant without them is likelier than they are, whatever is left. `without` is the fit without effects.
+    beside many effects, or more than one of them gains, or where one curve in their place loses nothing; nor where one
+    curve beside the plant without them is likelier than they are, whatever is left. `without` is the fit without.
     """
     pushes = lacking(how, found.fit)
     lacks = dependence_of(pushes)
@@ -313,7 +313,7 @@ def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) ->
     cost = sum(ask.of(effect, names, found.fit.balance) for effect, names in found.effects.items())
     place = Place.of(found.fit, found.effects, 0.5 * (without.squares - found.fit.squares), ask)
     instead = standing_in(how, place, pushes, cost if lacks is None else None)
-    if instead or (lacks is not None and len(found.effects) >= MANY):
+    if instead or (lacks is not None and _is_more(lacks, found)):
         return _nothing(found, without), dependence_of(instead or lacking(how, without)) or lacks
     if without.excess < NEAR_NOISE:  # farther off first order is no guide
         plain = ask.settled(without)
@@ -322,6 +322,12 @@ def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) ->
         if _net(alone) > gain - cost + beside + LEVEL:
             return _nothing(found, plain), dependence_of(alone)
     return found, lacks
+
+
+def _is_more(lacks: Dependence, found: Found) -> bool:
+    """Whether what is left says more than what was found does, which then stands in for it."""
+    least = min(found.gains[effect] for effect in found.effects)
+    return len(found.effects) >= MANY or (lacks.gain is not None and lacks.gain > least)
 
 
 def _net(curves: Sequence[Lacking]) -> float:

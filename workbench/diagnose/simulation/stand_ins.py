@@ -10,19 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plants.effects.attach import possible
-from plants.effects.curves import CURVES, NODES
+from plants.effects.curves import NODES
 from plants.effects.interface import Effect
 from plants.equation import NEGATIVE
-from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.fit import AS_IT_IS, QUICK, Fit, fit
+from workbench.diagnose.residuals.fit import QUICK, Fit, fit
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.selection.likelihood import asked, gained, left_by
 from workbench.diagnose.selection.search import LEVEL, away_of
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import Asked, declared_again
 from workbench.diagnose.simulation.fits import settle
-from workbench.diagnose.simulation.lacking import CERTAIN, Lacking, balance_told, simulated_motion
+from workbench.diagnose.simulation.lacking import CERTAIN, Lacking
+from workbench.diagnose.simulation.own_curves import OwnCurve, curves_of, flat_curve, simulated_motion
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.least_squares import bounded_minimum
 from workbench.fitting.threads import side_by_side
@@ -64,25 +63,23 @@ def standing_in(how: Shooting, place: "Place", pushes: Sequence[Lacking], price:
 def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: float) -> list[tuple[Lacking, float]]:
     """Curves of the plant's own that come near the effects, fitted in their place, each with what it loses there."""
     found, plant, ask = place.found, how.along.plant, place.ask
-    able = {effect.name for effect in possible(plant)} - set(plant.effects)
-    offers = [(signal, effect) for (_, signal), effect in CURVES.items() if effect.name in able]
+    offers = curves_of(plant)
     certain = CERTAIN * asked(NODES, 2 * max(len(offers), 1))
     if PROMISED * (certain - price) > max((push.gain for push in pushes), default=0.0):
         return []
     along = [signals_of(simulated_motion(how, motion, found)) for motion in found.balance.motions]
 
-    def flat(offer: tuple[str, Effect]) -> _Curve:
-        signal, effect = offer
-        return _flat(how, found, effect.along(plant.axis), signal, [signals[signal] for signals in along], ask)
+    def flat(offer: tuple[str, Effect]) -> OwnCurve:
+        return flat_curve(how, found, *offer, along, ask.bounds)
 
     curves = side_by_side(flat, [offer for offer in offers if all(offer[0] in signals for signals in along)])
-    ordered = sorted(((*place.without(curve.columns), curve) for curve in curves), key=lambda one: one[0])
+    ordered = sorted(((*place.without(curve.flat.jacobian), curve) for curve in curves), key=lambda one: one[0])
     whole = place.without(np.zeros((found.residual.size, 0)))[0]
     near = [(curve, x) for lost, x, curve in ordered[:FITTED] if lost < NEARLY * whole]
-    fits = side_by_side(lambda one: one[0].fitted(place, one[1]), near)
+    fits = side_by_side(lambda one: place.taken_by(*one), near)
     return [
         (
-            Lacking(curve.balance, curve.signal, 0.0, certain, curve.columns),
+            Lacking(curve.balance, curve.signal, 0.0, certain, curve.flat.jacobian),
             -gained(found.balance, left_by(fitted), left_by(found)),
         )
         for (curve, _), fitted in zip(near, fits, strict=True)
@@ -139,46 +136,18 @@ class Place:
         vaguer = float(self.pull @ moved + 0.5 * self.known @ moved**2)
         return 0.5 * float(rest @ rest - self.found.weighed @ self.found.weighed) + vaguer, x
 
-
-@dataclass(frozen=True, eq=False)
-class _Curve:
-    """A curve that a plant can have: how the plant is simulated with it, the fit's values with the curve on and flat,
-    and a fit of its nodes alone.
-    """
-
-    balance: str
-    signal: str
-    nodes: tuple[str, ...]
-    how: Shooting
-    flat: Fit
-
-    @property
-    def columns(self) -> np.ndarray:
-        """What the nodes change, weighed."""
-        return self.flat.jacobian
-
-    def fitted(self, place: Place, x: np.ndarray) -> Fit:
-        """The plant with the curve in the effects' place, from where first order leads."""
-        found, ask, count = place.found, place.ask, len(place.own)
+    def taken_by(self, curve: OwnCurve, x: np.ndarray) -> Fit:
+        """The plant with a curve in the effects' place, from where first order leads: `x` as from `without`."""
+        found, ask, count = self.found, self.ask, len(self.own)
         moved = found.places.copy()
-        moved[place.own] += x[:count]
+        moved[self.own] += x[:count]
         low, high = (np.array([getattr(u, end) for u in found.unknowns]) for end in ("low", "high"))
-        values = declared_again(found.at(np.clip(moved, low, high)), place.taken, ask.declared)
-        curve = {name: self.flat.values[name] for name in self.flat.values if name not in found.values}
-        curve |= {u.name: u.value(u.first + step) for u, step in zip(self.flat.unknowns, x[count:], strict=True)}
-        names = [*(found.unknowns[i].name for i in place.own), *self.nodes]
-        highest = HIGHEST * max(abs(curve[name]) for name in self.nodes)
-        bounds = {**ask.bounds, **dict.fromkeys(self.nodes, (-highest, highest))}
-        balance = self.how.balance(found.balance.motions, names)
-        fitted = fit(balance, {**values, **curve}, names, bounds, QUICK, found.weighing)
-        return settle(self.how, balance.motions, fitted, bounds)
-
-
-def _flat(how: Shooting, found: Fit, effect: Effect, signal: str, along: Sequence[np.ndarray], ask: Asked) -> _Curve:
-    """A curve that is on and flat, over the range of a signal `along` the records, beside a fit."""
-    share, low, high, *nodes = effect.own_names
-    values = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
-    values |= {low: min(map(np.min, along)), high: max(map(np.max, along))}
-    with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
-    flat = fit(with_it.balance(found.balance.motions, nodes), values, nodes, ask.bounds, AS_IT_IS, found.weighing)
-    return _Curve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat)
+        values = declared_again(found.at(np.clip(moved, low, high)), self.taken, ask.declared)
+        own = {name: curve.flat.values[name] for name in curve.flat.values if name not in found.values}
+        own |= {u.name: u.value(u.first + step) for u, step in zip(curve.flat.unknowns, x[count:], strict=True)}
+        names = [*(found.unknowns[i].name for i in self.own), *curve.nodes]
+        highest = HIGHEST * max(abs(own[name]) for name in curve.nodes)
+        bounds = {**ask.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
+        balance = curve.how.balance(found.balance.motions, names)
+        fitted = fit(balance, {**values, **own}, names, bounds, QUICK, found.weighing)
+        return settle(curve.how, balance.motions, fitted, bounds)

@@ -1,0 +1,63 @@
+"""Curves over a signal that a plant can have itself, of all that no effect explains.
+
+Along what the plant itself does, as an effect of its own (`plants.effects.curves`), and so of a flow into one chamber,
+which no push on a command is.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plants.effects.attach import possible
+from plants.effects.curves import CURVES
+from plants.effects.interface import Effect
+from plants.interface import Plant
+from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit
+from workbench.diagnose.residuals.motion import Motion, motion_of
+from workbench.diagnose.residuals.unknowns import Bounds
+from workbench.diagnose.simulation.shooting import Shooting
+
+
+@dataclass(frozen=True, eq=False)
+class OwnCurve:
+    """A curve that a plant can have: how the plant is simulated with it, and the fit of its nodes alone, on and flat:
+    its Jacobian is what they change, weighed.
+    """
+
+    balance: str
+    signal: str
+    nodes: tuple[str, ...]
+    how: Shooting
+    flat: Fit
+
+
+def curves_of(plant: Plant) -> list[tuple[str, Effect]]:
+    """Those that a plant can have and has not, each with its signal."""
+    able = {effect.name for effect in possible(plant)} - set(plant.effects)
+    return [(signal, effect.along(plant.axis)) for (_, signal), effect in CURVES.items() if effect.name in able]
+
+
+def flat_curve(
+    how: Shooting, found: Fit, signal: str, effect: Effect, along: Sequence[Mapping[str, np.ndarray]], bounds: Bounds
+) -> OwnCurve:
+    """A curve that is on and flat beside a fit, over the range of its signal `along` the records."""
+    share, low, high, *nodes = effect.own_names
+    values = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
+    values |= {low: min(np.min(one[signal]) for one in along), high: max(np.max(one[signal]) for one in along)}
+    with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
+    flat = fit(with_it.balance(found.balance.motions, nodes), values, nodes, bounds, AS_IT_IS, found.weighing)
+    return OwnCurve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat)
+
+
+def balance_told(how: Shooting, balance: str) -> str:
+    """What the balance is called of which a push is part, on a plant that has another."""
+    names = tuple(how.along.plant.balances)
+    return balance if balance in names else names[0]
+
+
+def simulated_motion(how: Shooting, motion: Motion, fitted: Fit) -> Motion:
+    """The motion as the plant shows it: a measured signal has in it the noise that is to be explained."""
+    channels = {**motion.record.channels, **how.simulated(motion, fitted.values)}
+    return motion_of(replace(motion.record, channels=channels))
