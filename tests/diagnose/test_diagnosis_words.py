@@ -16,7 +16,7 @@ from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
 from workbench.diagnose.report.verdict import next_words, verdict_sentence
-from workbench.diagnose.result import BeforeAfter, Diagnosis
+from workbench.diagnose.result import BeforeAfter, Diagnosis, Errors
 from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
 from workbench.publish.tables import shown_number
@@ -102,6 +102,20 @@ def test_effects_that_held_out_records_speak_against_are_told_of_once(diagnosis:
         "noise, and they are likelier."
     ) in lines
     assert not any("Added to the balances" in line for line in lines)
+
+
+def test_what_the_written_parameters_do_is_told_where_free_runs_have_their_own(diagnosis: Diagnosis) -> None:
+    fitted, tested = (
+        BeforeAfter(Errors({}, position=before), Errors({}, position=after))
+        for before, after in ((4.14e-3, 4.91e-3), (7.39e-3, 14.27e-3))
+    )
+    own = replace(diagnosis, errors=replace(diagnosis.errors, written=(fitted, tested)))
+    assert (
+        "Free runs in the table have parameters of their own; with those of plant.toml one is off by 4.9 mm (4.1 mm "
+        "without what was found) on the fit records and 14 mm (7.4 mm without what was found) on the held-out records."
+    ) in sureness(own)
+    assert "parameters_written" in str(own.errors.to_json()["held_out"])
+    assert not any("Free runs in the table" in line for line in sureness(diagnosis))
 
 
 def test_a_plant_to_which_nothing_was_added_is_not_called_corrected(diagnosis: Diagnosis) -> None:

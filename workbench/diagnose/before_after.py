@@ -52,6 +52,8 @@ def errors_of(
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fits(experiment, simulation, held_out)
     found = ErrorsByUse(fitted, tested, own, runs=runs)
+    if simulation is not None and _is_far(simulation):
+        found = replace(found, written=_as_written(experiment, simulation, (baseline, corrected), held_out))
     if simulation is not None and simulation.effects and found.runs_worse:
         along = along_held_out(experiment, simulation, held_out)
         return replace(found, gained=likelier(along(simulation.after), along(simulation.before)))
@@ -101,9 +103,33 @@ def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Values, 
     """The parameters before and after by which the plant runs freely: those of the simulation, or of a plant that is
     far from noise those of fits to free runs themselves.
     """
-    if not all(Simulated(simulation.how, one).is_astray for one in (simulation.before, simulation.after)):
+    if not _is_far(simulation):
         return simulation.before.values, simulation.after.values
     return _freely(experiment, simulation, simulation.after.balance.motions)
+
+
+def _is_far(simulation: SimulationStage) -> bool:
+    """Whether the plant is so far from noise that free runs have parameters of their own."""
+    return all(Simulated(simulation.how, one).is_astray for one in (simulation.before, simulation.after))
+
+
+def _as_written(
+    experiment: Experiment, simulation: SimulationStage, models: tuple[Values, Values], held_out: Sequence[Motion]
+) -> tuple[BeforeAfter, BeforeAfter]:
+    """Free-run errors of the fit and of the held-out records with the parameters of the balances, before and after."""
+
+    def of(motions: Sequence[Motion]) -> BeforeAfter:
+        if not motions:
+            return BeforeAfter(Errors({}), Errors({}))
+        whole = simulation.along(experiment, motions)
+        return BeforeAfter(*(_run(experiment, free_run(whole, motions, values)) for values in models))
+
+    fitted, tested = side_by_side(of, (simulation.after.balance.motions, as_simulated(experiment, held_out)))
+    return fitted, tested
+
+
+def _run(experiment: Experiment, run: FreeRunErrors) -> Errors:
+    return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
 
 
 def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Values, Values]:
@@ -122,5 +148,4 @@ def _own_fits(experiment: Experiment, simulation: SimulationStage, held_out: Seq
     held_out = as_simulated(experiment, held_out)
     whole = simulation.along(experiment, held_out)
     runs = side_by_side(lambda values: free_run(whole, held_out, values), _freely(experiment, simulation, held_out))
-    axis = experiment.plant.axis
-    return BeforeAfter(*(Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis) for run in runs))
+    return BeforeAfter(*(_run(experiment, run) for run in runs))

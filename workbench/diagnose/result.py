@@ -180,7 +180,8 @@ class ErrorsByUse:
     `own_parameters` are those on held-out records with the same parameters fitted to these, which nothing that differs
     between records is in, `gained` is by how much the logarithm of these records' likelihood rises with what was found;
     None where that was not asked. `runs` are the parameters before and after by which the plant ran freely, None of a
-    plant that cannot be simulated.
+    plant that cannot be simulated; where these are of free runs alone, `written` are the errors of free runs, of the
+    records that were fitted and of those that were held out, with the parameters that are written.
     """
 
     fit: BeforeAfter
@@ -188,6 +189,7 @@ class ErrorsByUse:
     own_parameters: BeforeAfter | None = None
     gained: float | None = None
     runs: tuple[Values, Values] | None = None
+    written: tuple[BeforeAfter, BeforeAfter] | None = None
 
     def is_worse(self, balances: Sequence[str]) -> bool:
         """Whether one of these balances of the held-out records has a larger error with what was found."""
@@ -208,7 +210,11 @@ class ErrorsByUse:
         """As report.json holds them."""
         own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.to_json()}
         gained = {} if self.gained is None else {"gained_log_likelihood": self.gained}
-        return {"fit": self.fit.to_json(), "held_out": {**self.held_out.to_json(), **own, **gained}}
+        fitted, tested = ({"parameters_written": one.to_json()} for one in self.written) if self.written else ({}, {})
+        return {
+            "fit": {**self.fit.to_json(), **fitted},
+            "held_out": {**self.held_out.to_json(), **own, **gained, **tested},
+        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import FAR, WORSE, Diagnosis, FittedParameter, FoundEffect
+from workbench.diagnose.result import FAR, WORSE, BeforeAfter, Diagnosis, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, curve_over
@@ -174,6 +174,8 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
             f"The search found {listed_names(simulation.stood_in)}, not named here: one curve over a signal does in "
             "their place, or what is left beside them says more than they do."
         )
+    if diagnosis.errors.written is not None:
+        lines += _of_written(diagnosis, *diagnosis.errors.written)
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.after.position is not None and after.position is not None:
         off, left, plain = (
@@ -187,6 +189,21 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
             "between records add up."
         )
     return lines
+
+
+def _of_written(diagnosis: Diagnosis, fitted: BeforeAfter, tested: BeforeAfter) -> list[str]:
+    """What the parameters of plant.toml do in a free run, where the table has those of fits to free runs."""
+    shown, told = SHOWN[diagnosis.axis], list[str]()
+    for one, records in ((fitted, "fit"), (tested, "held-out")):
+        before, after = one.before.position, one.after.position
+        if after is not None:
+            without = f" ({shown.length(before, 2)} without what was found)" if diagnosis.effects and before else ""
+            told.append(f"{shown.length(after, 2)}{without} on the {records} records")
+    if not told:
+        return []
+    return [
+        f"Free runs in the table have parameters of their own; with those of plant.toml one is off by {listed(told)}."
+    ]
 
 
 def _of_dropped(dropped: Sequence[str], simulation: SimulationStage) -> str:
