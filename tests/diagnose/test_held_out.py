@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 from driven import TRUE, driven_experiment
 
+from plants.effects.registry import effects
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation.fits import Fitting
-from workbench.diagnose.simulation.held_out import along_held_out, likelier, without_refuted
+from workbench.diagnose.simulation.held_out import along_held_out, likelier, swings_by_itself, without_refuted
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.stage import SimulationStage
@@ -53,3 +54,7 @@ def test_what_only_its_own_record_asked_for_is_not_named(there: bool, tmp_path: 
         assert (kept.refuted, kept.dropped) == (["spring_load"], ["spring_load"])
         assert kept.after is kept.before
         assert SPRING not in kept.after.names
+
+
+def test_of_what_swings_by_itself_another_record_says_nothing() -> None:
+    assert [effect for effect in effects() if swings_by_itself(effect)] == ["supply_ripple"]

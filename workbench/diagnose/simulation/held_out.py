@@ -1,7 +1,8 @@
 """Whether held-out records speak against what was found.
 
 An effect that noise made, of g in the logarithm of the likelihood, lowers that of another record by about as much. One
-that is there raises it, and one that the other record does not move leaves it as it is.
+that is there raises it, and one that the other record does not move leaves it as it is. What swings by itself, such as
+a pump, meets each record in a phase of its own: another record says nothing of it.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from plants.effects.registry import effects
 from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.likelihood import Proposal
@@ -39,6 +41,11 @@ def likelier(one: Fit, other: Fit) -> float:
     return 0.5 * (other.seen_by(noise) - one.seen_by(noise))
 
 
+def swings_by_itself(effect: str) -> bool:
+    """Whether an effect has a frequency at which it goes on, and does not ring at it when something moves."""
+    return any(number.frequency_of and not number.damped_by for number in effects()[effect].numbers.values())
+
+
 def without_refuted(
     experiment: Experiment, found: SimulationStage, held_out: Sequence[Motion], start: SimulationStart
 ) -> SimulationStage:
@@ -51,19 +58,19 @@ def without_refuted(
     ask = asked_of(found.how, found.after.balance.motions, start, experiment.bounds)
     kept, current, refuted = dict(found.effects), found.after, list[str]()
     there = along(current)
-    while kept:
+    while asked := [effect for effect in kept if not swings_by_itself(effect)]:
         fewer = side_by_side(
             lambda effect, current=current, kept=dict(kept): ask.settled(
                 fitted_with(current, kept, Proposal((), (effect,), 0.0, 0.0, {}), ask)
             ),
-            kept,
+            asked,
         )
         rivals = side_by_side(along, fewer)
         gains = [likelier(rival, there) if rival.excess < NOISE else -np.inf for rival in rivals]
         worst = int(np.argmax(gains))
         if gains[worst] < LEVEL:
             break
-        refuted.append(list(kept)[worst])
+        refuted.append(asked[worst])
         current, there = fewer[worst], rivals[worst]
         del kept[refuted[-1]]
     if not refuted:
