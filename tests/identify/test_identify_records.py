@@ -53,6 +53,13 @@ def test_units_scale_and_offset(tmp_path: Path) -> None:
     assert np.all(record.valid)
 
 
+def test_a_copy_under_another_name_is_refused_in_a_line(tmp_path: Path) -> None:
+    """Fitted it would count twice."""
+    table().to_csv(tmp_path / "copy.csv", index=False)
+    with pytest.raises(UserError, match=r"copy\.csv: holds the same samples as .*record\.csv; expected another motion"):
+        record_of(tmp_path, table(), f'{EXPERIMENT}[[records]]\nfile = "copy.csv"\n')
+
+
 def test_a_position_from_one_end_is_refused_with_the_offset_that_puts_it_right(tmp_path: Path) -> None:
     """12 to 48 mm of a stroke of 60 mm; the offset may be written as a quantity."""
     data = spoiled(x=30.0 - 18.0 * np.cos(0.02 * table()["t"]))

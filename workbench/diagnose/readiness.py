@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.errors import UserError
 from workbench.parameters.sets import EITHER_SIGN
 from workbench.records.experiment import Experiment
-from workbench.records.reading import Record, by_log
+from workbench.records.reading import Record, by_log, check_differ
 from workbench.records.sliding import check_opposes
 
 SHORTEST, MOVES = 2.0, 6.0
@@ -59,7 +58,7 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
         UserError: a record of which every piece is too short, on which nothing moves, or whose friction drives the rod;
             one that is a copy of another.
     """
-    _check_differ(records)
+    check_differ(records)
     taken: list[str] = []
     motions = []
     for pieces in by_log(records):
@@ -76,18 +75,6 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
                 told, notes = (*motion.record.notes, *notes), []
                 motions.append(replace(motion, record=replace(motion.record, label=taken[-1], piece=0, notes=told)))
     return motions
-
-
-def _check_differ(records: Sequence[Record]) -> None:
-    """No record is another one under another name: held out it would test nothing, and fitted it would count twice."""
-    for record, other in combinations(records, 2):
-        alike = record.path != other.path and record.time.size == other.time.size
-        if alike and all(
-            np.array_equal(values, other.channels[name], equal_nan=True) for name, values in record.channels.items()
-        ):
-            raise UserError(
-                f"{other.path}: holds the same samples as {record.path}; expected another motion, or one of both alone"
-            )
 
 
 def _unique(label: str, taken: Sequence[str]) -> str:

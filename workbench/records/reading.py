@@ -6,6 +6,7 @@ False in `valid`; nobody fills it. At a long one a record is cut into pieces, ea
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,25 @@ def read_records(experiment: Experiment, use: str | None = "fit") -> list[Record
         UserError: a record that cannot be used, and why.
     """
     specs = [spec for spec in experiment.records if use in (None, spec.use)]
-    return [piece for spec in specs for piece in read_pieces(spec, experiment)]
+    records = [piece for spec in specs for piece in read_pieces(spec, experiment)]
+    check_differ(records)
+    return records
+
+
+def check_differ(records: Sequence[Record]) -> None:
+    """No record is another one under another name: held out it would test nothing, and fitted it would count twice.
+
+    Raises:
+        UserError: one is.
+    """
+    for record, other in combinations(records, 2):
+        alike = record.path != other.path and record.time.size == other.time.size
+        if alike and all(
+            np.array_equal(values, other.channels[name], equal_nan=True) for name, values in record.channels.items()
+        ):
+            raise UserError(
+                f"{other.path}: holds the same samples as {record.path}; expected another motion, or one of both alone"
+            )
 
 
 def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
