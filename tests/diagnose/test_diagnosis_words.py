@@ -15,9 +15,9 @@ from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
-from workbench.diagnose.report.verdict import next_words, verdict_sentence
+from workbench.diagnose.report.verdict import dependence_words, next_words, verdict_sentence
 from workbench.diagnose.result import BeforeAfter, Diagnosis, Errors
-from workbench.diagnose.selection.unexplained import OfferedTerm, TermErrors
+from workbench.diagnose.selection.unexplained import Dependence, OfferedTerm, TermErrors
 from workbench.parameters.sets import read_deviations, read_parameters
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
@@ -338,3 +338,16 @@ def test_tables_show_readable_units(diagnosis: Diagnosis) -> None:
 
 def test_every_effect_is_said_in_plain_words() -> None:
     assert all(effect.words for effect in effects().values())
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [
+        (4, "over position (100), velocity (75), pressure 1 (50) and pressure 2 (25): by so much"),
+        (5, "over position (100), velocity (75), pressure 1 (50) and 2 more: by so much"),
+    ],
+)
+def test_of_many_signals_the_strongest_are_named(count: int, said: str) -> None:
+    names = ["position", "velocity", "pressure_1", "pressure_2", "time"][:count]
+    shares = {name: 1.0 - 0.25 * k for k, name in enumerate(names)}
+    assert said in dependence_words(Dependence("flow", shares, 100.0), "m")

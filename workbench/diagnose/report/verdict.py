@@ -1,6 +1,6 @@
 """The verdict of a diagnosis in one sentence."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from workbench.diagnose.report.names import listed_names, percent, quantity
 from workbench.diagnose.report.offered import offered_entries
@@ -14,6 +14,9 @@ from workbench.publish.words import listed, plain_name
 
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""
+
+FEW = 3
+"""Signals that a sentence names."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -109,11 +112,17 @@ def dependence_words(dependence: Dependence, axis: str) -> str:
     if dependence.gain is not None:
         gains = [f"{plain_name(name)} ({dependence.shares[name] * dependence.gain:.0f})" for name in dependence.signals]
         return (
-            f"the simulated plant lacks something in the {told} balance over {listed(gains)}: by so much a curve there "
+            f"the simulated plant lacks something in the {told} balance over {_few(gains)}: by so much a curve there "
             "raises the logarithm of its likelihood"
         )
     shares = [f"{plain_name(name)} ({percent(dependence.shares[name])} of its variance)" for name in dependence.signals]
-    return f"the {told} balance's residual depends on {listed(shares)}"
+    return f"the {told} balance's residual depends on {_few(shares)}"
+
+
+def _few(signals: Sequence[str]) -> str:
+    """The strongest of some signals: those that move together all show what is missing over one."""
+    more = len(signals) - FEW
+    return listed([*signals[:FEW], f"{more} more"] if more > 1 else signals)
 
 
 def held_out_floors(diagnosis: Diagnosis, result: BalanceResult) -> float:
