@@ -93,7 +93,6 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])
     ]
-
     along = [signals_of(motion) for motion in followed]
     flows = [] if how.is_beside else _flows(how, along)
     candidates = 2 * (len(wanted) + len(flows))
