@@ -37,6 +37,13 @@ def found_of(folder: Path, spring: str) -> tuple[Shooting, Fit, Asked]:
     return fitted.how, fitted.fit, Asked(declared, {}, len(how.effects), {})
 
 
+def named(folder: Path, spring: str) -> tuple[Shooting, Found, Fit, Asked]:
+    """What a search found of it, which gains 40, and the fit without."""
+    how, fitted, ask = found_of(folder, spring)
+    effects = {"spring_load": ("spring_stiffness",)}
+    return how, Found(fitted, effects, [], {"spring_load": 40.0}, {}, {}), without_effects(fitted, effects, ask), ask
+
+
 @pytest.mark.parametrize("price", [6.0, None])
 def test_a_curve_does_in_the_place_of_a_spring_that_is_none(tmp_path: Path, price: float | None) -> None:
     how, fitted, ask = found_of(tmp_path, "hardening")
@@ -62,12 +69,10 @@ def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: float
 ) -> None:
     """By odds that data can tell, with what is asked of each: first order beside the effects need not see it."""
-    how, fitted, ask = found_of(tmp_path, "weak")
-    effects = {"spring_load": ("spring_stiffness",)}
-    found = Found(fitted, effects, [], {"spring_load": 40.0}, {}, {})
-    without = without_effects(fitted, effects, ask)
+    how, found, without, ask = named(tmp_path, "weak")
+    fitted = found.fit
     worth = gained(fitted.balance, left_by(fitted), left_by(ask.settled(without)))
-    worth -= ask.of("spring_load", effects["spring_load"], fitted.balance)
+    worth -= ask.of("spring_load", found.effects["spring_load"], fitted.balance)
     assert worth > 10.0
     assert without.excess < NEAR_NOISE
     curve = Lacking("force", "velocity", 16.0 + worth + LEVEL + more, 16.0, np.zeros((fitted.residual.size, 1)))
@@ -82,10 +87,8 @@ def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
 def test_effects_are_not_named_where_more_is_left_beside_than_they_gain(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: float
 ) -> None:
-    how, fitted, ask = found_of(tmp_path, "straight")
-    effects = {"spring_load": ("spring_stiffness",)}
-    found = Found(fitted, effects, [], {"spring_load": 40.0}, {}, {})
-    without = without_effects(fitted, effects, ask)
+    how, found, without, ask = named(tmp_path, "straight")
+    fitted = found.fit
     assert without.excess > NEAR_NOISE
     curve = Lacking("force", "velocity", 40.0 + more, 16.0, np.zeros((fitted.residual.size, 1)))
     monkeypatch.setattr(stage, "standing_in", lambda *_: [])
