@@ -11,11 +11,12 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
 from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.simulation.by_curve import Curved
 from workbench.diagnose.simulation.fits import Fitting, Simulated
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.held_out import along_held_out, likelier
 from workbench.diagnose.simulation.nearer import freely
-from workbench.diagnose.simulation.setup import as_simulated, behind_backlash
+from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.threads import side_by_side
@@ -54,6 +55,8 @@ def errors_of(
     found = ErrorsByUse(fitted, tested, own, runs=runs)
     if simulation is not None and _is_far(simulation):
         found = replace(found, written=_as_written(experiment, simulation, (baseline, corrected), held_out))
+    if simulation is not None and simulation.curved is not None:
+        found = replace(found, with_curve=_with_curve(experiment, simulation.curved, held_out))
     if simulation is not None and simulation.effects and found.runs_worse:
         along = along_held_out(experiment, simulation, held_out)
         return replace(found, gained=likelier(along(simulation.after), along(simulation.before)))
@@ -109,8 +112,11 @@ def _free(experiment: Experiment, simulation: SimulationStage) -> tuple[Values, 
 
 
 def _is_far(simulation: SimulationStage) -> bool:
-    """Whether the plant is so far from noise that free runs have parameters of their own."""
-    return all(Simulated(simulation.how, one).is_astray for one in (simulation.before, simulation.after))
+    """Whether the plant is so far from noise that free runs have parameters of their own: one that a curve brings near
+    has those of the curve.
+    """
+    fits = (simulation.before, simulation.after)
+    return simulation.curved is None and all(Simulated(simulation.how, one).is_astray for one in fits)
 
 
 def _as_written(
@@ -125,6 +131,18 @@ def _as_written(
         return BeforeAfter(*(_run(experiment, free_run(whole, motions, values)) for values in models))
 
     fitted, tested = side_by_side(of, (simulation.after.balance.motions, as_simulated(experiment, held_out)))
+    return fitted, tested
+
+
+def _with_curve(experiment: Experiment, by_curve: Curved, held_out: Sequence[Motion]) -> tuple[Errors, Errors]:
+    """Free-run errors of the fit and of the held-out records with a curve that is switched on."""
+    believed, values = replace(experiment, plant=by_curve.fitted.plant), by_curve.simulated.fit.values
+
+    def of(motions: Sequence[Motion]) -> Errors:
+        whole = shooting_of(believed, motions, held=by_curve.simulated.how.held) if motions else None
+        return Errors({}) if whole is None else _run(experiment, free_run(whole, motions, values))
+
+    fitted, tested = side_by_side(of, (by_curve.simulated.fit.balance.motions, as_simulated(experiment, held_out)))
     return fitted, tested
 
 

@@ -21,6 +21,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
+from workbench.diagnose.simulation.by_curve import Curved, curved
 from workbench.diagnose.simulation.held_out import without_refuted
 from workbench.diagnose.simulation.reached import nearer_baseline, nearer_with, simulated_baseline, simulated_with
 from workbench.diagnose.simulation.setup import as_simulated
@@ -55,14 +56,17 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     if base is not None:
         start = stage.simulation_start(effects)
         them = simulated_with(experiment, base, start, progress)
+        curve: Curved | None = None
         if not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
-            base = nearer_baseline(experiment, base, start, progress)
+            base, curve = curved(experiment, base, stage.curves, stage.baseline, progress)
+            if curve is None and not base.is_near:
+                base = nearer_baseline(experiment, base, start, progress)
             if base.is_near:  # balances stood far from noise, and what they show is no guide
                 stage, effects, start = plain, sensor, plain.simulation_start(sensor)
                 them = simulated_with(experiment, base, start, progress)
         if them is not None and them.fit.excess > NEAR_NOISE:
             them = nearer_with(experiment, base, them, start, progress)
-        found = simulation_stage(experiment, start, base, them, progress)
+        found = simulation_stage(experiment, start, base, them, curve, progress)
         simulation = without_refuted(experiment, found, held_out, start)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
 
@@ -89,14 +93,18 @@ def _diagnosis(
         before.append(simulation.before)
     if simulation is not None and simulation.is_trusted:
         fits.append(simulation.after)
-    final = fitted_parameters(fits)
     unexplained = None
+    by_curve = simulation.curved if simulation is not None else None
     left = simulation.lacks if simulation is not None else None
     if left is None and (simulation is None or not simulation.is_near):
         left = strongest(stage.dependences)
     after = next((result.after for result in stage.results if left and result.balance.name == left.balance), None)
-    if left is not None and after is not None:
+    if by_curve is not None and after is not None:
+        unexplained = by_curve.unexplained(after, held_out)
+        fits.append(by_curve.own)
+    elif left is not None and after is not None:
         unexplained = unexplained_of(after, left, held_out, richest(experiment.plant))
+    final = fitted_parameters(fits)
     progress("held-out records", 0.9)
     return Diagnosis(
         experiment=experiment,

@@ -11,6 +11,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.null import floored, null_motion, surrogate, with_fitted_floor
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.result import IDENTIFIED, FoundEffect
+from workbench.diagnose.selection.balance_curves import CurveFit, curve_of
 from workbench.diagnose.selection.search import search
 from workbench.diagnose.selection.selection import BalanceResult, Step, is_circular
 from workbench.diagnose.selection.sets import Asked
@@ -45,6 +46,9 @@ depends on where it was before."""
 PLACED = 0.3
 """Share of a residual's variance from which it is that of a signal that no force makes."""
 
+TOO_LITTLE = 0.7
+"""Floors below which records leave so much less than a plant that lacks nothing that it is not theirs."""
+
 DRAWS, FEWEST, DRAWN = 8, 2, 160_000
 """Of noise by which a balance's floor is found, at most and at least, and samples that all of them have together: one
 alone of a short record is off by up to a tenth.
@@ -56,8 +60,8 @@ RUNAWAY = 5.0
 
 @dataclass(frozen=True, eq=False)
 class ResidualStage:
-    """The balances with their effects, all parameters that fit them, without effects and with these, and the values by
-    which effects would be shaped best.
+    """The balances with their effects, all parameters that fit them, without effects and with these, the values by
+    which effects would be shaped best, and curves for what no effect explains.
     """
 
     results: Sequence[BalanceResult]
@@ -65,6 +69,7 @@ class ResidualStage:
     baseline: Values
     corrected: Values
     shapes: Shapes
+    curves: Sequence[CurveFit] = ()
 
     @property
     def dependences(self) -> list[Dependence | None]:
@@ -109,12 +114,23 @@ def baselines(
 
 
 def with_floors(stage: ResidualStage, experiment: Experiment, progress: Progress) -> ResidualStage:
-    """The balances over what they leave of a plant that lacks nothing and is kept beside the records."""
+    """The balances over what they leave of a plant that lacks nothing and is kept beside the records.
+
+    Parameters that make up for what is missing may make a plant that hunts, and leaves far more than the records do: no
+    noise does. Then the plant as it is declared says it, too, and what leaves less counts.
+    """
     progress("noise floors", 0.25)
     balances = [result.balance for result in stage.results]
     whole = diagnosed_plant(experiment.plant, experiment.flow, balances[0].motions[0].channels)
     floors = floored(whole, balances, stage.baseline)
-    return replace(stage, results=[_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)])
+    results = [_over(result, floor) for result, floor in zip(stage.results, floors, strict=True)]
+    if min(result.after.rms for result in results) < TOO_LITTLE:
+        declared = floored(
+            whole, balances, {**stage.baseline, **{n: stage.declared[n] for b in balances for n in b.free}}
+        )
+        lower = [min(pair, key=lambda one: one.floor) for pair in zip(floors, declared, strict=True)]
+        results = [_over(result, floor) for result, floor in zip(stage.results, lower, strict=True)]
+    return replace(stage, results=results)
 
 
 def with_simulated_floors(stage: ResidualStage, simulation: SimulationStage, bounds: Bounds) -> ResidualStage:
@@ -162,13 +178,17 @@ def _over(result: BalanceResult, balance: Balance) -> BalanceResult:
 
 
 def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progress) -> ResidualStage:
-    """The balances with the effects that their residuals support: flow, then force."""
+    """The balances with the effects that their residuals support: flow, then force. Effects of a balance that still
+    depends on a signal stand in for another where a curve over it is likelier.
+    """
     results, shapes, values = list[BalanceResult](), dict[str, Sequence[Shape]](), dict(stage.baseline)
+    curves = list[CurveFit]()
     for result in stage.results:
         progress(f"effects on the {result.balance.name} balance", 0.3 + 0.1 * len(results))
         balance = result.balance
         before = result.before if not results else baseline(balance, values, experiment.bounds)
-        found = search(before, {}, Asked(stage.declared, experiment.bounds, len(balance.effects), {}, LEAST_SHARE))
+        ask = Asked(stage.declared, experiment.bounds, len(balance.effects), {}, LEAST_SHARE)
+        found = search(before, {}, ask)
         shapes |= found.shapes
         after = replace(
             result,
@@ -179,9 +199,14 @@ def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progres
             gains=found.gains,
             alternatives=found.alternatives,
         )
-        results.append(after.withdrawn() if _leaves_too_much(after) else after)
-        values |= {name: results[-1].after.values[name] for name in results[-1].after.names}
-    return replace(stage, results=results, corrected=values, shapes=shapes)
+        after = after.withdrawn() if _leaves_too_much(after) else after
+        curve = curve_of(experiment, after, values, stage.declared)
+        if curve is not None and curve.is_likelier(after, ask):
+            curves.append(curve)
+            after = after.withdrawn()
+        results.append(after)
+        values |= {name: after.after.values[name] for name in after.after.names}
+    return replace(stage, results=results, corrected=values, shapes=shapes, curves=curves)
 
 
 def with_effects_of(

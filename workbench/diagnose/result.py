@@ -181,7 +181,8 @@ class ErrorsByUse:
     between records is in, `gained` is by how much the logarithm of these records' likelihood rises with what was found;
     None where that was not asked. `runs` are the parameters before and after by which the plant ran freely, None of a
     plant that cannot be simulated; where these are of free runs alone, `written` are the errors of free runs, of the
-    records that were fitted and of those that were held out, with the parameters that are written.
+    records that were fitted and of those that were held out, with the parameters that are written. `with_curve` are
+    those of free runs with a curve that is switched on for what no effect explains.
     """
 
     fit: BeforeAfter
@@ -190,6 +191,7 @@ class ErrorsByUse:
     gained: float | None = None
     runs: tuple[Values, Values] | None = None
     written: tuple[BeforeAfter, BeforeAfter] | None = None
+    with_curve: tuple[Errors, Errors] | None = None
 
     def is_worse(self, balances: Sequence[str]) -> bool:
         """Whether one of these balances of the held-out records has a larger error with what was found."""
@@ -210,7 +212,11 @@ class ErrorsByUse:
         """As report.json holds them."""
         own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.to_json()}
         gained = {} if self.gained is None else {"gained_log_likelihood": self.gained}
-        fitted, tested = ({"parameters_written": one.to_json()} for one in self.written) if self.written else ({}, {})
+        fitted, tested = dict[str, object](), dict[str, object]()
+        if self.written is not None:
+            fitted, tested = ({"parameters_written": one.to_json()} for one in self.written)
+        if self.with_curve is not None:
+            fitted, tested = ({"with_curve": one.by_key} for one in self.with_curve)
         return {
             "fit": {**self.fit.to_json(), **fitted},
             "held_out": {**self.held_out.to_json(), **own, **gained, **tested},

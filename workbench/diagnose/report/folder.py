@@ -112,6 +112,8 @@ def plant_words(diagnosis: Diagnosis) -> str:
     if diagnosis.effects:
         return f"the corrected plant; {named}"
     lacks = "; it lacks what no known effect explains" if diagnosis.unexplained is not None else ""
+    if diagnosis.simulation is not None and diagnosis.simulation.curved is not None:
+        lacks = ", which go with the curve for what no known effect explains: it is off"
     return f"the declared plant with its own parameters fitted{lacks}; {named}"
 
 

@@ -12,15 +12,19 @@ from workbench.diagnose.report.series import words_of
 from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import FAR, WORSE, BeforeAfter, Diagnosis, FittedParameter, FoundEffect
+from workbench.diagnose.result import FAR, WORSE, BeforeAfter, Diagnosis, Errors, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, curve_over
+from workbench.diagnose.simulation.by_curve import Curved
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
+
+MEAN, CURVE = "the mean of that residual", "that curve"
+"""Of what a data-driven term is made."""
 
 QUIET = 100.0
 """Floors that only the floor's smallness makes, where the simulated plant fits."""
@@ -47,7 +51,8 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
         depends = dependence_words(unexplained.dependence, diagnosis.axis)
         lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
-        lines.append(of_term(unexplained.term))
+        is_curve = diagnosis.simulation is not None and diagnosis.simulation.curved is not None
+        lines.append(of_term(unexplained.term, CURVE if is_curve else MEAN))
         plant, over = plant_of(diagnosis), unexplained.dependence.signals
         if curve_over(plant, unexplained.balance, unexplained.term.signal) is None:
             balance = SHOWN[diagnosis.axis].said(unexplained.balance)
@@ -159,7 +164,9 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise{without}; "
         "the parameters are of this fit"
     )
-    if not simulation.is_trusted:
+    if simulation.curved is not None:
+        error = _with_curve(simulation, simulation.curved, diagnosis.axis)
+    elif not simulation.is_trusted:
         error = "is off by far more than the sensors' noise; the parameters are those that fit the balances"
     lines.append(f"Simulated {along} and fitted to the fit records, the plant {error}.")
     if dropped := [effect for effect in simulation.dropped if effect not in simulation.refuted]:
@@ -176,6 +183,8 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         )
     if diagnosis.errors.written is not None:
         lines += _of_written(diagnosis, *diagnosis.errors.written)
+    if diagnosis.errors.with_curve is not None:
+        lines += _of_curve(diagnosis, *diagnosis.errors.with_curve)
     own, after = diagnosis.errors.own_parameters, diagnosis.errors.held_out.after
     if own is not None and own.after.position is not None and after.position is not None:
         off, left, plain = (
@@ -189,6 +198,27 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
             "between records add up."
         )
     return lines
+
+
+def _with_curve(simulation: SimulationStage, by_curve: Curved, axis: str) -> str:
+    """What a plant is off by that a curve brings near its records."""
+    balance, curve = SHOWN[axis].said(by_curve.dependence.balance), by_curve.fitted
+    return (
+        f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise; with a curve "
+        f"over {plain_name(curve.signal)} for what the {balance} balance lacks, fitted beside its parameters, by "
+        f"{shown_number(by_curve.simulated.fit.rms, 3)}. The parameters are of that fit, and go with the curve"
+    )
+
+
+def _of_curve(diagnosis: Diagnosis, fitted: Errors, tested: Errors) -> list[str]:
+    """What a free run does with a curve that is switched on, and without."""
+    shown, told = SHOWN[diagnosis.axis], list[str]()
+    without = diagnosis.errors.fit.after, diagnosis.errors.held_out.after
+    for one, before, records in zip((fitted, tested), without, ("fit", "held-out"), strict=True):
+        if one.position is not None:
+            plain = f" ({shown.length(before.position, 2)} without)" if before.position is not None else ""
+            told.append(f"{shown.length(one.position, 2)}{plain} on the {records} records")
+    return [f"With that curve switched on a free run is off in position by {listed(told)}."] if told else []
 
 
 def _of_written(diagnosis: Diagnosis, fitted: BeforeAfter, tested: BeforeAfter) -> list[str]:
@@ -242,14 +272,14 @@ def _of_worse(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def of_term(term: OfferedTerm) -> str:
-    """What a data-driven term would do, and that it is no more than that."""
+def of_term(term: OfferedTerm, what: str = MEAN) -> str:
+    """What a data-driven term would do, and that it is no more than that; `what` it is made of."""
     use, errors = ("held-out", term.held_out) if term.held_out is not None else ("fit", term.fit)
     assert errors is not None  # a residual depends on a signal only where something moves
     shown = {"m^3/s": "cm^3/s"}.get(term.unit, term.unit)
     before, after = (shown_number(factor(term.unit, shown) * rms, 3) for rms in (errors.before, errors.after))
     return (
-        f"A data-driven term, the mean of that residual over {plain_name(term.signal)}, "
+        f"A data-driven term, {what} over {plain_name(term.signal)}, "
         f"{'would lower' if errors.after < errors.before else 'would not lower'} it on the {use} records: "
         f"{before} {shown} without it, {after} {shown} with it, where something moves (report.json has its nodes). It "
         "describes the records and names no cause."

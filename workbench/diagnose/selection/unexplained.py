@@ -58,10 +58,6 @@ class Term:
     nodes: np.ndarray
     values: np.ndarray
 
-    def is_tested_by(self, motions: Sequence[Motion]) -> bool:
-        """Whether anything moves in these records."""
-        return any(np.any(self.balance.known(motion) & ~motion.thinned.resting) for motion in motions)
-
     def left(self, motions: Sequence[Motion], values: Values) -> tuple[float, float]:
         """Rms of the residual where something moves, without the term and with it (`balance.unit`)."""
         parts = []
@@ -143,10 +139,20 @@ def unexplained_of(after: Fit, dependence: Dependence, held_out: Sequence[Motion
     over = next((signal for signal in signals if curve_over(plant, balance.name, signal)), signals[0])
     term = data_driven_term(balance, values, over)
     fitted, tested = (
-        TermErrors(*term.left(motions, values)) if term.is_tested_by(motions) else None
+        TermErrors(*term.left(motions, values)) if is_moving(balance, motions) else None
         for motions in (balance.motions, held_out)
     )
     return Unexplained(dependence, OfferedTerm(term.signal, term.nodes, term.values, balance.unit, fitted, tested))
+
+
+def is_moving(balance: Balance, motions: Sequence[Motion]) -> bool:
+    """Whether anything moves in records of which a balance knows something."""
+    return any(np.any(balance.known(motion) & ~motion.thinned.resting) for motion in motions)
+
+
+def rms_moving(balance: Balance, motions: Sequence[Motion], values: Values) -> float:
+    """Rms of the first residual of a balance (in its unit) where something moves."""
+    return float(np.sqrt(np.mean(np.concatenate([_moving(balance, motion, values)[0] for motion in motions]) ** 2)))
 
 
 def bins_of(signal: np.ndarray) -> np.ndarray:

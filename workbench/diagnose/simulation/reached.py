@@ -86,14 +86,14 @@ def simulated_baseline(
         return None
     best, fitting = begun
     best = _nearer(best, fitting, start.baseline) if best.is_near else best
-    return _baseline(experiment, _settled(experiment, best, fitting))
+    return _baseline(experiment, settled(experiment, best, fitting))
 
 
 def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
     """The same once more, by ways that lead nearer to noise."""
     progress("leading the declared plant along its records")
     fitting = Fitting(base.fit.balance.motions, base.fit.names, experiment.bounds)
-    return _baseline(experiment, _settled(experiment, _nearer(base, fitting, start.baseline), fitting))
+    return _baseline(experiment, settled(experiment, _nearer(base, fitting, start.baseline), fitting))
 
 
 def _baseline(experiment: Experiment, base: Simulated) -> Simulated:
@@ -123,7 +123,7 @@ def simulated_with(
     beside = _beside(base, start, names)
     begun = _begun(experiment, base.fit.balance.motions, [beside, start.corrected], names, _as_declared(start, beside))
     assert begun is not None  # the plant without effects was
-    return _settled(experiment, *begun)
+    return settled(experiment, *begun)
 
 
 def nearer_with(
@@ -132,7 +132,7 @@ def nearer_with(
     """The same once more, by ways that lead nearer to noise."""
     progress("leading the plant with what was found along its records")
     fitting = Fitting(them.fit.balance.motions, them.fit.names, experiment.bounds)
-    return _settled(experiment, _nearer(them, fitting, _beside(base, start, them.fit.names)), fitting)
+    return settled(experiment, _nearer(them, fitting, _beside(base, start, them.fit.names)), fitting)
 
 
 def _beside(base: Simulated, start: SimulationStart, names: Sequence[str]) -> dict[str, float]:
@@ -220,7 +220,7 @@ def _nearer(best: Simulated, fitting: Fitting, start: Values) -> Simulated:
     return led if led is best or led.fit.excess < NEAR_NOISE else fit_over_hollows(led, fitting)
 
 
-def _settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
+def settled(experiment: Experiment, best: Simulated, fitting: Fitting) -> Simulated:
     """The same with a voltage that is a straight line between samples, if that leaves less, and out of the last
     hollows: a wrong one leaves more than noise, which would be taken for a hollow.
     """

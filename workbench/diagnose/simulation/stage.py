@@ -20,6 +20,7 @@ from workbench.diagnose.selection.search import LEVEL, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
 from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
+from workbench.diagnose.simulation.by_curve import Curved, in_its_place
 from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.fits import (
     NOISE,
@@ -50,7 +51,8 @@ class SimulationStage:
     stage adds, whose rounds are `steps`. `first` and `effects` hold each effect with its parameters, `gains` what each
     gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
     of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains, and
-    `stood_in` were effects that only stood in for it; `refuted` were those against which held-out records speak.
+    `stood_in` were effects that only stood in for it; `refuted` were those against which held-out records speak;
+    `curved` is the plant with a curve for what it lacks, where that alone brings it near its records.
     """
 
     how: Shooting
@@ -66,6 +68,7 @@ class SimulationStage:
     lacks: Dependence | None = None
     stood_in: Sequence[str] = ()
     refuted: Sequence[str] = ()
+    curved: Curved | None = None
 
     @property
     def result(self) -> BalanceResult:
@@ -125,6 +128,7 @@ class SimulationStage:
             "dropped": list(self.dropped),
             "stood_in": list(self.stood_in),
             "refuted": list(self.refuted),
+            "with_curve": None if self.curved is None else self.curved.simulated.fit.rms,
         }
 
 
@@ -148,15 +152,20 @@ def simulation_stage(
     start: SimulationStart,
     base: Simulated,
     with_them: Simulated | None,
+    curved: Curved | None,
     progress: Progress,
 ) -> SimulationStage:
     """Let effects compete for what the plant leaves, without any and with those that the balances found.
 
-    Of a plant that none of them brings near to noise they are sought while loops lead it along its records. Where that
-    finds none it may have lost its way, and is fitted once more by way of pieces.
+    Of a plant that a curve alone brings near to noise an effect is sought that does in its place. Of one that nothing
+    brings near they are sought while loops lead it along its records. Where that finds none it may have lost its way,
+    and is fitted once more by way of pieces.
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     found = _stage(experiment, motions, start, base, with_them, given, progress)
+    if curved is not None and found.after.excess > NEAR_NOISE:
+        found = _by_curve(experiment, motions, start, base, curved, given, progress)
+        return _held_otherwise(experiment, motions, start, base, found, given, progress)
     led = None
     if found.after.excess > NEAR_NOISE:
         progress("effects while a loop leads the plant along its records")
@@ -178,6 +187,29 @@ def simulation_stage(
             found = _stage(experiment, motions, start, base, with_them, given, progress)
     found = _sought_anew(experiment, motions, start, base, found, progress)
     return _held_otherwise(experiment, motions, start, base, found, given, progress)
+
+
+def _by_curve(
+    experiment: Experiment,
+    motions: Sequence[Motion],
+    start: SimulationStart,
+    base: Simulated,
+    curved: Curved,
+    given: Effects,
+    progress: Progress,
+) -> SimulationStage:
+    """What a plant lacks that comes near noise with a curve: an effect that does in its place, with all that is found
+    beside that, or what nobody knows.
+    """
+    progress("effects in the place of a curve", 0.7)
+    instead = in_its_place(experiment, curved, motions, start)
+    with_it, effects = (None, {}) if instead is None else instead
+    found = _stage(experiment, motions, start, base, with_it, effects, progress)
+    found = replace(found, dropped=[effect for effect in given if effect not in found.effects])
+    if found.after.excess < NEAR_NOISE:
+        return found
+    found = found if not found.effects else _stage(experiment, motions, start, base, None, {}, progress)
+    return replace(found, dropped=list(given), lacks=curved.dependence, curved=curved)
 
 
 def _tells_more(again: SimulationStage, found: SimulationStage) -> bool:

@@ -1,0 +1,96 @@
+"""What a balance lacks over a signal, as a curve of the plant's own that is fitted beside its parameters.
+
+A residual that depends on a signal is what parameters leave that make up for a part of what is missing. A curve over
+the signal (`plants.effects.curves`) takes that from them: where it brings the balance to its floor, both are right.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plants.effects.attach import possible
+from plants.effects.interface import Effect
+from plants.interface import Plant
+from workbench.diagnose.residuals.balance import Balance
+from workbench.diagnose.residuals.balances import balances_of, richest
+from workbench.diagnose.residuals.baseline import baseline
+from workbench.diagnose.residuals.fit import Fit, over
+from workbench.diagnose.residuals.motion import signals_of
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.likelihood import asked, gained, left_by
+from workbench.diagnose.selection.search import LEVEL
+from workbench.diagnose.selection.selection import BalanceResult
+from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.selection.unexplained import ABOVE, curve_over, dependence
+from workbench.records.experiment import Experiment
+
+TAKEN = 0.3
+"""Share of what a balance leaves without effects that it leaves at most with a curve that is worth looking at, if that
+is above its floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class CurveFit:
+    """A balance with a curve over a signal, fitted beside its own parameters: the curve, its range and nodes, and on
+    which plant.
+    """
+
+    signal: str
+    effect: Effect
+    plant: Plant
+    fit: Fit
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The curve's values, by name."""
+        return tuple(self.effect.own_names[3:])
+
+    def is_likelier(self, result: BalanceResult, ask: Asked) -> bool:
+        """Whether the curve is likelier than the effects of a balance, with what is asked of either."""
+        balance, after = self.fit.balance, result.after
+        price = asked(len(self.nodes), ask.candidates)
+        price -= sum(ask.of(effect, names, result.balance) for effect, names in result.effects.items())
+        return gained(balance, left_by(self.fit), left_by(after)) > price + LEVEL
+
+
+def curve_of(experiment: Experiment, result: BalanceResult, values: Values, declared: Values) -> CurveFit | None:
+    """The curve over a signal, of those on which a balance still depends, that takes most of what it leaves without
+    effects; None if none takes enough. `values` are those that fit the balances.
+    """
+    before = result.before
+    depends = dependence(result.balance, result.after.values) if before.names else None
+    fits = list[CurveFit]()
+    for signal in depends.signals if depends is not None else ():
+        effect = curve_over(richest(experiment.plant), result.balance.name, signal)
+        if effect is None or effect.name in experiment.plant.effects:
+            continue
+        fits.append(_with_curve(experiment, before.balance, signal, effect, {**values, **before.moved}, declared))
+        if fits[-1].fit.rms < ABOVE:
+            break
+    best = min(fits, key=lambda one: one.fit.rms, default=None)
+    return best if best is not None and best.fit.rms < max(TAKEN * before.rms, ABOVE) else None
+
+
+def _with_curve(
+    experiment: Experiment, balance: Balance, signal: str, effect: Effect, values: Values, declared: Values
+) -> CurveFit:
+    """A curve over a signal that is fitted to a balance, with its parameters from where they are declared and from
+    where they were without.
+    """
+    effect, whole = effect.along(experiment.plant.axis), richest(experiment.plant)
+    had = [one for one in possible(whole) if one.name in experiment.plant.effects]
+    plant = (whole.bare or whole).with_effects(*had, effect)
+    share, low, high, *nodes = effect.own_names
+    along = [signals_of(motion)[signal] for motion in balance.motions]
+    flat = {share: 1.0, low: min(map(np.min, along)), high: max(map(np.max, along)), **dict.fromkeys(nodes, 0.0)}
+    believed = replace(experiment, plant=plant)
+    (own,) = (one for one in balances_of(believed, balance.motions, {**values, **flat}) if one.name == balance.name)
+    own = replace(own, free=(*balance.free, *nodes))
+    starts = [{**values, **{name: declared[name] for name in balance.free}, **flat}, {**values, **flat}]
+    fits = list[Fit]()
+    for start in starts:
+        fits.append(baseline(own, start, experiment.bounds))
+        if fits[-1].rms < ABOVE:  # of the sensors' noise
+            break
+    best = min(fits, key=lambda one: one.rms)
+    return CurveFit(signal, effect, plant, over(best, replace(best.balance, floor=balance.floor)))

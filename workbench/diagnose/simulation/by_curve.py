@@ -1,0 +1,175 @@
+"""A plant that is far from noise, with a curve for what a balance lacks over a signal.
+
+Where a balance depends on a signal and no effect explains it, the plant's parameters make up for a part of what is
+missing, and a simulation goes astray by them. A curve of the plant's own (`plants.effects.curves`), fitted to the
+balance beside the parameters, gives both in seconds, and a place from which a simulation comes near its records. If it
+does, and does not without the curve, that is what the plant lacks: an effect that is known, if one does in the place of
+the curve, or one that nobody knows.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
+from workbench.diagnose.selection.balance_curves import CurveFit
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, gained, left_by
+from workbench.diagnose.selection.search import LEVEL, away_of
+from workbench.diagnose.selection.selection import Effects
+from workbench.diagnose.selection.sets import Asked, fitted_with, is_estimated
+from workbench.diagnose.selection.trials import seen_of, together, trials_of
+from workbench.diagnose.selection.unexplained import (
+    Dependence,
+    OfferedTerm,
+    TermErrors,
+    Unexplained,
+    is_moving,
+    rms_moving,
+)
+from workbench.diagnose.simulation.fits import Fitting, Simulated, fit_simulation
+from workbench.diagnose.simulation.reached import SimulationStart, asked_of, settled
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.stand_ins import HIGHEST
+from workbench.fitting.threads import side_by_side
+from workbench.progress import Progress
+from workbench.records.experiment import Experiment
+
+NEARLY, FITTED = 0.1, 2
+"""Share of what a curve gains that an effect may lose in its place, to first order, and be fitted there; and how many
+are, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curved:
+    """A plant near its records with a curve for what a balance lacks: the curve's fit to that balance, the plant
+    simulated with it, and what is left without it.
+    """
+
+    fitted: CurveFit
+    simulated: Simulated
+    without: Fit
+
+    @property
+    def own(self) -> Fit:
+        """The fit, of which the plant's own parameters are told."""
+        names = tuple(name for name in self.simulated.fit.names if name not in self.fitted.nodes)
+        return replace(self.simulated.fit, names=names)
+
+    @cached_property
+    def gain(self) -> float:
+        """What the curve gains in the logarithm of the likelihood."""
+        found = self.simulated.fit
+        return gained(found.balance, left_by(found), left_by(self.without))
+
+    @property
+    def dependence(self) -> Dependence:
+        """On what depends that which no effect explains."""
+        return Dependence(self.fitted.fit.balance.name, {self.fitted.signal: 1.0}, self.gain)
+
+    def unexplained(self, after: Fit, held_out: Sequence[Motion]) -> Unexplained:
+        """What it leaves unexplained: the curve is what is offered for it, beside a fit of the balance without it."""
+        curve, values = self.fitted, self.simulated.fit.values
+        _, low, high, *nodes = curve.effect.own_names
+        offered = OfferedTerm(
+            curve.signal,
+            np.linspace(values[low], values[high], len(nodes)),
+            np.array([values[name] for name in nodes]),
+            after.balance.unit,
+            *(
+                TermErrors(
+                    rms_moving(after.balance, motions, after.values), rms_moving(curve.fit.balance, motions, values)
+                )
+                if is_moving(after.balance, motions)
+                else None
+                for motions in (after.balance.motions, held_out)
+            ),
+        )
+        return Unexplained(self.dependence, offered)
+
+
+def curved(
+    experiment: Experiment, base: Simulated, curves: Sequence[CurveFit], values: Values, progress: Progress
+) -> tuple[Simulated, Curved | None]:
+    """The plant without effects, nearer to its records where a curve has led there and is not needed; and the plant
+    with the curve, where it is needed and comes near noise by it. Of the `curves` of balances that counts which leaves
+    least; `values` are those that fit the balances.
+    """
+    curve = min(curves, key=lambda one: one.fit.rms, default=None)
+    if curve is None or base.how.is_beside:
+        return base, None
+    progress("simulating the plant with a curve for what no effect explains", 0.55)
+    near = _simulated(experiment, base, curve, {**values, **curve.fit.values})
+    if near is None or near.fit.excess > NEAR_NOISE:
+        return base, None
+    plain = _without(experiment, base, curve, near)
+    base = min(base, plain, key=lambda one: one.fit.rms)
+    return base, Curved(curve, near, plain.fit) if base.fit.excess > NEAR_NOISE else None
+
+
+def _simulated(experiment: Experiment, base: Simulated, curve: CurveFit, values: Values) -> Simulated | None:
+    """The plant with a curve along its records from end to end; None where it does not come near them."""
+    believed, motions = replace(experiment, plant=curve.plant), base.fit.balance.motions
+    how = shooting_of(believed, motions, held=True)
+    assert how is not None  # the plant without the curve was simulated
+    highest = HIGHEST * max(abs(values[name]) for name in curve.nodes)
+    bounds = {**experiment.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
+    fitting = Fitting(motions, [*base.fit.names, *curve.nodes], bounds)
+    near = fit_simulation(how, fitting, [values])
+    return settled(believed, near, fitting) if near.fit.excess < NEAR_NOISE else None
+
+
+def _without(experiment: Experiment, base: Simulated, curve: CurveFit, near: Simulated) -> Simulated:
+    """The plant without the curve, from where its parameters are with it."""
+    motions = base.fit.balance.motions
+    how = shooting_of(experiment, motions, held=near.how.held)
+    assert how is not None  # it was simulated with the curve
+    fitting = Fitting(motions, base.fit.names, experiment.bounds)
+    values = {name: value for name, value in near.fit.values.items() if name not in curve.effect.own_names}
+    return fitting.final(fitting.found(how.with_tolerance(near.how.tolerance), values))
+
+
+def in_its_place(
+    experiment: Experiment, found: Curved, motions: Sequence[Motion], start: SimulationStart
+) -> tuple[Simulated, Effects] | None:
+    """The plant with an effect that does in the place of a curve; None where none is as likely, with what is asked of
+    either.
+    """
+    near, curve = found.simulated.fit, found.fitted
+    ask = asked_of(found.simulated.how, motions, start, experiment.bounds)
+    taken = {curve.effect.name: curve.nodes}
+    offers = _offers(near, taken, found.gain, ask)
+    fits = side_by_side(lambda offer: ask.settled(fitted_with(near, taken, offer, ask)), offers)
+    known = [
+        (gained(near.balance, left_by(near), left_by(other)) + ask.price_of(offer, taken, near.balance), offer, other)
+        for offer, other in zip(offers, fits, strict=True)
+        if is_estimated(other, near.balance)
+    ]
+    lost, offer, other = min(known, key=lambda one: one[0], default=(LEVEL, None, None))
+    if offer is None or other is None or lost >= LEVEL:
+        return None
+    (trial,) = offer.added
+    fitting = Fitting(motions, [*found.own.names, *trial.names], experiment.bounds)
+    how = shooting_of(experiment, motions, held=found.simulated.how.held)
+    assert how is not None  # it was simulated with the curve
+    values = {name: value for name, value in other.values.items() if name not in curve.effect.own_names}
+    plain = fitting.final(fitting.found(how.with_tolerance(found.simulated.how.tolerance), values))
+    return plain, {trial.effect: trial.names}
+
+
+def _offers(near: Fit, taken: Mapping[str, tuple[str, ...]], gain: float, ask: Asked) -> list[Proposal]:
+    """Effects that come near a curve in its place, to first order, from the best."""
+    trials = trials_of(near, list(taken), ask.shapes)
+    outlook = Outlook(near, together(seen_of(near, trials, ask.bounds), trials))
+    away = {curve: away_of(near, nodes, ask) for curve, nodes in taken.items()}
+    best = dict[str, Proposal]()
+    for trial in outlook.columns:
+        price = ask.price((trial,), list(taken), taken, near.balance)
+        offer = outlook.proposal([trial], away, price)
+        if trial.effect not in best or offer.score > best[trial.effect].score:
+            best[trial.effect] = offer
+    close = [offer for offer in best.values() if offer.gain > -NEARLY * gain]
+    return sorted(close, key=lambda offer: -offer.score)[:FITTED]
