@@ -212,11 +212,12 @@ class ErrorsByUse:
         """As report.json holds them."""
         own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.to_json()}
         gained = {} if self.gained is None else {"gained_log_likelihood": self.gained}
-        fitted, tested = dict[str, object](), dict[str, object]()
+        runs = [dict[str, object](), dict[str, object]()]
         if self.written is not None:
-            fitted, tested = ({"parameters_written": one.to_json()} for one in self.written)
+            runs = [{"parameters_written": one.to_json()} for one in self.written]
         if self.with_curve is not None:
-            fitted, tested = ({"with_curve": one.by_key} for one in self.with_curve)
+            runs = [{"with_curve": one.by_key} for one in self.with_curve]
+        fitted, tested = runs
         return {
             "fit": {**self.fit.to_json(), **fitted},
             "held_out": {**self.held_out.to_json(), **own, **gained, **tested},

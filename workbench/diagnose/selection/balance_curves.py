@@ -64,14 +64,14 @@ def curve_of(experiment: Experiment, result: BalanceResult, values: Values, decl
         effect = curve_over(richest(experiment.plant), result.balance.name, signal)
         if effect is None or effect.name in experiment.plant.effects:
             continue
-        fits.append(_with_curve(experiment, before.balance, signal, effect, {**values, **before.moved}, declared))
+        fits.append(fitted_curve(experiment, before.balance, signal, effect, {**values, **before.moved}, declared))
         if fits[-1].fit.rms < ABOVE:
             break
     best = min(fits, key=lambda one: one.fit.rms, default=None)
     return best if best is not None and best.fit.rms < max(TAKEN * before.rms, ABOVE) else None
 
 
-def _with_curve(
+def fitted_curve(
     experiment: Experiment, balance: Balance, signal: str, effect: Effect, values: Values, declared: Values
 ) -> CurveFit:
     """A curve over a signal that is fitted to a balance, with its parameters from where they are declared and from

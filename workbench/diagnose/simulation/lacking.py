@@ -16,7 +16,14 @@ from workbench.diagnose.residuals.fit import Fit, stacked, without_lost
 from workbench.diagnose.residuals.motion import Motion, signals_of, ways_of
 from workbench.diagnose.selection.likelihood import asked, gain_of, own_noise
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation.own_curves import balance_told, curves_of, flat_curve, simulated_motion
+from workbench.diagnose.simulation.own_curves import (
+    FELT,
+    FIRST,
+    balance_told,
+    curves_of,
+    flat_curve,
+    simulated_motion,
+)
 from workbench.diagnose.simulation.shooting import Push, Shooting
 from workbench.diagnose.simulation.together import Asked, errors_of
 from workbench.fitting.threads import side_by_side
@@ -32,12 +39,6 @@ DEGREE = 3
 REFINED, LEADING, SEEN = 0.3, 3, 0.25
 """Share of what the best curve gains from which another is refined, too; how many are, at most; and the share of what
 is asked of a fine curve that a coarse one gains of it at least, whose steps are three times as wide."""
-
-FELT = 5.0
-"""Standard deviations of noise that a push is to make: to first order, and above the solver's error."""
-
-FIRST = 1e-3
-"""Share of the plant's force, or of its command, with which that is found."""
 
 FORCE, FLOW = "force", "flow"
 
@@ -111,8 +112,8 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
         ]
 
     def into_chamber(offer: tuple[str, Effect]) -> list[Lacking]:
-        curve = flat_curve(how, fitted, *offer, along, {})
-        hats, name = curve.flat.changes, curve.balance
+        curve = flat_curve(how, fitted, *offer, along)
+        hats, name = curve.changed, curve.balance
         return [
             Lacking(name, curve.signal, _gain(fitted, block), CERTAIN * asked(block.shape[1], candidates), block)
             for block in (hats @ _powers(np.linspace(0.0, 1.0, len(curve.nodes))), hats)

@@ -14,23 +14,32 @@ from plants.effects.curves import CURVES
 from plants.effects.interface import Effect
 from plants.interface import Plant
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.fit import AS_IT_IS, Fit, fit
+from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.motion import Motion, motion_of
-from workbench.diagnose.residuals.unknowns import Bounds
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.shooting import Shooting
+
+FELT = 5.0
+"""Standard deviations of noise that a push is to make, or a node of a curve: to first order, and above the solver's
+error."""
+
+FIRST = 1e-3
+"""Share of what is typical of a machine with which that is found."""
 
 
 @dataclass(frozen=True, eq=False)
 class OwnCurve:
-    """A curve that a plant can have: how the plant is simulated with it, and the fit of its nodes alone, on and flat:
-    its Jacobian is what they change, weighed.
+    """A curve that a plant can have: how the plant is simulated with it, the values of a fit with it on and flat, and
+    what a `size` of each node changes of the residual (rows, nodes).
     """
 
     balance: str
     signal: str
     nodes: tuple[str, ...]
     how: Shooting
-    flat: Fit
+    flat: Values
+    size: float
+    changed: np.ndarray
 
 
 def curves_of(plant: Plant) -> list[tuple[str, Effect]]:
@@ -40,15 +49,23 @@ def curves_of(plant: Plant) -> list[tuple[str, Effect]]:
 
 
 def flat_curve(
-    how: Shooting, found: Fit, signal: str, effect: Effect, along: Sequence[Mapping[str, np.ndarray]], bounds: Bounds
+    how: Shooting, found: Fit, signal: str, effect: Effect, along: Sequence[Mapping[str, np.ndarray]]
 ) -> OwnCurve:
-    """A curve that is on and flat beside a fit, over the range of its signal `along` the records."""
+    """A curve that is on and flat beside a fit, over the range of its signal `along` the records: a size is that by
+    which all nodes together are felt as so many are. One alone may be where the signal never is.
+    """
     share, low, high, *nodes = effect.own_names
-    values = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
-    values |= {low: min(np.min(one[signal]) for one in along), high: max(np.max(one[signal]) for one in along)}
+    flat = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
+    flat |= {low: min(np.min(one[signal]) for one in along), high: max(np.max(one[signal]) for one in along)}
     with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
-    flat = fit(with_it.balance(found.balance.motions, nodes), values, nodes, bounds, AS_IT_IS, found.weighing)
-    return OwnCurve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat)
+    balance = with_it.balance(found.balance.motions, ())
+    size = FIRST * effect.numbers[nodes[0]].scale(how.scales)
+    base, there = stacks(balance, [flat, {**flat, **dict.fromkeys(nodes, size)}])
+    felt = float(np.linalg.norm(found.weighing(there - base)))
+    size *= float(np.clip(FELT * len(nodes) ** 0.5 / max(felt, 1e-12), 1e-6, 1e6))
+    moved = stacks(balance, [{**flat, node: size} for node in nodes])
+    changed = np.column_stack(moved) - base[:, None]
+    return OwnCurve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat, size, changed)
 
 
 def balance_told(how: Shooting, balance: str) -> str:

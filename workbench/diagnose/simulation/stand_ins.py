@@ -62,7 +62,7 @@ def standing_in(how: Shooting, place: "Place", pushes: Sequence[Lacking], price:
 
 def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: float) -> list[tuple[Lacking, float]]:
     """Curves of the plant's own that come near the effects, fitted in their place, each with what it loses there."""
-    found, plant, ask = place.found, how.along.plant, place.ask
+    found, plant = place.found, how.along.plant
     offers = curves_of(plant)
     certain = CERTAIN * asked(NODES, 2 * max(len(offers), 1))
     if PROMISED * (certain - price) > max((push.gain for push in pushes), default=0.0):
@@ -70,16 +70,18 @@ def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: flo
     along = [signals_of(simulated_motion(how, motion, found)) for motion in found.balance.motions]
 
     def flat(offer: tuple[str, Effect]) -> OwnCurve:
-        return flat_curve(how, found, *offer, along, ask.bounds)
+        return flat_curve(how, found, *offer, along)
 
     curves = side_by_side(flat, [offer for offer in offers if all(offer[0] in signals for signals in along)])
-    ordered = sorted(((*place.without(curve.flat.jacobian), curve) for curve in curves), key=lambda one: one[0])
+    ordered = sorted(
+        ((*place.without(found.weighing(curve.changed)), curve) for curve in curves), key=lambda one: one[0]
+    )
     whole = place.without(np.zeros((found.residual.size, 0)))[0]
     near = [(curve, x) for lost, x, curve in ordered[:FITTED] if lost < NEARLY * whole]
     fits = side_by_side(lambda one: place.taken_by(*one), near)
     return [
         (
-            Lacking(curve.balance, curve.signal, 0.0, certain, curve.flat.jacobian),
+            Lacking(curve.balance, curve.signal, 0.0, certain, curve.changed),
             -gained(found.balance, left_by(fitted), left_by(found)),
         )
         for (curve, _), fitted in zip(near, fits, strict=True)
@@ -143,8 +145,8 @@ class Place:
         moved[self.own] += x[:count]
         low, high = (np.array([getattr(u, end) for u in found.unknowns]) for end in ("low", "high"))
         values = declared_again(found.at(np.clip(moved, low, high)), self.taken, ask.declared)
-        own = {name: curve.flat.values[name] for name in curve.flat.values if name not in found.values}
-        own |= {u.name: u.value(u.first + step) for u, step in zip(curve.flat.unknowns, x[count:], strict=True)}
+        own = {name: value for name, value in curve.flat.items() if name not in found.values}
+        own |= dict(zip(curve.nodes, (curve.size * x[count:]).tolist(), strict=True))
         names = [*(found.unknowns[i].name for i in self.own), *curve.nodes]
         highest = HIGHEST * max(abs(own[name]) for name in curve.nodes)
         bounds = {**ask.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
