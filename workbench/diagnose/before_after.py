@@ -16,7 +16,7 @@ from workbench.diagnose.simulation.fits import Fitting, Simulated
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
 from workbench.diagnose.simulation.held_out import along_held_out, likelier
 from workbench.diagnose.simulation.nearer import freely
-from workbench.diagnose.simulation.setup import as_simulated, behind_backlash, shooting_of
+from workbench.diagnose.simulation.setup import as_simulated, behind_backlash
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.threads import side_by_side
@@ -136,11 +136,12 @@ def _as_written(
 
 def _with_curve(experiment: Experiment, by_curve: Curved, held_out: Sequence[Motion]) -> tuple[Errors, Errors]:
     """Free-run errors of the fit and of the held-out records with a curve that is switched on."""
-    believed, values = replace(experiment, plant=by_curve.fitted.plant), by_curve.simulated.fit.values
 
     def of(motions: Sequence[Motion]) -> Errors:
-        whole = shooting_of(believed, motions, held=by_curve.simulated.how.held) if motions else None
-        return Errors({}) if whole is None else _run(experiment, free_run(whole, motions, values))
+        if not motions:
+            return Errors({})
+        whole, values = by_curve.along(experiment, motions), by_curve.simulated.fit.values
+        return _run(experiment, free_run(whole, motions, values))
 
     fitted, tested = side_by_side(of, (by_curve.simulated.fit.balance.motions, as_simulated(experiment, held_out)))
     return fitted, tested

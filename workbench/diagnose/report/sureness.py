@@ -23,9 +23,6 @@ from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
 from workbench.toml.units import factor
 
-MEAN, CURVE = "the mean of that residual", "that curve"
-"""Of what a data-driven term is made."""
-
 QUIET = 100.0
 """Floors that only the floor's smallness makes, where the simulated plant fits."""
 
@@ -52,7 +49,7 @@ def sureness(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"What remains is not explained: {depends}; no known effect explains it.")
     if unexplained is not None:
         is_curve = diagnosis.simulation is not None and diagnosis.simulation.curved is not None
-        lines.append(of_term(unexplained.term, CURVE if is_curve else MEAN))
+        lines.append(of_term(unexplained.term, is_curve=is_curve))
         plant, over = plant_of(diagnosis), unexplained.dependence.signals
         if curve_over(plant, unexplained.balance, unexplained.term.signal) is None:
             balance = SHOWN[diagnosis.axis].said(unexplained.balance)
@@ -272,15 +269,20 @@ def _of_worse(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def of_term(term: OfferedTerm, what: str = MEAN) -> str:
-    """What a data-driven term would do, and that it is no more than that; `what` it is made of."""
+def of_term(term: OfferedTerm, *, is_curve: bool = False) -> str:
+    """What a data-driven term would do, the curve of a plant that follows or else a mean of what is left, and that it
+    is no more than that.
+    """
     use, errors = ("held-out", term.held_out) if term.held_out is not None else ("fit", term.fit)
     assert errors is not None  # a residual depends on a signal only where something moves
     shown = {"m^3/s": "cm^3/s"}.get(term.unit, term.unit)
     before, after = (shown_number(factor(term.unit, shown) * rms, 3) for rms in (errors.before, errors.after))
+    signal, lowers = plain_name(term.signal), "would lower" if errors.after < errors.before else "would not lower"
+    words = f"A data-driven term, the mean of that residual over {signal}, {lowers} it"
+    if is_curve:
+        words = f"That curve is a data-driven term over {signal}: it {lowers} the balance's residual"
     return (
-        f"A data-driven term, {what} over {plain_name(term.signal)}, "
-        f"{'would lower' if errors.after < errors.before else 'would not lower'} it on the {use} records: "
+        f"{words} on the {use} records: "
         f"{before} {shown} without it, {after} {shown} with it, where something moves (report.json has its nodes). It "
         "describes the records and names no cause."
     )

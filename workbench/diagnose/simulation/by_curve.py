@@ -33,6 +33,7 @@ from workbench.diagnose.selection.unexplained import (
 from workbench.diagnose.simulation.fits import Fitting, Simulated, fit_simulation
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, settled
 from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stand_ins import HIGHEST
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
@@ -69,6 +70,12 @@ class Curved:
     def dependence(self) -> Dependence:
         """On what depends that which no effect explains."""
         return Dependence(self.fitted.fit.balance.name, {self.fitted.signal: 1.0}, self.gain)
+
+    def along(self, experiment: Experiment, motions: Sequence[Motion]) -> Shooting:
+        """The plant with the curve from end to end of other records."""
+        whole = shooting_of(replace(experiment, plant=self.fitted.plant), motions, held=self.simulated.how.held)
+        assert whole is not None  # one record of an experiment is simulated as another is
+        return whole
 
     def unexplained(self, after: Fit, held_out: Sequence[Motion]) -> Unexplained:
         """What it leaves unexplained: the curve is what is offered for it, beside a fit of the balance without it."""

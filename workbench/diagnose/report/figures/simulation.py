@@ -19,6 +19,7 @@ from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
 from workbench.publish.thinning import thinned
+from workbench.publish.words import plain_name
 from workbench.toml.units import factor
 
 MEASURED: dict[str, Any] = {**REFERENCE, "color": COLOURS[2], "alpha": 0.45}
@@ -71,7 +72,10 @@ class SimulationData:
 def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> SimulationData:
     """The numbers of the figure: measured and simulated along the first record of each use."""
     sides = [Side("after", "declared plant, fitted (nothing was added)")]
-    if diagnosis.effects:
+    if simulation.curved is not None:
+        over = plain_name(simulation.curved.fitted.signal)
+        sides = [Side("before", "declared plant, fitted"), Side("after", f"with a curve over {over}, not understood")]
+    elif diagnosis.effects:
         after = "with what was rejected" if diagnosis.is_rejected else "after, with what was found"
         sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
     motions = [("fit", diagnosis.results[0].balance.motions[0])]
@@ -98,6 +102,8 @@ def _simulated(
     whole, runs = simulation.along(diagnosis.experiment, [motion]), diagnosis.errors.runs
     assert runs is not None  # the diagnosis told their errors
     values = dict(zip(("before", "after"), runs, strict=True))[side]
+    if simulation.curved is not None and side == "after":
+        whole, values = simulation.curved.along(diagnosis.experiment, [motion]), simulation.curved.simulated.fit.values
     return begun(whole, [motion], values).simulated(motion, values)
 
 
