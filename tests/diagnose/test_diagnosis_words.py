@@ -9,6 +9,7 @@ import pytest
 from command import write
 from diagnoses import doubting, rejected, unexplained, with_held_out, with_left, without_effects
 
+from plants.effects.curves import CURVES
 from plants.effects.registry import effects
 from plants.registry import DRIVE_FORCE
 from workbench.diagnose.report.folder import plant_file, summary
@@ -17,7 +18,10 @@ from workbench.diagnose.report.sureness import of_term, sureness, why_none
 from workbench.diagnose.report.tables import error_table, evidence_table, parameter_table
 from workbench.diagnose.report.verdict import dependence_words, next_words, verdict_sentence
 from workbench.diagnose.result import BeforeAfter, Diagnosis, Errors
+from workbench.diagnose.selection.balance_curves import CurveFit
 from workbench.diagnose.selection.unexplained import Dependence, OfferedTerm, TermErrors
+from workbench.diagnose.simulation.by_curve import Curved
+from workbench.diagnose.simulation.fits import Simulated
 from workbench.parameters.sets import read_deviations, read_parameters
 from workbench.publish.tables import shown_number
 from workbench.publish.words import plain_name
@@ -116,6 +120,34 @@ def test_what_the_written_parameters_do_is_told_where_free_runs_have_their_own(d
     ) in sureness(own)
     assert "parameters_written" in str(own.errors.to_json()["held_out"])
     assert not any("Free runs in the table" in line for line in sureness(diagnosis))
+
+
+def test_a_plant_that_follows_with_a_curve_alone_is_told_of(diagnosis: Diagnosis) -> None:
+    left, simulation = unexplained(diagnosis, "force", {"position": 1.0}, 250.0), diagnosis.simulation
+    assert simulation is not None
+    (force,) = (result for result in diagnosis.results if result.balance.name == "force")
+    curve = CurveFit("position", CURVES["force", "position"], diagnosis.experiment.plant, force.before)
+    by_curve = Curved(curve, Simulated(simulation.how, simulation.after), simulation.before)
+    far = replace(simulation.after, residual=700.0 / simulation.after.rms * simulation.after.residual)
+    runs = Errors({}, position=5e-6), Errors({}, position=6e-6)
+    left = replace(
+        left,
+        simulation=replace(simulation, after=far, curved=by_curve),
+        errors=replace(left.errors, with_curve=runs),
+    )
+    lines = sureness(left)
+    near = shown_number(simulation.after.rms, 3)
+    assert (
+        "Simulated from end to end and fitted to the fit records, the plant is off by 700 standard deviations of the "
+        "sensors' noise; with a curve over position for what the force balance lacks, fitted beside its parameters, by "
+        f"{near}. The parameters are of that fit, and go with the curve."
+    ) in lines
+    assert any(
+        line.startswith("With that curve switched on a free run is off in position by 0.0050 mm") for line in lines
+    )
+    assert any("That curve is a data-driven term over position: it would lower" in line for line in lines)
+    assert left.errors.to_json()["held_out"]["with_curve"] == {"position_rms_m": 6e-6}  # type: ignore[index]
+    assert "which go with the curve for what no known effect explains: it is off" in summary(left)
 
 
 def test_a_plant_to_which_nothing_was_added_is_not_called_corrected(diagnosis: Diagnosis) -> None:
