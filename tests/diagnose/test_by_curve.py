@@ -92,7 +92,7 @@ def test_what_no_effect_is_becomes_a_curve_by_which_the_plant_follows(tmp_path: 
     assert base.is_astray
     (curve,) = stage.curves
     assert not any(result.effects for result in stage.results)
-    (again, found) = curved(experiment, base, stage.curves, stage.baseline, silent)
+    again, _, found = curved(experiment, base, None, stage.curves, {}, stage.simulation_start([]), silent)
     assert found is not None
     assert again.fit.excess > NEAR_NOISE, "without the curve it stays far"
     assert found.simulated.fit.rms < 1.5
@@ -112,11 +112,28 @@ def test_what_no_effect_is_becomes_a_curve_by_which_the_plant_follows(tmp_path: 
     assert told.term.held_out is None
 
 
+def test_an_effect_of_another_balance_is_found_and_told_beside_a_curve(tmp_path: Path) -> None:
+    """It is no number that is held: what is written has it, and its deviation."""
+    overlap = {"valve_overlap": 20e-6, "valve_overlap_negative": 20e-6}
+    experiment, stage, base = machine(tmp_path, {**at_a_place(-100.0), **overlap})
+    given = {effect: own for result in stage.results for effect, own in result.effects.items()}
+    assert given == {"valve_deadband": ("valve_overlap",)}
+    start = stage.simulation_start([])
+    _, them, found = curved(experiment, base, None, stage.curves, given, start, silent)
+    assert found is not None
+    assert them is not None
+    assert them.fit.excess > NEAR_NOISE
+    assert found.effects == given
+    assert found.simulated.fit.rms < 1.5
+    assert found.own.values["valve_overlap"] == pytest.approx(20e-6, rel=1e-3)
+    assert 0.0 < found.own.deviations["valve_overlap"] < 1e-7
+
+
 def test_an_effect_that_does_in_the_place_of_a_curve_is_found(tmp_path: Path) -> None:
     experiment, stage, base = machine(tmp_path, {"spring_stiffness": 4e3})
     curve = curve_of(experiment, without_effects(stage), stage.baseline, stage.declared)
     assert curve is not None
-    _, found = curved(experiment, base, [curve], stage.baseline, silent)
+    _, _, found = curved(experiment, base, None, [curve], {}, stage.simulation_start([]), silent)
     assert found is not None
     instead = in_its_place(experiment, found, base.fit.balance.motions, stage.simulation_start([]))
     assert instead is not None
@@ -134,8 +151,8 @@ def test_a_curve_that_is_not_needed_has_led_the_plant_to_its_records(tmp_path: P
     assert astray.is_astray
     astray = replace(astray, fit=replace(astray.fit, names=base.fit.names))
     curve = fitted_curve(
-        experiment, without_effects(stage).balance, "position", CURVES["force", "position"], stage.baseline, {**TRUE}
+        experiment, without_effects(stage).before, "position", CURVES["force", "position"], stage.baseline, {**TRUE}
     )
-    nearer, found = curved(experiment, astray, [curve], stage.baseline, silent)
+    nearer, _, found = curved(experiment, astray, None, [curve], {}, stage.simulation_start([]), silent)
     assert found is None
     assert nearer.fit.rms < 1.1

@@ -127,7 +127,7 @@ def test_a_plant_that_follows_with_a_curve_alone_is_told_of(diagnosis: Diagnosis
     assert simulation is not None
     (force,) = (result for result in diagnosis.results if result.balance.name == "force")
     curve = CurveFit("position", CURVES["force", "position"], diagnosis.experiment.plant, force.before)
-    by_curve = Curved(curve, Simulated(simulation.how, simulation.after), simulation.before)
+    by_curve = Curved(curve, Simulated(simulation.how, simulation.after), simulation.before, {})
     far = replace(simulation.after, residual=700.0 / simulation.after.rms * simulation.after.residual)
     runs = Errors({}, position=5e-6), Errors({}, position=6e-6)
     left = replace(

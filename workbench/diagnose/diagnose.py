@@ -23,7 +23,13 @@ from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
 from workbench.diagnose.simulation.by_curve import Curved, curved
 from workbench.diagnose.simulation.held_out import without_refuted
-from workbench.diagnose.simulation.reached import nearer_baseline, nearer_with, simulated_baseline, simulated_with
+from workbench.diagnose.simulation.reached import (
+    given_by,
+    nearer_baseline,
+    nearer_with,
+    simulated_baseline,
+    simulated_with,
+)
 from workbench.diagnose.simulation.setup import as_simulated
 from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
 from workbench.progress import Progress, silent
@@ -58,13 +64,14 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
         them = simulated_with(experiment, base, start, progress)
         curve: Curved | None = None
         if not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
-            base, curve = curved(experiment, base, stage.curves, stage.baseline, progress)
-            if curve is None and not base.is_near:
+            given = given_by(base, start)
+            base, them, curve = curved(experiment, base, them, stage.curves, given, start, progress)
+            if curve is None and not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
                 base = nearer_baseline(experiment, base, start, progress)
             if base.is_near:  # balances stood far from noise, and what they show is no guide
                 stage, effects, start = plain, sensor, plain.simulation_start(sensor)
                 them = simulated_with(experiment, base, start, progress)
-        if them is not None and them.fit.excess > NEAR_NOISE:
+        if curve is None and them is not None and them.fit.excess > NEAR_NOISE:
             them = nearer_with(experiment, base, them, start, progress)
         found = simulation_stage(experiment, start, base, them, curve, progress)
         simulation = without_refuted(experiment, found, held_out, start)
@@ -84,7 +91,8 @@ def _diagnosis(
     if simulation is not None:
         if simulation.is_trusted:
             stage = with_declared_of(stage, experiment, simulation)
-        stage = with_effects_of(stage, experiment, effects, simulation)
+        if simulation.curved is None:  # else they are those of the balances
+            stage = with_effects_of(stage, experiment, effects, simulation)
         effects = effects_of_both(effects, simulation)
         if simulation.is_near and simulation.lacks is None:
             stage = with_simulated_floors(stage, simulation, experiment.bounds)
@@ -104,7 +112,7 @@ def _diagnosis(
         fits.append(by_curve.own)
     elif left is not None and after is not None:
         unexplained = unexplained_of(after, left, held_out, richest(experiment.plant))
-    final = fitted_parameters(fits)
+    final = fitted_parameters(fits, lacks=unexplained is not None)
     progress("held-out records", 0.9)
     return Diagnosis(
         experiment=experiment,

@@ -9,7 +9,7 @@ import numpy as np
 from plants.effects.registry import effects as registered
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, load_pressure
-from workbench.diagnose.result import MISLED, Estimate, Evidence, FittedParameter, FoundEffect
+from workbench.diagnose.result import FAR, MISLED, Estimate, Evidence, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, stands_out
 from workbench.diagnose.simulation.stage import SimulationStage
 
@@ -83,7 +83,10 @@ def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage)
     merged = []
     for effect in {**known, **own}:
         first, second = known.get(effect), own.get(effect)
-        if second is None or (first is not None and not simulation.is_trusted):
+        if first is not None and simulation.curved is not None and effect in simulation.curved.effects:
+            own_fit = simulation.curved.own
+            merged.append(replace(first, parameters=_estimates(own_fit, simulation.curved.effects[effect])))
+        elif second is None or (first is not None and not simulation.is_trusted):
             assert first is not None  # one of both has it
             merged.append(first)
         elif first is None:
@@ -93,10 +96,12 @@ def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage)
     return merged
 
 
-def fitted_parameters(fits: Sequence[Fit]) -> dict[str, FittedParameter]:
-    """Every fitted parameter by name; of several fits the last counts."""
+def fitted_parameters(fits: Sequence[Fit], *, lacks: bool = False) -> dict[str, FittedParameter]:
+    """Every fitted parameter by name; of several fits the last counts. Where something is missing (`lacks`) that
+    nobody knows, what is far above its floor makes up for it.
+    """
     return {
-        name: FittedParameter.of(number, ended=name in fitted.bounded)
+        name: FittedParameter.of(number, ended=name in fitted.bounded, far=lacks and fitted.rms > FAR)
         for fitted in fits
         for name, number in _estimates(fitted, fitted.names).items()
     }

@@ -25,6 +25,7 @@ WORSE = 1.02
 ENDED = "the fit ran to the end of its range"
 VAGUE = "the standard deviation exceeds half the value"
 MISLED = "what was found moves the value beyond what its standard deviation allows"
+MAKES_UP = "it makes up for what is missing"
 """Why a parameter is not identified."""
 
 BALANCE_ERRORS = {
@@ -122,9 +123,10 @@ class FittedParameter:
     doubt: str = ""
 
     @classmethod
-    def of(cls, number: Estimate, *, ended: bool = False) -> "FittedParameter":
-        """A number that a fit gives, which `ended` at an end of its range or not."""
-        return cls(number.value, number.std, VAGUE if not number.is_known else ENDED if ended else "")
+    def of(cls, number: Estimate, *, ended: bool = False, far: bool = False) -> "FittedParameter":
+        """A number that a fit gives, which `ended` at an end of its range or not, and may be `far` from its records."""
+        doubts = {VAGUE: not number.is_known, ENDED: ended, MAKES_UP: far}
+        return cls(number.value, number.std, next((doubt for doubt, applies in doubts.items() if applies), ""))
 
     @property
     def identified(self) -> bool:

@@ -213,7 +213,7 @@ def _of_curve(diagnosis: Diagnosis, fitted: Errors, tested: Errors) -> list[str]
     without = diagnosis.errors.fit.after, diagnosis.errors.held_out.after
     for one, before, records in zip((fitted, tested), without, ("fit", "held-out"), strict=True):
         if one.position is not None:
-            plain = f" ({shown.length(before.position, 2)} without)" if before.position is not None else ""
+            plain = f" ({shown.length(before.position, 2)} at best without)" if before.position is not None else ""
             told.append(f"{shown.length(one.position, 2)}{plain} on the {records} records")
     return [f"With that curve switched on a free run is off in position by {listed(told)}."] if told else []
 

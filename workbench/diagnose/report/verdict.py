@@ -57,7 +57,8 @@ def next_words(diagnosis: Diagnosis, folder: str) -> str:
     if diagnosis.verdict == "ambiguous" and diagnosis.simulation is not None:
         return f"What to record to tell them apart: workbench design {folder} --out {folder}_next"
     left = diagnosis.unexplained
-    if diagnosis.verdict != "unexplained" or left is None:
+    goes_with_it = diagnosis.simulation is not None and diagnosis.simulation.curved is not None
+    if left is None or not (diagnosis.verdict == "unexplained" or (goes_with_it and not diagnosis.is_rejected)):
         return ""
     entries = offered_entries(left, plant_of(diagnosis), diagnosis.experiment.values, "")
     if not entries:

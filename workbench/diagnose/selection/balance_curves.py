@@ -11,8 +11,7 @@ import numpy as np
 from plants.effects.attach import possible
 from plants.effects.interface import Effect
 from plants.interface import Plant
-from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.balances import balances_of, richest
+from workbench.diagnose.residuals.balances import FORCE, balances_of, richest
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, over
 from workbench.diagnose.residuals.motion import signals_of
@@ -23,6 +22,14 @@ from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.unexplained import ABOVE, curve_over, dependence
 from workbench.records.experiment import Experiment
+
+PRESSURES = ("pressure_1", "pressure_2", "load_pressure")
+"""Signals of which a balance of forces is made where they are what drives the mass: a curve over them takes a part of
+whatever is missing."""
+
+HIGHEST = 3.0
+"""Times the largest residual that a balance leaves, beyond which no node of a curve goes: where a record hardly is, it
+says nothing of it."""
 
 TAKEN = 0.3
 """Share of what a balance leaves without effects that it leaves at most with a curve that is worth looking at, if that
@@ -57,26 +64,26 @@ def curve_of(experiment: Experiment, result: BalanceResult, values: Values, decl
     """The curve over a signal, of those on which a balance still depends, that takes most of what it leaves without
     effects; None if none takes enough. `values` are those that fit the balances.
     """
-    before = result.before
+    before, motion = result.before, result.balance.motions[0]
     depends = dependence(result.balance, result.after.values) if before.names else None
     fits = list[CurveFit]()
     for signal in depends.signals if depends is not None else ():
         effect = curve_over(richest(experiment.plant), result.balance.name, signal)
-        if effect is None or effect.name in experiment.plant.effects:
+        circular = signal in PRESSURES and effect is not None and effect.balance == FORCE and not motion.has(FORCE)
+        if effect is None or circular or effect.name in experiment.plant.effects:
             continue
-        fits.append(fitted_curve(experiment, before.balance, signal, effect, {**values, **before.moved}, declared))
-        if fits[-1].fit.rms < ABOVE:
-            break
+        fits.append(fitted_curve(experiment, before, signal, effect, {**values, **before.moved}, declared))
     best = min(fits, key=lambda one: one.fit.rms, default=None)
     return best if best is not None and best.fit.rms < max(TAKEN * before.rms, ABOVE) else None
 
 
 def fitted_curve(
-    experiment: Experiment, balance: Balance, signal: str, effect: Effect, values: Values, declared: Values
+    experiment: Experiment, before: Fit, signal: str, effect: Effect, values: Values, declared: Values
 ) -> CurveFit:
     """A curve over a signal that is fitted to a balance, with its parameters from where they are declared and from
-    where they were without.
+    where they were `before`, without it.
     """
+    balance = before.balance
     effect, whole = effect.along(experiment.plant.axis), richest(experiment.plant)
     had = [one for one in possible(whole) if one.name in experiment.plant.effects]
     plant = (whole.bare or whole).with_effects(*had, effect)
@@ -86,10 +93,12 @@ def fitted_curve(
     believed = replace(experiment, plant=plant)
     (own,) = (one for one in balances_of(believed, balance.motions, {**values, **flat}) if one.name == balance.name)
     own = replace(own, free=(*balance.free, *nodes))
+    highest = HIGHEST * balance.floor * float(np.max(np.abs(before.residual)))
+    bounds = {**experiment.bounds, **dict.fromkeys(nodes, (-highest, highest))}
     starts = [{**values, **{name: declared[name] for name in balance.free}, **flat}, {**values, **flat}]
     fits = list[Fit]()
     for start in starts:
-        fits.append(baseline(own, start, experiment.bounds))
+        fits.append(baseline(own, start, bounds))
         if fits[-1].rms < ABOVE:  # of the sensors' noise
             break
     best = min(fits, key=lambda one: one.rms)

@@ -7,7 +7,7 @@ does, and does not without the curve, that is what the plant lacks: an effect th
 the curve, or one that nobody knows.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,12 +15,11 @@ import numpy as np
 
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.balance_curves import CurveFit
+from workbench.diagnose.selection.balance_curves import HIGHEST, CurveFit
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, gained, left_by
 from workbench.diagnose.selection.search import LEVEL, away_of
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import Asked, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import Asked, declared_again, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import seen_of, together, trials_of
 from workbench.diagnose.selection.unexplained import (
     Dependence,
@@ -34,7 +33,6 @@ from workbench.diagnose.simulation.fits import Fitting, Simulated, fit_simulatio
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, settled
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.stand_ins import HIGHEST
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
@@ -47,12 +45,13 @@ are, at most."""
 @dataclass(frozen=True, eq=False)
 class Curved:
     """A plant near its records with a curve for what a balance lacks: the curve's fit to that balance, the plant
-    simulated with it, and what is left without it.
+    simulated with it, and what is left without it. It has the `effects` that other balances named.
     """
 
     fitted: CurveFit
     simulated: Simulated
     without: Fit
+    effects: Effects
 
     @property
     def own(self) -> Fit:
@@ -99,42 +98,73 @@ class Curved:
 
 
 def curved(
-    experiment: Experiment, base: Simulated, curves: Sequence[CurveFit], values: Values, progress: Progress
-) -> tuple[Simulated, Curved | None]:
-    """The plant without effects, nearer to its records where a curve has led there and is not needed; and the plant
-    with the curve, where it is needed and comes near noise by it. Of the `curves` of balances that counts which leaves
-    least; `values` are those that fit the balances.
+    experiment: Experiment,
+    base: Simulated,
+    them: Simulated | None,
+    curves: Sequence[CurveFit],
+    effects: Effects,
+    start: SimulationStart,
+    progress: Progress,
+) -> tuple[Simulated, Simulated | None, Curved | None]:
+    """The plant without effects, and that with those that balances named, nearer to their records where a curve has led
+    there and is not needed; and the plant with these `effects` and the curve, where it is needed and comes near noise
+    by it. Of the `curves` of balances that counts which leaves least.
     """
     curve = min(curves, key=lambda one: one.fit.rms, default=None)
     if curve is None or base.how.is_beside:
-        return base, None
+        return base, them, None
     progress("simulating the plant with a curve for what no effect explains", 0.55)
-    near = _simulated(experiment, base, curve, {**values, **curve.fit.values})
-    if near is None or near.fit.excess > NEAR_NOISE:
-        return base, None
-    plain = _without(experiment, base, curve, near)
-    base = min(base, plain, key=lambda one: one.fit.rms)
-    return base, Curved(curve, near, plain.fit) if base.fit.excess > NEAR_NOISE else None
+    near = None
+    while near is None:
+        names = [*base.fit.names, *(name for own in effects.values() for name in own)]
+        near = _simulated(experiment, base.fit.balance.motions, names, curve)
+        if near is None or near.fit.excess > NEAR_NOISE:
+            return base, them, None
+        if idle := _idle(experiment, near, effects, start):
+            gone = {name for effect in idle for name in effects[effect]}
+            fitted = replace(curve.fit, values=declared_again(curve.fit.values, gone, start.declared))
+            curve, near = replace(curve, fit=fitted), None
+            effects = {effect: own for effect, own in effects.items() if effect not in idle}
+    plain = _without(experiment, names, curve, near)
+    if effects:
+        them = plain if them is None or plain.fit.rms < them.fit.rms else them
+    else:
+        base = min(base, plain, key=lambda one: one.fit.rms)
+    needed = plain.fit.excess > NEAR_NOISE
+    return base, them, Curved(curve, near, plain.fit, effects) if needed else None
 
 
-def _simulated(experiment: Experiment, base: Simulated, curve: CurveFit, values: Values) -> Simulated | None:
+def _idle(experiment: Experiment, near: Simulated, effects: Effects, start: SimulationStart) -> list[str]:
+    """Effects of balances that gain less beside a curve than is asked of them."""
+    ask = asked_of(near.how, near.fit.balance.motions, start, experiment.bounds)
+    outlook = Outlook(near.fit, {})
+    return [
+        effect
+        for effect, own in effects.items()
+        if -outlook.gain([], away_of(near.fit, own, ask))[0] < ask.of(effect, own, near.fit.balance)
+    ]
+
+
+def _simulated(
+    experiment: Experiment, motions: Sequence[Motion], names: Sequence[str], curve: CurveFit
+) -> Simulated | None:
     """The plant with a curve along its records from end to end; None where it does not come near them."""
-    believed, motions = replace(experiment, plant=curve.plant), base.fit.balance.motions
+    believed, values = replace(experiment, plant=curve.plant), curve.fit.values
     how = shooting_of(believed, motions, held=True)
     assert how is not None  # the plant without the curve was simulated
     highest = HIGHEST * max(abs(values[name]) for name in curve.nodes)
     bounds = {**experiment.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
-    fitting = Fitting(motions, [*base.fit.names, *curve.nodes], bounds)
+    fitting = Fitting(motions, [*names, *curve.nodes], bounds)
     near = fit_simulation(how, fitting, [values])
     return settled(believed, near, fitting) if near.fit.excess < NEAR_NOISE else None
 
 
-def _without(experiment: Experiment, base: Simulated, curve: CurveFit, near: Simulated) -> Simulated:
+def _without(experiment: Experiment, names: Sequence[str], curve: CurveFit, near: Simulated) -> Simulated:
     """The plant without the curve, from where its parameters are with it."""
-    motions = base.fit.balance.motions
+    motions = near.fit.balance.motions
     how = shooting_of(experiment, motions, held=near.how.held)
     assert how is not None  # it was simulated with the curve
-    fitting = Fitting(motions, base.fit.names, experiment.bounds)
+    fitting = Fitting(motions, names, experiment.bounds)
     values = {name: value for name, value in near.fit.values.items() if name not in curve.effect.own_names}
     return fitting.final(fitting.found(how.with_tolerance(near.how.tolerance), values))
 
@@ -148,7 +178,7 @@ def in_its_place(
     near, curve = found.simulated.fit, found.fitted
     ask = asked_of(found.simulated.how, motions, start, experiment.bounds)
     taken = {curve.effect.name: curve.nodes}
-    offers = _offers(near, taken, found.gain, ask)
+    offers = _offers(near, taken, found, ask)
     fits = side_by_side(lambda offer: ask.settled(fitted_with(near, taken, offer, ask)), offers)
     known = [
         (gained(near.balance, left_by(near), left_by(other)) + ask.price_of(offer, taken, near.balance), offer, other)
@@ -164,12 +194,12 @@ def in_its_place(
     assert how is not None  # it was simulated with the curve
     values = {name: value for name, value in other.values.items() if name not in curve.effect.own_names}
     plain = fitting.final(fitting.found(how.with_tolerance(found.simulated.how.tolerance), values))
-    return plain, {trial.effect: trial.names}
+    return plain, {**found.effects, trial.effect: trial.names}
 
 
-def _offers(near: Fit, taken: Mapping[str, tuple[str, ...]], gain: float, ask: Asked) -> list[Proposal]:
+def _offers(near: Fit, taken: Effects, found: Curved, ask: Asked) -> list[Proposal]:
     """Effects that come near a curve in its place, to first order, from the best."""
-    trials = trials_of(near, list(taken), ask.shapes)
+    trials = trials_of(near, [*taken, *found.effects], ask.shapes)
     outlook = Outlook(near, together(seen_of(near, trials, ask.bounds), trials))
     away = {curve: away_of(near, nodes, ask) for curve, nodes in taken.items()}
     best = dict[str, Proposal]()
@@ -178,5 +208,5 @@ def _offers(near: Fit, taken: Mapping[str, tuple[str, ...]], gain: float, ask: A
         offer = outlook.proposal([trial], away, price)
         if trial.effect not in best or offer.score > best[trial.effect].score:
             best[trial.effect] = offer
-    close = [offer for offer in best.values() if offer.gain > -NEARLY * gain]
+    close = [offer for offer in best.values() if offer.gain > -NEARLY * found.gain]
     return sorted(close, key=lambda offer: -offer.score)[:FITTED]

@@ -209,7 +209,8 @@ def _by_curve(
     if found.after.excess < NEAR_NOISE:
         return found
     found = found if not found.effects else _stage(experiment, motions, start, base, None, {}, progress)
-    return replace(found, dropped=list(given), lacks=curved.dependence, curved=curved)
+    dropped = [effect for effect in given if effect not in curved.effects]
+    return replace(found, dropped=dropped, lacks=curved.dependence, curved=curved)
 
 
 def _tells_more(again: SimulationStage, found: SimulationStage) -> bool:
