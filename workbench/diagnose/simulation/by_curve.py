@@ -114,7 +114,7 @@ def curved(
     if curve is None or base.how.is_beside:
         return base, them, None
     progress("simulating the plant with a curve for what no effect explains", 0.55)
-    near = None
+    near, given = None, effects
     while near is None:
         names = [*base.fit.names, *(name for own in effects.values() for name in own)]
         near = _simulated(experiment, base.fit.balance.motions, names, curve)
@@ -126,9 +126,9 @@ def curved(
             curve, near = replace(curve, fit=fitted), None
             effects = {effect: own for effect, own in effects.items() if effect not in idle}
     plain = _without(experiment, names, curve, near)
-    if effects:
+    if effects and effects == given:
         them = plain if them is None or plain.fit.rms < them.fit.rms else them
-    else:
+    elif not effects:
         base = min(base, plain, key=lambda one: one.fit.rms)
     needed = plain.fit.excess > NEAR_NOISE
     return base, them, Curved(curve, near, plain.fit, effects) if needed else None
