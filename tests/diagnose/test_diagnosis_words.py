@@ -147,7 +147,11 @@ def test_a_plant_that_follows_with_a_curve_alone_is_told_of(diagnosis: Diagnosis
     )
     assert any("That curve is a data-driven term over position: it would lower" in line for line in lines)
     assert left.errors.to_json()["held_out"]["with_curve"] == {"position_rms_m": 6e-6}  # type: ignore[index]
-    assert "which go with the curve for what no known effect explains: it is off" in summary(left)
+    go = "go with the curve for what no known effect explains: it is off"
+    assert f"its own parameters fitted, which {go}" in summary(left)
+    beside = replace(left, effects=diagnosis.effects)
+    assert f"the corrected plant, whose parameters {go}" in summary(beside)
+    assert next_words(beside, "DIR").endswith("position_force_curve_share = 1 in DIR/plant.toml")
 
 
 def test_a_plant_to_which_nothing_was_added_is_not_called_corrected(diagnosis: Diagnosis) -> None:

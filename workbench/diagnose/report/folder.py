@@ -109,11 +109,13 @@ def plant_words(diagnosis: Diagnosis) -> str:
             f"the declared plant, fitted without effects, for model = {model}, which cannot hold {listed_names(lost)}"
         )
     named = f"a study names it with model = {model}"
-    if diagnosis.effects:
-        return f"the corrected plant; {named}"
-    lacks = "; it lacks what no known effect explains" if diagnosis.unexplained is not None else ""
+    curve = ""
     if diagnosis.simulation is not None and diagnosis.simulation.curved is not None:
-        lacks = ", which go with the curve for what no known effect explains: it is off"
+        curve = " go with the curve for what no known effect explains: it is off"
+    if diagnosis.effects:
+        return f"the corrected plant{', whose parameters' + curve if curve else ''}; {named}"
+    lacks = "; it lacks what no known effect explains" if diagnosis.unexplained is not None else ""
+    lacks = f", which{curve}" if curve else lacks
     return f"the declared plant with its own parameters fitted{lacks}; {named}"
 
 
