@@ -5,9 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from diagnoses import balances_with_effects
+from experiments import CHANNELS, save_record
 
 from controllers.pid import PID, Settings
 from plants.effects.attach import meant
@@ -37,20 +37,12 @@ PLACE, WIDTH, WAY = 4e-3, 4e-3, 15e-3
 STEP = 2e-3
 """s."""
 
-NOISE = {"position": 5e-6, "pressure_1": 2e3, "pressure_2": 2e3}
-
-EXPERIMENT = """\
+EXPERIMENT = f"""\
 title = "a force at a place"
 [plant]
 model = "non_rotating"
 parameters = "owen2001_simulation"
-[channels]
-time = { column = "time", unit = "s" }
-valve_voltage = { column = "valve_voltage", unit = "V" }
-position = { column = "position", unit = "m" }
-pressure_1 = { column = "pressure_1", unit = "Pa" }
-pressure_2 = { column = "pressure_2", unit = "Pa" }
-[[records]]
+{CHANNELS}[[records]]
 file = "record.parquet"
 """
 
@@ -68,10 +60,7 @@ def machine(
     loop = Loop(PID, PID.design(Settings(kp=200.0), parameters, STEP))
     motion = Multisine(WAY, 0.1, (1, 3, 7))
     run = simulate(Setup(plant, parameters, state, inputs, 10.0, loop=loop, reference=motion, sample_time=STEP))
-    draw = np.random.default_rng(1)
-    shown = {name: run.state(name) + std * draw.standard_normal(run.time.size) for name, std in NOISE.items()}
-    frame = pd.DataFrame({"time": run.time, "valve_voltage": run.command, **shown})
-    frame.to_parquet(folder / "record.parquet", index=False)
+    save_record(folder / "record.parquet", run, seed=1)
     path = folder / "experiment.toml"
     path.write_text(EXPERIMENT, encoding="utf-8")
     experiment = read_experiment(path)
@@ -123,7 +112,7 @@ def test_what_no_effect_is_becomes_a_curve_beside_the_effects_of_other_balances(
     low, high = (values[name] for name in curve.effect.own_names[1:3])
     force = -60.0 * np.exp(-(((np.linspace(low, high, 12) - PLACE) / WIDTH) ** 2))
     assert heights == pytest.approx(force, abs=3.0)
-    assert in_its_place(experiment, found, base.fit.balance.motions, start) is None
+    assert in_its_place(experiment, found, start) is None
     told = found.unexplained(without_effects(stage).after, [])
     assert told.term.fit is not None
     assert told.term.fit.after < 0.1 * told.term.fit.before
@@ -136,7 +125,7 @@ def test_an_effect_that_does_in_the_place_of_a_curve_is_found(tmp_path: Path) ->
     assert curve is not None
     _, _, found = curved(experiment, base, None, [curve], {}, stage.simulation_start([]), silent)
     assert found is not None
-    instead = in_its_place(experiment, found, base.fit.balance.motions, stage.simulation_start([]))
+    instead = in_its_place(experiment, found, stage.simulation_start([]))
     assert instead is not None
     plant, effects = instead
     assert effects == {"spring_load": ("spring_stiffness",)}

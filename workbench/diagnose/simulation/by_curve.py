@@ -15,6 +15,7 @@ import numpy as np
 
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.balance_curves import HIGHEST, CurveFit
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, gained, left_by
 from workbench.diagnose.selection.search import LEVEL, away_of
@@ -125,7 +126,7 @@ def curved(
             fitted = replace(curve.fit, values=declared_again(curve.fit.values, gone, start.declared))
             curve, near = replace(curve, fit=fitted), None
             effects = {effect: own for effect, own in effects.items() if effect not in idle}
-    plain = _without(experiment, names, curve, near)
+    plain = _without(experiment, names, curve, near, near.fit.values)
     if effects and effects == given:
         them = plain if them is None or plain.fit.rms < them.fit.rms else them
     elif not effects:
@@ -159,24 +160,24 @@ def _simulated(
     return settled(believed, near, fitting) if near.fit.excess < NEAR_NOISE else None
 
 
-def _without(experiment: Experiment, names: Sequence[str], curve: CurveFit, near: Simulated) -> Simulated:
-    """The plant without the curve, from where its parameters are with it."""
+def _without(
+    experiment: Experiment, names: Sequence[str], curve: CurveFit, near: Simulated, values: Values
+) -> Simulated:
+    """The plant that is near its records with a curve, without it, fitted from these values on."""
     motions = near.fit.balance.motions
     how = shooting_of(experiment, motions, held=near.how.held)
     assert how is not None  # it was simulated with the curve
     fitting = Fitting(motions, names, experiment.bounds)
-    values = {name: value for name, value in near.fit.values.items() if name not in curve.effect.own_names}
-    return fitting.final(fitting.found(how.with_tolerance(near.how.tolerance), values))
+    plain = {name: value for name, value in values.items() if name not in curve.effect.own_names}
+    return fitting.final(fitting.found(how.with_tolerance(near.how.tolerance), plain))
 
 
-def in_its_place(
-    experiment: Experiment, found: Curved, motions: Sequence[Motion], start: SimulationStart
-) -> tuple[Simulated, Effects] | None:
+def in_its_place(experiment: Experiment, found: Curved, start: SimulationStart) -> tuple[Simulated, Effects] | None:
     """The plant with an effect that does in the place of a curve; None where none is as likely, with what is asked of
     either.
     """
     near, curve = found.simulated.fit, found.fitted
-    ask = asked_of(found.simulated.how, motions, start, experiment.bounds)
+    ask = asked_of(found.simulated.how, near.balance.motions, start, experiment.bounds)
     taken = {curve.effect.name: curve.nodes}
     offers = _offers(near, taken, found, ask)
     fits = side_by_side(lambda offer: ask.settled(fitted_with(near, taken, offer, ask)), offers)
@@ -189,11 +190,7 @@ def in_its_place(
     if offer is None or other is None or lost >= LEVEL:
         return None
     (trial,) = offer.added
-    fitting = Fitting(motions, [*found.own.names, *trial.names], experiment.bounds)
-    how = shooting_of(experiment, motions, held=found.simulated.how.held)
-    assert how is not None  # it was simulated with the curve
-    values = {name: value for name, value in other.values.items() if name not in curve.effect.own_names}
-    plain = fitting.final(fitting.found(how.with_tolerance(found.simulated.how.tolerance), values))
+    plain = _without(experiment, [*found.own.names, *trial.names], curve, found.simulated, other.values)
     return plain, {**found.effects, trial.effect: trial.names}
 
 

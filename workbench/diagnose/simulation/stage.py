@@ -202,7 +202,7 @@ def _by_curve(
     beside that, or what nobody knows.
     """
     progress("effects in the place of a curve", 0.7)
-    instead = in_its_place(experiment, curved, motions, start)
+    instead = in_its_place(experiment, curved, start)
     with_it, effects = (None, {}) if instead is None else instead
     found = _stage(experiment, motions, start, base, with_it, effects, progress)
     found = replace(found, dropped=[effect for effect in given if effect not in found.effects])
