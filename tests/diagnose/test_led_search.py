@@ -57,6 +57,7 @@ def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: 
     assert [step.added for step in led.steps] == [("position_dependent_friction",)]
 
 
+@pytest.mark.thorough
 def test_what_loops_do_not_bring_nearer_has_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(led_search, "fit_as_sensed", lambda first, *_: first)
     _, led = found(tmp_path, 0.5)

@@ -181,7 +181,7 @@ def _seen(motions: Sequence[Motion], sample_time: float) -> Seen:
     return Seen(
         min(float(np.min(one.position[one.valid])) for one in motions),
         max(float(np.max(one.position[one.valid])) for one in motions),
-        max(float(np.max(np.abs(one.velocity[one.valid]))) for one in motions),
+        max(one.top_speed for one in motions),
         sample_time,
     )
 

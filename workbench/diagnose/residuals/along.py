@@ -185,7 +185,7 @@ class Along:
                 to_array(self.parameters(values)),
                 self._columns(self.contact),
                 self.names.index("velocity"),
-                float(np.max(np.abs(motion.velocity[motion.valid]))),
+                motion.top_speed,
                 np.array([item.scale for item in fields(self.plant.State)]),
             )
         )

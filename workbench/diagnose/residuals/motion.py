@@ -121,6 +121,16 @@ class Motion:
         return max(step for step in range(1, most + 1) if self.thinning % step == 0)
 
     @cached_property
+    def mean_speed(self) -> float:
+        """Of what is valid (m/s)."""
+        return float(np.mean(np.abs(self.velocity[self.valid])))
+
+    @cached_property
+    def top_speed(self) -> float:
+        """Of what is valid (m/s)."""
+        return float(np.max(np.abs(self.velocity[self.valid])))
+
+    @cached_property
     def thinned(self) -> "Motion":
         """The motion at the instants at which a fit looks."""
         return self._every(self.thinning)

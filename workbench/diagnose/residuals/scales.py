@@ -39,7 +39,7 @@ def scales_of(motions: Sequence[Motion], values: Values) -> Scales:
     """What is large on the machine of these records."""
     return scales_from(
         Moved(
-            speed=max(float(np.max(np.abs(motion.velocity[motion.valid]))) for motion in motions),
+            speed=max(motion.top_speed for motion in motions),
             way=max(float(np.ptp(motion.position[motion.valid])) for motion in motions),
             acceleration=max(float(np.std(motion.acceleration)) for motion in motions),
             duration=max(float(motion.time[-1]) for motion in motions),

@@ -25,40 +25,52 @@ implicit method for each radian of what swings."""
 
 
 def method_for(along: Along, motion: Motion, values: Values) -> str:
-    """The name of the method that simulates a plant with `values` along a record in less time."""
-    damped, swings = _fastest(along, motion, values)
-    step = motion.record.sample_time
-    stiff = damped * step / STABLE > STIFF * max(1.0, FOLLOWED * swings * step)
-    return ROS34PW2.name if stiff else DORMAND_PRINCE.name
+    """The name of the method that simulates a plant with `values` along a record in less time.
 
-
-def _fastest(along: Along, motion: Motion, values: Values) -> tuple[float, float]:
-    """The fastest rate (1/s) at which a plant relaxes that slides at the mean speed of a motion, and the fastest one
-    (rad/s) at which it swings, sliding or at rest, by the eigenvalues of its Jacobian there. What does nothing of its
-    effects does not count.
+    The plant relaxes as it does that slides at the mean speed of the motion, and swings as fast as it does sliding or
+    at rest, by the eigenvalues of its Jacobian there. What does nothing of its effects does not count.
     """
-    state, inputs = map(to_array, along.at_rest(motion, values))
-    nudges, parameters = NUDGE * along.magnitudes(motion, values), along.parameters(values)
-    acting = [along.names.index(item.name) for item in fields(along.having(along.acts(values), alone=True).State)]
+    linear, step = _Linearised(along, motion, values), motion.record.sample_time
+    sliding = linear.eigenvalues(linear.sliding())
+    relaxes = np.max(np.abs(sliding[~_swings(sliding)]), initial=0.0) * step / STABLE
+    if relaxes <= STIFF:
+        return DORMAND_PRINCE.name
+    both = np.concatenate([sliding, linear.eigenvalues(linear.rest)])
+    swings = np.max(np.abs(both[_swings(both)]), initial=0.0) * step
+    return ROS34PW2.name if relaxes > STIFF * max(1.0, FOLLOWED * swings) else DORMAND_PRINCE.name
 
-    def linearised() -> tuple[np.ndarray, np.ndarray]:
-        states = np.vstack([state, state + np.diag(nudges)])
-        rates = along.rates(np.zeros(len(states)), states, np.tile(inputs, (len(states), 1)), parameters)
-        return rates[0], ((rates[1:] - rates[0]) / nudges[:, None]).T
 
-    def eigenvalues() -> np.ndarray:
-        own = linearised()[1][np.ix_(acting, acting)]
+class _Linearised:
+    """A plant with `values` along a record, linearised beside its rest."""
+
+    def __init__(self, along: Along, motion: Motion, values: Values) -> None:
+        self._along, self._speed, self._parameters = along, motion.mean_speed, along.parameters(values)
+        self.rest, self._inputs = map(to_array, along.at_rest(motion, values))
+        self._nudges = NUDGE * along.magnitudes(motion, values)
+        alone = along.having(along.acts(values), alone=True)
+        self._acting = [along.names.index(item.name) for item in fields(alone.State)]
+
+    def sliding(self) -> np.ndarray:
+        """The state in which the plant slides at the mean speed, its contact bent as far as it stays."""
+        state, along = self.rest.copy(), self._along
+        state[along.names.index("velocity")] = self._speed
+        rates, jacobian = self._at(state)
+        for place, name in enumerate(along.names):
+            if name in along.contact and jacobian[place, place] < 0.0:  # a bristle's rate is linear in how far it bends
+                state[place] -= rates[place] / jacobian[place, place]
+        return state
+
+    def eigenvalues(self, state: np.ndarray) -> np.ndarray:
+        """Of the Jacobian (1/s) at a state, of what acts."""
+        own = self._at(state)[1][np.ix_(self._acting, self._acting)]
         return np.linalg.eigvals(own) if np.all(np.isfinite(own)) else np.zeros(1)
 
-    resting = eigenvalues()
-    state[along.names.index("velocity")] = float(np.mean(np.abs(motion.velocity[motion.valid])))
-    rates, jacobian = linearised()
-    for place, name in enumerate(along.names):
-        if name in along.contact and jacobian[place, place] < 0.0:  # a bristle's rate is linear in how far it is bent
-            state[place] -= rates[place] / jacobian[place, place]
-    sliding = eigenvalues()
-    relaxes = np.max(np.abs(sliding[~_swings(sliding)]), initial=0.0)
-    return float(relaxes), float(max(np.max(np.abs(each[_swings(each)]), initial=0.0) for each in (sliding, resting)))
+    def _at(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The rates at a state, and their Jacobian."""
+        states = np.vstack([state, state + np.diag(self._nudges)])
+        inputs = np.tile(self._inputs, (len(states), 1))
+        rates = self._along.rates(np.zeros(len(states)), states, inputs, self._parameters)
+        return rates[0], ((rates[1:] - rates[0]) / self._nudges[:, None]).T
 
 
 def _swings(eigenvalues: np.ndarray) -> np.ndarray:
