@@ -1,5 +1,6 @@
 """The search for what a balance lacks: where a shape that another residual showed is wrong, the right one is found."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +9,10 @@ from made_up_balances import made_balance, made_motion, ripple
 
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import AS_IT_IS, fit, weighing_at
+from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.search import _gained_by, search
+from workbench.diagnose.selection.search import FAR, _gained_by, search
 from workbench.diagnose.selection.selection import Candidate, Step
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
@@ -71,3 +73,23 @@ def test_what_comes_in_exchange_is_held_against_the_plant_without_either(load: f
     exchange = Proposal((Trial("constant_load", ("load_force",)),), ("cogging",), 0.0, 0.0, {})
     assert bad.squares - found.squares > 100.0
     assert _is_sure(exchange, found, bad, bad, {"cogging": waves}, asked({})) is sure
+
+
+def buffer(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A spring from a place on, and a load."""
+    way = motion.position - values.get("cushion_start", 0.0)
+    met = np.maximum(way, 0.0) if values.get("cushion_start", 0.0) >= 0.0 else np.minimum(way, 0.0)
+    return np.asarray(values.get("cushion_stiffness", 0.0) * met + values.get("load_force", 0.0))
+
+
+@pytest.mark.parametrize("share", [-0.33, -0.17, 0.04, 0.27, 0.38])
+def test_far_from_noise_an_effect_begins_in_the_shape_that_shows_most(share: float) -> None:
+    travel = 0.04
+    truth = {"cushion_stiffness": 8e5, "cushion_start": share * travel, "load_force": 50.0}
+    balance = made_balance([made_motion(travel=travel)], buffer, truth, effects=("cushion", "cogging", "constant_load"))
+    start = fit(balance, START, ["load_force"], None, EXACT)
+    assert start.rms > FAR
+    found = search(start, {}, asked({}))
+    assert list(found.effects) == ["cushion"]
+    for name, true in truth.items():
+        assert found.fit.values[name] == pytest.approx(true, abs=4.0 * found.fit.deviations[name]), name

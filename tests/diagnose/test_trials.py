@@ -177,3 +177,15 @@ def test_what_repeats_along_the_way_repeats_on_it() -> None:
     assert pitch.value(pitch.high) == pytest.approx(2.0 * SCALES.travel)
     fine = unknown("cogging_pitch", {"cogging_pitch": 0.01 * SCALES.travel}, {}, SCALES)
     assert fine.value(fine.high) == pytest.approx(0.1 * SCALES.travel), "ten times where it begins"
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_where_an_effect_begins_is_sought_up_to_its_neighbours_on_a_machine_of_any_size(size: float) -> None:
+    scales = SCALES._replace(travel=size)
+    (start,) = (value * size for value in CUSHION.numbers["cushion_start"].grid if value == 0.1)
+    place = unknown("cushion_start", {"cushion_start": start}, {}, scales)
+    assert place.value(place.low) == pytest.approx(0.0, abs=1e-9 * size)
+    assert place.value(place.high) == pytest.approx(0.2 * size)
+    outside = unknown("cushion_start", {"cushion_start": 0.7 * size}, {}, scales)
+    assert outside.value(outside.low) == pytest.approx(0.6 * size)
+    assert outside.value(outside.high) == pytest.approx(0.7 * size)

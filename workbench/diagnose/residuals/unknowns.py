@@ -72,6 +72,12 @@ def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknow
         elif NEUTRAL.get(name, 0.0) == 0.0:
             size = min(size, abs(start))  # by that much it is moved
         return Unknown(name, start, size, False, max(low, least) / size, min(high, most, FREE) / size)
+    if name in EITHER_SIGN and number is not None and number.shapes:  # beyond its neighbours in the grid another begins
+        unit = number.scale(scales)
+        size = unit * float(np.min(np.diff(number.grid)))
+        least, most = max(low, min(number.low * unit, start)), min(high, max(number.high * unit, start))
+        least, most = max(least, start - size), min(most, start + size)
+        return Unknown(name, start, size, False, least / size, most / size)
     if number is not None and number.period_of:  # of what is longer than the way a piece is seen, as a spring's is
         high = min(high, number.high * number.scale(scales), WIDEST * start)
     if start > 0.0 and plain not in EITHER_SIGN:

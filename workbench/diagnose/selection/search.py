@@ -86,7 +86,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         shapes |= _best_shapes(outlook)
         explored = current.rms > FAR and current.balance.name != SIMULATION  # a pass of a balance costs little
         if explored:
-            fitted = _explored(current, taken, ask)
+            fitted = _explored(outlook, taken, ask)
         else:
             proposals = _proposals(outlook, taken, ask)
             if ask.is_at_floor(current):
@@ -180,14 +180,18 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
     return level
 
 
-def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
-    """Every further effect with all its numbers, fitted in a few steps from the plant as it is declared: far from noise
-    a fit without it has gone where first order leads nowhere. Those that come near the best are fitted on.
+def _explored(outlook: Outlook, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:
+    """Every further effect with all its numbers, fitted in a few steps from the plant as it is declared, in the shape
+    that shows most of what is left: far from noise a fit without it has gone where first order tells no size. Those
+    that come near the best are fitted on.
     """
+    current = outlook.fitted
     own = {name: ask.declared[name] for name in current.names if name in ask.declared}
     largest: dict[str, Trial] = {}
+    shown = {trial: outlook.proposal([trial], {}, 0.0).gain for trial in outlook.columns}
     for trial in trials_of(current, list(taken), ask.shapes):
-        if trial.effect not in largest or len(trial.names) > len(largest[trial.effect].names):
+        before = largest.get(trial.effect)
+        if before is None or _fuller(trial, shown) > _fuller(before, shown):
             largest[trial.effect] = trial
 
     def fitted(trial: Trial) -> tuple[Proposal, Fit]:
@@ -202,6 +206,11 @@ def _explored(current: Fit, taken: Effects, ask: Asked) -> list[tuple[Proposal, 
     near = [(p, found) for p, found in tried if p.score > NEARLY * max(tried[0][0].score, 0.0)][:TRIED]
     further = side_by_side(lambda pair: again(pair[1], pair[1].weighing, ask.bounds, QUICK), near)
     return [(proposal, found) for (proposal, _), found in zip(near, further, strict=True)]
+
+
+def _fuller(trial: Trial, shown: Mapping[Trial, float]) -> tuple[int, float]:
+    """How many numbers a trial has, and what it gains as far as that is `shown`."""
+    return len(trial.names), shown.get(trial, 0.0)
 
 
 def _outlook(current: Fit, taken: Effects, ask: Asked, before: Seen | None) -> tuple[Outlook, Seen]:
