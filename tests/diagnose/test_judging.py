@@ -8,9 +8,9 @@ from made_up_balances import made_balance, made_motion
 
 from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.selection.judging import BEYOND, choose
+from workbench.diagnose.selection.judging import BEYOND, NEARER, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.sets import Asked, fitted_with
+from workbench.diagnose.selection.sets import Asked, fitted_with, numbers_of
 from workbench.diagnose.selection.trials import Trial
 from workbench.fitting.least_squares import Search
 
@@ -53,3 +53,25 @@ def test_what_happens_once_and_gains_what_is_asked_is_not_taken() -> None:
     is_taken, gained, asked = taken(0.33, simulated=True)
     assert asked < gained < (1.0 + BEYOND) * asked
     assert not is_taken
+
+
+def along_the_way(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A force that is a straight line over the way, or a parabola."""
+    share = motion.position / 0.04
+    return np.asarray(100.0 * (values["friction_gradient"] * share + values["friction_curvature"] * share**2))
+
+
+@pytest.mark.parametrize(("bends", "needed"), [(0.0, False), (0.01, True)])
+def test_an_effect_with_more_of_its_numbers_is_another_set(bends: float, needed: bool) -> None:
+    """What it leaves less is hardly seen in an rms, and certain by its likelihood."""
+    start = {"friction_gradient": 0.0, "friction_curvature": 0.0}
+    balance = made_balance([made_motion()], along_the_way, {"friction_gradient": 0.2, "friction_curvature": bends})
+    current = fit(balance, start, ["friction_gradient"], None, EXACT)
+    effects = {"position_dependent_friction": ("friction_gradient",)}
+    trial = Trial("position_dependent_friction", ("friction_curvature",))
+    more = Proposal((trial,), (), 0.0, 0.0, {"friction_curvature": 0.01})
+    ask = Asked(start, {}, 10, {}, settle=lambda found: found)
+    tried = fitted_with(current, effects, more, ask)
+    assert tried.rms > NEARER * current.rms
+    best, _ = choose([(more, tried)], current, effects, {numbers_of(effects): current.rms}, ask)
+    assert (best is not None) is needed

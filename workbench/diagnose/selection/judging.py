@@ -12,7 +12,7 @@ from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
 from workbench.diagnose.selection.hum import humming_at, without_hum
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated, numbers_of
 from workbench.fitting.threads import side_by_side
 
 WEIGHED = 2
@@ -43,8 +43,8 @@ def choose(
     ask: Asked,
 ) -> tuple[tuple[Proposal, Fit] | None, Fit]:
     """The first set that gains what is asked of it by the noise that it leaves itself, on blocks left out, too; and the
-    fit without it, which may be nearer than it was. Sets that were `seen`, with the rms that they left then, are none,
-    unless they are nearer now.
+    fit without it, which may be nearer than it was. Sets that were `seen`, by their numbers, with the rms that they
+    left then, are none, unless they are nearer now.
     """
     known_as = partial(_is_known, taken=taken, seen=seen)
     nearer = current
@@ -102,7 +102,7 @@ def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
 
 def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[frozenset[str], float]) -> bool:
     """Whether a set was left before that was as near as it is now."""
-    return fitted.rms > NEARER * seen.get(frozenset(after(taken, proposal)), np.inf)
+    return fitted.rms > NEARER * seen.get(numbers_of(after(taken, proposal)), np.inf)
 
 
 def _gained(found: Fit, beside: Fit) -> float:

@@ -18,7 +18,7 @@ from workbench.diagnose.residuals.fit import Fit, again, fit
 from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of, own_noise
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
-from workbench.diagnose.selection.sets import QUICK, Asked, after, declared_again, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import QUICK, Asked, after, declared_again, fitted_with, is_estimated, numbers_of
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
@@ -77,7 +77,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     """Add, drop and exchange effects until no set gains more than is asked of it."""
     current = start
     taken: Effects = dict(effects)
-    steps, seen = list[Step](), {frozenset(taken): start.rms}
+    steps, seen = list[Step](), {numbers_of(taken): start.rms}
     shapes: dict[str, list[Shape]] = {}
     columns: Seen | None = None
     fits: Fits = {}
@@ -108,7 +108,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         proposal, found = taking
         steps.append(Step(current, candidates, effects_of(proposal.added), proposal.dropped))
         current, taken, fits = found, after(taken, proposal), {}
-        seen[frozenset(taken)] = found.rms
+        seen[numbers_of(taken)] = found.rms
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
     gains = {effect: min(_worth_of(current, taken, effect, ask), _gained_by(effect, steps)) for effect in taken}

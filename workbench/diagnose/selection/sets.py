@@ -86,6 +86,11 @@ def is_estimated(found: Fit, balance: Balance) -> bool:
     return not found.bounded - set(balance.free)
 
 
+def numbers_of(effects: Effects) -> frozenset[str]:
+    """The numbers of effects, by which a set is known: an effect with more of its numbers makes another set."""
+    return frozenset(name for own in effects.values() for name in own)
+
+
 def after(taken: Effects, proposal: Proposal) -> dict[str, tuple[str, ...]]:
     """The effects with their numbers once a set is taken."""
     kept = {effect: names for effect, names in taken.items() if effect not in proposal.dropped}
