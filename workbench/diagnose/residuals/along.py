@@ -100,7 +100,7 @@ class Along:
         bare = self.plant.bare
         if bare is None or (acting and not alone):
             return self.plant
-        return bare.with_effects(*(effect for effect in possible(bare) if effect.name in acting))
+        return _having(bare, frozenset(acting))
 
     def acting(self, values: Values, alone: bool = False) -> tuple[Plant, Any]:
         """The plant that has what acts, and its parameters."""
@@ -313,6 +313,12 @@ class Along:
 def _built(plant: Plant, values: tuple[tuple[str, float], ...], flow: str) -> Any:
     """A plant's parameters: of one simulation they are asked for more than once."""
     return build(plant.Parameters, dict(values), flow)
+
+
+@functools.cache
+def _having(bare: Plant, acting: frozenset[str]) -> Plant:
+    """See `Along.having`."""
+    return bare.with_effects(*(effect for effect in possible(bare) if effect.name in acting))
 
 
 @functools.cache

@@ -3,19 +3,25 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import FINAL, Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.fit import FINAL, NEAR_NOISE, Fit, again, fit, stacks, weighing_at
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.likelihood import Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
 from workbench.fitting.least_squares import Search
+from workbench.parameters.sets import NEUTRAL
 
 QUICK = Search(flat=1e-5, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
 
 AT_FLOOR = 1.0
 """Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
+
+
+SHARES = (1.0, 0.3, 0.1, 0.03)
+"""Of the way to where first order leads, from one of which a fit begins that is far from noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +66,37 @@ class Asked:
 
 
 def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
-    """The plant with the set that is proposed, fitted from where first order leads."""
+    """The plant with the set that is proposed, fitted from where first order leads, or where that leaves more than it
+    was, from a part of that way.
+    """
     dropped = {name for effect in proposal.dropped for name in taken[effect]}
     names = [name for name in current.names if name not in dropped]
     names += [name for trial in proposal.added for name in trial.names if name not in names]
     values = declared_again(current.values, dropped, ask.declared)
-    return fit(current.balance, {**values, **proposal.start}, names, ask.bounds, QUICK, current.weighing)
+    start = {**values, **proposal.start}
+    if current.excess > NEAR_NOISE and proposal.added:
+        start = _nearest(current, values, proposal)
+    return fit(current.balance, start, names, ask.bounds, QUICK, current.weighing)
+
+
+def _nearest(current: Fit, values: Values, proposal: Proposal) -> Values:
+    """Of some shares of the way to where first order leads the one that leaves least: far from noise what bends, and
+    the plant's own parameters with it, is not there at once.
+    """
+    sized = [name for trial in proposal.added for name in trial.sized]
+    idle = {
+        name: values.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), NEUTRAL.get(name, 0.0))) for name in sized
+    }
+    starts = [
+        {
+            **values,
+            **proposal.start,
+            **{name: idle[name] + share * (proposal.start[name] - idle[name]) for name in sized},
+        }
+        for share in SHARES
+    ]
+    weighed = [current.weighing(stack) for stack in stacks(current.balance, starts)]
+    return min(zip(starts, weighed, strict=True), key=lambda pair: float(pair[1] @ pair[1]))[0]
 
 
 def declared_again(values: Values, dropped: Collection[str], declared: Values) -> dict[str, float]:
