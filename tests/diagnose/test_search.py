@@ -12,9 +12,9 @@ from workbench.diagnose.residuals.fit import AS_IT_IS, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.search import FAR, _gained_by, search
+from workbench.diagnose.selection.search import _gained_by, search
 from workbench.diagnose.selection.selection import Candidate, Step
-from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.selection.sets import FAR, Asked
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
 from workbench.fitting.least_squares import Search
 

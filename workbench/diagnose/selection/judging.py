@@ -8,11 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit, weighing_at
 from workbench.diagnose.selection.hum import humming_at, without_hum
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import QUICK, Asked, after, fitted_with, is_estimated, numbers_of
+from workbench.diagnose.selection.sets import FAR, QUICK, Asked, after, fitted_with, is_estimated, numbers_of
 from workbench.fitting.threads import side_by_side
 
 WEIGHED = 2
@@ -31,7 +31,8 @@ BY_BLOCKS = 0.3
 
 BEYOND = 0.5
 """Share of what is asked of an effect by which it has to gain more where blocks that were left out do not show it: what
-happens once in a record is in one block alone. Of a balance, whose noise nobody knows, blocks have to show it.
+happens once in a record is in one block alone. Of a balance, whose noise nobody knows, blocks have to show it, unless
+what is added brings near to noise what was far from it.
 """
 
 
@@ -82,7 +83,10 @@ def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: E
     if proposal.dropped:
         beside = ask.settled(fitted_with(current, taken, replace(proposal, added=(), start={}), ask))
     price = sum(ask.of_trial(trial, found.balance) for trial in proposal.added)
-    far = ask.settle is not None and _gained(found, beside) > (1.0 + BEYOND) * price
+    if ask.settle is None:
+        far = beside.rms > FAR and found.rms < NEAR_NOISE
+    else:
+        far = _gained(found, beside) > (1.0 + BEYOND) * price
     return far or _holds(beside, found, price, ask)
 
 

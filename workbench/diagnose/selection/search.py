@@ -18,7 +18,16 @@ from workbench.diagnose.residuals.fit import Fit, again, fit
 from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of, own_noise
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
-from workbench.diagnose.selection.sets import QUICK, Asked, after, declared_again, fitted_with, is_estimated, numbers_of
+from workbench.diagnose.selection.sets import (
+    FAR,
+    QUICK,
+    Asked,
+    after,
+    declared_again,
+    fitted_with,
+    is_estimated,
+    numbers_of,
+)
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
@@ -29,9 +38,6 @@ FIRST_STEPS = Search(flat=1e-3, most_steps=8, learns=True)
 
 NEARLY = 0.3
 """Share of what the best effect gains in a few steps, from which another is fitted on."""
-
-FAR = 5.0
-"""Floors beyond which a fit is so far from noise that first order is no guide."""
 
 TOGETHER = 3
 """Effects that are added at once, at most."""
@@ -85,13 +91,12 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
         outlook, columns = _outlook(current, taken, ask, columns)
         shapes |= _best_shapes(outlook)
         explored = current.rms > FAR and current.balance.name != SIMULATION  # a pass of a balance costs little
+        proposals = _proposals(outlook, taken, ask)
+        if ask.is_at_floor(current):
+            proposals = [proposal for proposal in proposals if not proposal.added]
+        fitted = _promising(proposals, current, taken, ask, fits)
         if explored:
-            fitted = _explored(outlook, taken, ask)
-        else:
-            proposals = _proposals(outlook, taken, ask)
-            if ask.is_at_floor(current):
-                proposals = [proposal for proposal in proposals if not proposal.added]
-            fitted = _promising(proposals, current, taken, ask, fits)
+            fitted += _explored(outlook, taken, ask)
         candidates = _candidates(outlook, fitted, ask)
         better = [pair for pair in fitted if is_estimated(pair[1], current.balance)]
         better.sort(key=lambda pair: _left_by(pair, current, taken, ask, explored))

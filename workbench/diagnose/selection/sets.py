@@ -20,6 +20,9 @@ AT_FLOOR = 1.0
 """Floors up to which a balance lacks nothing that it could tell from what smoothing leaves."""
 
 
+FAR = 5.0
+"""Floors beyond which a fit is so far from noise that first order is no guide."""
+
 SHARES = (1.0, 0.3, 0.1, 0.03)
 """Of the way to where first order leads, from one of which a fit begins that is far from noise."""
 
