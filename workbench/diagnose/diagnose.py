@@ -55,7 +55,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     sensor = [offset] if offset is not None else []
     simulated = as_simulated(experiment, motions)
     base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
-    if base is None or not base.is_near:
+    if base is None or not base.is_near or base.fit.excess > NEAR_NOISE:
         stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None

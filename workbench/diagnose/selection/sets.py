@@ -76,15 +76,14 @@ def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) ->
     names = [name for name in current.names if name not in dropped]
     names += [name for trial in proposal.added for name in trial.names if name not in names]
     values = declared_again(current.values, dropped, ask.declared)
-    start = {**values, **proposal.start}
-    if current.excess > NEAR_NOISE and proposal.added:
-        start = _nearest(current, values, proposal)
+    far = current.excess > NEAR_NOISE and proposal.added
+    start = _nearest(current, values, proposal) if far else {**values, **proposal.start}
     return fit(current.balance, start, names, ask.bounds, QUICK, current.weighing)
 
 
 def _nearest(current: Fit, values: Values, proposal: Proposal) -> Values:
-    """Of some shares of the way to where first order leads the one that leaves least: far from noise what bends, and
-    the plant's own parameters with it, is not there at once.
+    """Of some shares of the way to where first order leads the one that leaves least: far from noise much bends, and
+    the plant's own parameters have to come along.
     """
     sized = [name for trial in proposal.added for name in trial.sized]
     idle = {
