@@ -22,8 +22,10 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis, FoundEffect
 from workbench.diagnose.selection.unexplained import strongest, unexplained_of
 from workbench.diagnose.simulation.by_curve import Curved, curved
+from workbench.diagnose.simulation.fits import Simulated
 from workbench.diagnose.simulation.held_out import without_refuted
 from workbench.diagnose.simulation.reached import (
+    farther_baseline,
     given_by,
     nearer_baseline,
     nearer_with,
@@ -55,7 +57,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     sensor = [offset] if offset is not None else []
     simulated = as_simulated(experiment, motions)
     base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
-    if base is None or not base.is_near or base.fit.excess > NEAR_NOISE:
+    if base is None or base.fit.excess > NEAR_NOISE:
         stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
     effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
     simulation = None
@@ -63,12 +65,15 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
         start = stage.simulation_start(effects)
         them = simulated_with(experiment, base, start, progress)
         curve: Curved | None = None
-        if not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
-            given = given_by(base, start)
-            base, them, curve = curved(experiment, base, them, stage.curves, given, start, progress)
-            if curve is None and not base.is_near and (them is None or them.fit.excess > NEAR_NOISE):
+        if base.fit.excess > NEAR_NOISE and _is_far(them):
+            if not base.is_near:
+                given = given_by(base, start)
+                base, them, curve = curved(experiment, base, them, stage.curves, given, start, progress)
+            if curve is None and base.fit.excess > NEAR_NOISE and _is_far(them):
+                base = farther_baseline(experiment, base, start, progress)
+            if curve is None and not base.is_near and _is_far(them):
                 base = nearer_baseline(experiment, base, start, progress)
-            if base.is_near:  # balances stood far from noise, and what they show is no guide
+            if base.fit.excess < NEAR_NOISE:  # balances stood far from noise, and what they show is no guide
                 stage, effects, start = plain, sensor, plain.simulation_start(sensor)
                 them = simulated_with(experiment, base, start, progress)
         if curve is None and them is not None and them.fit.excess > NEAR_NOISE:
@@ -76,6 +81,11 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
         found = simulation_stage(experiment, start, base, them, curve, progress)
         simulation = without_refuted(experiment, found, held_out, start)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
+
+
+def _is_far(them: Simulated | None) -> bool:
+    """Whether no plant with effects is near to noise."""
+    return them is None or them.fit.excess > NEAR_NOISE
 
 
 def _diagnosis(

@@ -31,6 +31,9 @@ HIGHEST = 3.0
 """Times the largest residual that a balance leaves, beyond which no node of a curve goes: where a record hardly is, it
 says nothing of it."""
 
+FLOOR = 1.15
+"""Floors up to which what is left is at its floor: where nothing is missing nine machines in ten leave no more."""
+
 TAKEN = 0.3
 """Share of what a balance leaves without effects that it leaves at most with a curve that is worth looking at, if that
 is above its floor."""
@@ -61,11 +64,14 @@ class CurveFit:
 
 
 def curve_of(experiment: Experiment, result: BalanceResult, values: Values, declared: Values) -> CurveFit | None:
-    """The curve over a signal, of those on which a balance still depends, that takes most of what it leaves without
-    effects; None if none takes enough. `values` are those that fit the balances.
+    """The curve over a signal, of those on which a balance still depends, or depends without effects that leave more
+    than its floor, that takes most of what it leaves without them; None if none takes enough. `values` are those that
+    fit the balances.
     """
     before, motion = result.before, result.balance.motions[0]
     depends = dependence(result.balance, result.after.values) if before.names else None
+    if depends is None and result.effects and result.after.rms > FLOOR:
+        depends = dependence(result.balance, before.values)
     fits = list[CurveFit]()
     for signal in depends.signals if depends is not None else ():
         effect = curve_over(richest(experiment.plant), result.balance.name, signal)

@@ -1,7 +1,7 @@
 """The plant simulated along its records, without effects and with those that balances found, fitted as near as it gets.
 
-A fit begins at once, and goes over hollows where it is far from noise. What is astray then may have lost its way, or
-lack something: to lead it along its records by loops is dear, and left to whom nothing else brings near.
+A fit begins at once. What is far from noise then may lack something, or have lost its way: to look beyond hollows is
+dear, to lead it along its records by loops dearer, and both are left to whom nothing else brings near.
 """
 
 from collections.abc import Sequence
@@ -78,15 +78,23 @@ def simulated_baseline(
     experiment: Experiment, motions: Sequence[Motion], start: SimulationStart, progress: Progress
 ) -> Simulated | None:
     """The declared plant simulated along the records from end to end, the motions of whose fit are those to go on with;
-    None where they cannot be simulated. One that is astray may have lost its way, or lack much: `nearer_baseline`.
+    None where they cannot be simulated. One that is far from noise may lack something, or have lost its way:
+    `farther_baseline`.
     """
     progress("simulating the declared plant", 0.2)
     begun = _begun(experiment, motions, [start.baseline], start.free, _as_declared(start, start.baseline))
-    if begun is None:
-        return None
-    best, fitting = begun
+    return None if begun is None else _baseline(experiment, settled(experiment, *begun))
+
+
+def farther_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
+    """The same, of one that is far from noise, over hollows. What is astray then may have lost its way, or lack much:
+    `nearer_baseline`.
+    """
+    progress("looking for the declared plant beyond hollows")
+    fitting = Fitting(base.fit.balance.motions, base.fit.names, experiment.bounds)
+    best = base if base.how.is_beside else fit_over_hollows(base, fitting)
     best = _nearer(best, fitting, start.baseline) if best.is_near else best
-    return _baseline(experiment, settled(experiment, best, fitting))
+    return base if best is base else _baseline(experiment, settled(experiment, best, fitting))
 
 
 def nearer_baseline(experiment: Experiment, base: Simulated, start: SimulationStart, progress: Progress) -> Simulated:
@@ -123,7 +131,9 @@ def simulated_with(
     beside = _beside(base, start, names)
     begun = _begun(experiment, base.fit.balance.motions, [beside, start.corrected], names, _as_declared(start, beside))
     assert begun is not None  # the plant without effects was
-    return settled(experiment, *begun)
+    best, fitting = begun
+    far = best.fit.excess > NEAR_NOISE and not best.how.is_beside
+    return settled(experiment, fit_over_hollows(best, fitting) if far else best, fitting)
 
 
 def nearer_with(
@@ -158,9 +168,9 @@ def _begun(
     names: Sequence[str],
     declared: Values,
 ) -> tuple[Simulated, Fitting] | None:
-    """The plant fitted to simulation error from some starts, with those parameters that it has, over hollows where that
-    is far from noise, and how it was; None where the records cannot be simulated. The voltage of a valve holds from
-    sample to sample. What is kept beside its records begins as it is `declared`, too.
+    """The plant fitted to simulation error from some starts, with those parameters that it has, and how it was; None
+    where the records cannot be simulated. The voltage of a valve holds from sample to sample. What is kept beside its
+    records begins as it is `declared`, too.
     """
     held = shooting_of(experiment, motions, held=True)
     if held is None:
@@ -168,8 +178,7 @@ def _begun(
     fitting = Fitting(motions, [name for name in names if name in held.along.parameter_names], experiment.bounds)
     if held.is_beside:
         return _fit_beside(experiment, held, fitting, [*starts, declared]), fitting
-    best = fit_simulation(held, fitting, starts)
-    return best if best.fit.excess < NEAR_NOISE else fit_over_hollows(best, fitting), fitting
+    return fit_simulation(held, fitting, starts), fitting
 
 
 def _fit_beside(experiment: Experiment, held: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
