@@ -9,7 +9,7 @@ phase with a wave between them.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.signal import zoom_fft
@@ -57,9 +57,18 @@ class Band:
         return np.linspace(self.low, self.high, int(np.clip(OVERSAMPLED * self.lines, 8, MOST_FREQUENCIES)))
 
 
-@lru_cache(maxsize=64)
+_bands: WeakKeyDictionary[Balance, dict[Number, Band]] = WeakKeyDictionary()
+
+
 def band_of(balance: Balance, number: Number) -> Band:
-    """The band of a period or a frequency that shapes an effect."""
+    """The band of a period or a frequency that shapes an effect: remembered as long as the balance is there."""
+    known = _bands.setdefault(balance, {})
+    if number not in known:
+        known[number] = _band(balance, number)
+    return known[number]
+
+
+def _band(balance: Balance, number: Number) -> Band:
     scale = number.scale(balance.scales)
     low, high = number.low * scale, number.high * scale
     if number.period_of:
