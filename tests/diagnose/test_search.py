@@ -14,7 +14,7 @@ from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import _gained_by, search
 from workbench.diagnose.selection.selection import Candidate, Step
-from workbench.diagnose.selection.sets import FAR, Asked
+from workbench.diagnose.selection.sets import FAR, Asked, fitted_with
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
 from workbench.fitting.least_squares import Search
 
@@ -93,3 +93,24 @@ def test_far_from_noise_an_effect_begins_in_the_shape_that_shows_most(share: flo
     assert list(found.effects) == ["cushion"]
     for name, true in truth.items():
         assert found.fit.values[name] == pytest.approx(true, abs=4.0 * found.fit.deviations[name]), name
+
+
+TURN = 1e3
+"""N/m: of a spring whose force turns by a radian along half a way of 40 mm."""
+
+
+def bending(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A force that bends with the stiffness of a spring, and turns its sign before long."""
+    return np.asarray(100.0 * np.sin(values["spring_stiffness"] / TURN * motion.position / 0.02))
+
+
+@pytest.mark.parametrize("times", [1.0, 10.0, 30.0])
+def test_far_from_noise_a_fit_begins_at_a_part_of_the_way_to_first_order(times: float) -> None:
+    start = {"spring_stiffness": 0.0}
+    balance = made_balance([made_motion()], bending, {"spring_stiffness": TURN})
+    current = fit(balance, start, [], None, EXACT)
+    assert current.excess > FAR
+    trial = Trial("spring_load", ("spring_stiffness",))
+    proposal = Proposal((trial,), (), 0.0, 0.0, {"spring_stiffness": times * TURN})
+    found = fitted_with(current, {}, proposal, Asked(start, {}, 10, {}))
+    assert found.values["spring_stiffness"] == pytest.approx(TURN, abs=4.0 * found.deviations["spring_stiffness"])

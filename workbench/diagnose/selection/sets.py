@@ -69,8 +69,8 @@ class Asked:
 
 
 def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
-    """The plant with the set that is proposed, fitted from where first order leads, or where that leaves more than it
-    was, from a part of that way.
+    """The plant with the set that is proposed, fitted from where first order leads, or far from noise from that part of
+    the way which leaves least.
     """
     dropped = {name for effect in proposal.dropped for name in taken[effect]}
     names = [name for name in current.names if name not in dropped]
