@@ -13,7 +13,7 @@ from plants.effects.interface import Effect
 from plants.interface import Plant
 from workbench.diagnose.residuals.balances import FORCE, balances_of, richest
 from workbench.diagnose.residuals.baseline import baseline
-from workbench.diagnose.residuals.fit import Fit, over
+from workbench.diagnose.residuals.fit import Fit, over, weighing_at
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import asked, gained, left_by
@@ -60,7 +60,11 @@ class CurveFit:
         balance, after = self.fit.balance, result.after
         price = asked(len(self.nodes), ask.candidates)
         price -= sum(ask.of(effect, names, result.balance) for effect, names in result.effects.items())
-        return gained(balance, left_by(self.fit), left_by(after)) > price + LEVEL
+        (_, left, vague), noise = (
+            left_by(self.fit),
+            weighing_at(self.fit),
+        )  # it may have led far from where it was weighed
+        return gained(balance, (noise, left, vague), left_by(after)) > price + LEVEL
 
 
 def curve_of(experiment: Experiment, result: BalanceResult, values: Values, declared: Values) -> CurveFit | None:

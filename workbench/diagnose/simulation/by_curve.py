@@ -30,7 +30,7 @@ from workbench.diagnose.selection.unexplained import (
     is_moving,
     rms_moving,
 )
-from workbench.diagnose.simulation.fits import Fitting, Simulated, fit_simulation
+from workbench.diagnose.simulation.fits import ASTRAY, Fitting, Simulated, fit_simulation
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, settled
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -41,6 +41,12 @@ from workbench.records.experiment import Experiment
 NEARLY, FITTED = 0.1, 2
 """Share of what a curve gains that an effect may lose in its place, to first order, and be fitted there; and how many
 are, at most."""
+
+
+STEPPED = 0.1
+"""Share of what a plant that is astray leaves that it may leave with a curve and count as led to its records, however
+far that is from noise: straight lines between a dozen nodes do not follow what steps or bends at a place.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,11 +121,11 @@ def curved(
     if curve is None or base.how.is_beside:
         return base, them, None
     progress("simulating the plant with a curve for what no effect explains", 0.55)
-    near, given = None, effects
+    near, given, most = None, effects, max(NEAR_NOISE, min(STEPPED * base.fit.excess, ASTRAY))
     while near is None:
         names = [*base.fit.names, *(name for own in effects.values() for name in own)]
-        near = _simulated(experiment, base.fit.balance.motions, names, curve)
-        if near is None or near.fit.excess > NEAR_NOISE:
+        near = _simulated(experiment, base.fit.balance.motions, names, curve, most)
+        if near is None or near.fit.excess > most:
             return base, them, None
         if idle := _idle(experiment, near, effects, start):
             gone = {name for effect in idle for name in effects[effect]}
@@ -147,9 +153,11 @@ def _idle(experiment: Experiment, near: Simulated, effects: Effects, start: Simu
 
 
 def _simulated(
-    experiment: Experiment, motions: Sequence[Motion], names: Sequence[str], curve: CurveFit
+    experiment: Experiment, motions: Sequence[Motion], names: Sequence[str], curve: CurveFit, most: float
 ) -> Simulated | None:
-    """The plant with a curve along its records from end to end; None where it does not come near them."""
+    """The plant with a curve along its records from end to end; None where it leaves more than so many standard
+    deviations, at `most`.
+    """
     believed, values = replace(experiment, plant=curve.plant), curve.fit.values
     how = shooting_of(believed, motions, held=True)
     assert how is not None  # the plant without the curve was simulated
@@ -157,7 +165,7 @@ def _simulated(
     bounds = {**experiment.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
     fitting = Fitting(motions, [*names, *curve.nodes], bounds)
     near = fit_simulation(how, fitting, [values])
-    return settled(believed, near, fitting) if near.fit.excess < NEAR_NOISE else None
+    return settled(believed, near, fitting) if near.fit.excess < most else None
 
 
 def _without(
