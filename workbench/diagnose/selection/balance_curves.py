@@ -11,7 +11,7 @@ import numpy as np
 from plants.effects.attach import possible
 from plants.effects.interface import Effect
 from plants.interface import Plant
-from workbench.diagnose.residuals.balances import FORCE, balances_of, richest
+from workbench.diagnose.residuals.balances import balances_of, richest
 from workbench.diagnose.residuals.baseline import baseline
 from workbench.diagnose.residuals.fit import Fit, over, weighing_at
 from workbench.diagnose.residuals.motion import signals_of
@@ -20,12 +20,8 @@ from workbench.diagnose.selection.likelihood import asked, gained, left_by
 from workbench.diagnose.selection.search import LEVEL
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.sets import Asked
-from workbench.diagnose.selection.unexplained import ABOVE, curve_over, dependence
+from workbench.diagnose.selection.unexplained import ABOVE, curve_over, dependence, is_made_of
 from workbench.records.experiment import Experiment
-
-PRESSURES = ("pressure_1", "pressure_2", "load_pressure")
-"""Signals of which a balance of forces is made where they are what drives the mass: a curve over them takes a part of
-whatever is missing."""
 
 HIGHEST = 3.0
 """Times the largest residual that a balance leaves, beyond which no node of a curve goes: where a record hardly is, it
@@ -72,15 +68,14 @@ def curve_of(experiment: Experiment, result: BalanceResult, values: Values, decl
     than its floor, that takes most of what it leaves without them; None if none takes enough. `values` are those that
     fit the balances.
     """
-    before, motion = result.before, result.balance.motions[0]
+    before = result.before
     depends = dependence(result.balance, result.after.values) if before.names else None
     if depends is None and result.effects and result.after.rms > FLOOR:
         depends = dependence(result.balance, before.values)
     fits = list[CurveFit]()
     for signal in depends.signals if depends is not None else ():
         effect = curve_over(richest(experiment.plant), result.balance.name, signal)
-        circular = signal in PRESSURES and effect is not None and effect.balance == FORCE and not motion.has(FORCE)
-        if effect is None or circular or effect.name in experiment.plant.effects:
+        if effect is None or is_made_of(result.balance, signal) or effect.name in experiment.plant.effects:
             continue
         fits.append(fitted_curve(experiment, before, signal, effect, {**values, **before.moved}, declared))
     best = min(fits, key=lambda one: one.fit.rms, default=None)

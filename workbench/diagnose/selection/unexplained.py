@@ -12,6 +12,7 @@ from plants.effects.curves import curves_over
 from plants.effects.interface import Effect
 from plants.interface import Plant
 from workbench.diagnose.residuals.balance import BLOCKS, Balance
+from workbench.diagnose.residuals.balances import FORCE
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion, signals_of, ways_of
 from workbench.diagnose.residuals.unknowns import Values
@@ -21,6 +22,10 @@ BINS = 24
 
 LEAST = 0.15
 """Share of the residual's variance on left-out blocks that a signal has to explain."""
+
+PRESSURES = ("pressure_1", "pressure_2", "load_pressure")
+"""Signals of which a balance of forces is made where they are what drives the mass: a curve over them takes a part of
+whatever is missing."""
 
 ABOVE = 1.3
 """Floors above which a residual is not noise. A flow or a force that is known to the floor is explained."""
@@ -201,7 +206,13 @@ def dependence(balance: Balance, values: Values) -> Dependence | None:
         share = max(foretold(side) if name == "time" else explained(np.concatenate(pieces), side) for side in sides)
         if share > LEAST:
             strong[name] = share
-    return Dependence(balance.name, strong) if strong else None
+    others = {name: share for name, share in strong.items() if not is_made_of(balance, name)}
+    return Dependence(balance.name, others or strong) if strong else None
+
+
+def is_made_of(balance: Balance, signal: str) -> bool:
+    """Whether a balance is made of a signal: one of forces where no sensor shows what drives the mass."""
+    return balance.name == FORCE and signal in PRESSURES and not balance.motions[0].has(FORCE)
 
 
 def explained(signal: np.ndarray, residual: np.ndarray) -> float:

@@ -15,10 +15,10 @@ from workbench.diagnose.residuals.along import ARRIVES
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.selection.likelihood import gained, left_by
+from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.search import LEVEL, Found, search
 from workbench.diagnose.selection.selection import BalanceResult, Effects, Step
-from workbench.diagnose.selection.sets import Asked, declared_again, without_effects
+from workbench.diagnose.selection.sets import Asked, declared_again, fitted_with, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.by_curve import Curved, in_its_place
 from workbench.diagnose.simulation.filters import filtered
@@ -40,6 +40,10 @@ from workbench.diagnose.simulation.valleys import along_valley
 from workbench.fitting.threads import side_by_side
 from workbench.progress import Progress
 from workbench.records.experiment import Experiment
+
+STRONG = 10.0
+"""Times that effects gain more than what is left beside them says, and take away more than they leave, from which they
+are named beside it."""
 
 MANY = 3
 """Effects that together are less likely than one that nobody knows, if something is left beside them."""
@@ -336,8 +340,9 @@ def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float
 
 def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) -> tuple[Found, Dependence | None]:
     """What was found, and on what depends that which no effect explains. Nothing is found where something is left
-    beside many effects, or more than one of them gains, or where one curve in their place loses nothing; nor where one
-    curve beside the plant without them is likelier than they are, whatever is left. `without` is the fit without.
+    beside many effects, or more than one of them gains, but for strong ones; or where one curve in their place loses
+    nothing; nor where one curve beside the plant without them is likelier than they are, whatever is left. `without` is
+    the fit without.
     """
     pushes = lacking(how, found.fit)
     lacks = dependence_of(pushes)
@@ -347,6 +352,9 @@ def _without_stand_ins(how: Shooting, found: Found, without: Fit, ask: Asked) ->
     place = Place.of(found.fit, found.effects, 0.5 * (without.squares - found.fit.squares), ask)
     instead = standing_in(how, place, pushes, cost if lacks is None else None)
     if instead or (lacks is not None and _is_more(lacks, found)):
+        strong = None if instead or lacks is None else _strong(found, lacks, without, ask)
+        if strong is not None:
+            return strong, dependence_of(lacking(how, strong.fit))
         return _nothing(found, without), dependence_of(instead or lacking(how, without)) or lacks
     if without.excess < NEAR_NOISE:  # farther off first order is no guide
         plain = ask.settled(without)
@@ -361,6 +369,28 @@ def _is_more(lacks: Dependence, found: Found) -> bool:
     """Whether what is left says more than what was found does, which then stands in for it."""
     least = min(found.gains[effect] for effect in found.effects)
     return len(found.effects) >= MANY or (lacks.gain is not None and lacks.gain > least)
+
+
+def _strong(found: Found, lacks: Dependence, without: Fit, ask: Asked) -> Found | None:
+    """What was found with the fewest effects, of those that gain far more than what is left says, that bring the plant
+    from far off to noise by themselves; None if none do, or all are needed.
+    """
+    assert lacks.gain is not None  # a simulated plant's
+    gains = {effect: gain for effect, gain in found.gains.items() if gain > STRONG * lacks.gain}
+    ordered = sorted(gains, key=lambda effect: -gains[effect])
+    for count in range(1, min(len(ordered), len(found.effects) - 1) + 1):
+        weak = tuple(effect for effect in found.effects if effect not in ordered[:count])
+        alone = ask.settled(fitted_with(found.fit, found.effects, Proposal((), weak, 0.0, 0.0, {}), ask))
+        if alone.excess < NOISE and without.excess > STRONG * alone.excess:
+            kept = {effect: own for effect, own in found.effects.items() if effect not in weak}
+            return replace(
+                found,
+                fit=alone,
+                effects=kept,
+                gains={effect: gains[effect] for effect in kept},
+                alternatives={effect: found.alternatives[effect] for effect in kept},
+            )
+    return None
 
 
 def _net(curves: Sequence[Lacking]) -> float:
