@@ -213,3 +213,13 @@ def test_rows_are_used_once(tmp_path: Path) -> None:
     assert "no record is held out" in workbench("check", experiment(tmp_path, log(60.0, gaps=False))).out
     answer = workbench("check", experiment(tmp_path, log(60.0, gaps=False), halves.replace("skip = 500", "skip = 499")))
     assert answer.code == 2
+
+
+def test_what_the_file_says_itself_is_no_value_of_the_set(tmp_path: Path) -> None:
+    """A plain name is said for both directions."""
+    said = EXPERIMENT.replace("[fit]", '[plant.set]\nload_force = "50 N"\n[plant.scale]\ncoulomb = 2.0\n[fit]')
+    known = read_experiment(experiment(tmp_path, log(60.0, gaps=False), said))
+    assert known.source_of("mass") == "as declared: parameters.toml"
+    assert {known.source_of(name) for name in ("load_force", "coulomb", "coulomb_negative")} == {
+        "as declared: experiment.toml"
+    }

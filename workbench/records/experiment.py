@@ -75,8 +75,8 @@ class Experiment:
     `values` are the declared parameters by canonical name: where a parameter's two directions have one value there is
     no `_negative` name. The plant has those effects of which a parameter is not neutral, or is named in [fit]. `free`
     is None where the file says nothing. `deviations` are the standard deviations of declared values, of those that have
-    one. `accuracies` are the standard deviations of the
-    sensors' systematic errors (`NUISANCES`) that a fit may find. `design` is the table of that name as it was written.
+    one. `accuracies` are the standard deviations of the sensors' systematic errors (`NUISANCES`) that a fit may find.
+    `design` is the table of that name as it was written. `said` are parameters whose value the file itself says.
     """
 
     path: Path
@@ -98,6 +98,12 @@ class Experiment:
     true_sensors: Mapping[str, float] = field(default_factory=dict)
     deviations: Mapping[str, float] = field(default_factory=dict)
     design: Mapping[str, object] = field(default_factory=dict)
+    said: frozenset[str] = frozenset()
+
+    def source_of(self, name: str) -> str:
+        """Where a declared value is from, in words."""
+        here = name in self.said or plain_name(name) in self.said
+        return f"as declared: {self.path.name if here else self.declared}"
 
     def parameters(self, changes: Mapping[str, float] | None = None) -> NamedTuple:
         """The plant's parameters, declared or with `changes` by canonical name.
@@ -179,6 +185,7 @@ def _resolved(content: ExperimentFile, path: Path) -> Experiment:
         {} if content.truth is None else _sensors(content.truth.sensors, ("truth", "sensors"), plant.axis),
         _deviations(content.plant, path.parent, bare.axis, values),
         content.design,
+        frozenset({*content.plant.set, *content.plant.scale}),
     )
 
 

@@ -71,7 +71,7 @@ def _plant(design: Design, hypothesis: Hypothesis) -> str:
             name,
             value,
             None,
-            f"{COMMAND}, {hypothesis.name}" if name in free else f"as declared: {design.experiment.declared}",
+            f"{COMMAND}, {hypothesis.name}" if name in free else design.experiment.source_of(name),
         )
         for name, value in said.items()
         if NEUTRAL.get(name) != value

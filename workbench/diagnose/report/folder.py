@@ -145,7 +145,7 @@ def plant_file(diagnosis: Diagnosis) -> str:
         if name in fitted:
             entries.append(_entry(name, fitted[name], f"workbench diagnose, {experiment.path.name}"))
         else:
-            entries.append(Entry(name, experiment.values[name], None, f"as declared: {experiment.declared}"))
+            entries.append(Entry(name, experiment.values[name], None, experiment.source_of(name)))
     if not diagnosis.is_rejected and not lost:
         written_by = f"workbench diagnose, {experiment.path.name}"
         offered = offered_entries(diagnosis.unexplained, plant, experiment.values, written_by)

@@ -227,10 +227,9 @@ def notes_of(identification: Identification) -> list[str]:
 def plant_file(identification: Identification) -> str:
     """The corrected plant as a parameter file: what was identified, with its std; the rest as declared."""
     experiment, corrected = identification.experiment, identification.corrected
-    declared = f"as declared: {experiment.declared}"
     entries = []
     for name, value in identification.values.items():
-        entry = corrected.get(name, Corrected(value, None, declared))
+        entry = corrected.get(name, Corrected(value, None, experiment.source_of(name)))
         entries.append(Entry(name, value, entry.std, entry.source))
     title = f"{experiment.declared}, corrected by {experiment.path.name}"
     return parameter_file(title, f"workbench identify: {experiment.title}", entries, experiment.plant.axis)
