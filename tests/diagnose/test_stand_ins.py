@@ -1,16 +1,22 @@
 """Whether effects stand in for what no effect is: a spring that is none, and one that is, on a mass that it holds."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from driven import driven_shooting
+from made_up_balances import made_balance, made_motion
 
 from plants.effects.curves import CURVES
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.balance import SIMULATION
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, fit
+from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.likelihood import gained, left_by
 from workbench.diagnose.selection.search import LEVEL, Found
 from workbench.diagnose.selection.sets import Asked, without_effects
+from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation import stage
 from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.lacking import Lacking, dependence_of, lacking
@@ -97,3 +103,31 @@ def test_effects_are_not_named_where_more_is_left_beside_than_they_gain(
     assert lacks is not None
     assert kept.fit is (without if more > 0.0 else fitted)
     assert bool(kept.effects) is (more < 0.0)
+
+
+def pulled(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A spring and a load."""
+    return np.asarray(values["spring_stiffness"] * motion.position + values["load_force"])
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "left", "kept"),
+    [(2e4, 20.0, ["spring_load"]), (2e4, 2000.0, None), (200.0, 20.0, None)],
+    ids=["strong", "beside_much", "not_far_off"],
+)
+def test_a_strong_effect_is_named_beside_what_is_left(stiffness: float, left: float, kept: list[str] | None) -> None:
+    """A load that only stood in for what is left is not."""
+    truth = {"spring_stiffness": stiffness, "load_force": 0.2}
+    start = dict.fromkeys(truth, 0.0)
+    balance = replace(made_balance([made_motion()], pulled, truth), name=SIMULATION)
+    fitted, plain = (fit(balance, start, names) for names in ([*truth], []))
+    effects = {"spring_load": ("spring_stiffness",), "constant_load": ("load_force",)}
+    found = Found(
+        fitted, effects, [], {"spring_load": 5000.0, "constant_load": 30.0}, {name: [] for name in effects}, {}
+    )
+    ask = Asked(start, {}, 10, {}, settle=lambda one: one)
+    strong = stage._strong(found, Dependence("force", {"time": 1.0}, left), plain, ask)
+    assert (None if strong is None else list(strong.effects)) == kept
+    if strong is not None:
+        assert strong.fit.names == ("spring_stiffness",)
+        assert strong.fit.values["load_force"] == 0.0
