@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares as by_scipy
 
 import workbench.fitting.least_squares as least_squares_module
-from workbench.fitting.least_squares import Search, Solution, bounded_minimum, least_squares
+from workbench.fitting.least_squares import Search, Solution, bounded_minimum, differences, least_squares
 
 EXACT = Search(flat=1e-14, step=1e-6)
 TIMES = np.linspace(0.0, 4.0, 60)
@@ -260,3 +260,9 @@ def test_a_difference_quotient_goes_so_far_that_it_is_felt_where_it_may() -> Non
         off.append(float(np.linalg.norm(found.jacobian[:, 0] - slope) / np.linalg.norm(slope)))
     assert off[0] > 1.0
     assert off[1] < 0.01
+
+
+def test_a_difference_quotient_of_what_changes_nothing_goes_as_far_as_it_may() -> None:
+    """However much is left: nothing overflows aloud."""
+    steps = differences(np.zeros(1), np.full(1, np.inf), 1e-3, np.zeros((10, 1)), 1e30)
+    assert steps.tolist() == [1e-3]

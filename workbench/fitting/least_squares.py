@@ -216,7 +216,8 @@ def differences(
     """Steps of difference quotients that move the residual by a few of its standard deviations, and are `step` at most,
     or `longest` where that is more: an unknown that is known to a millionth is not to be moved by a thousandth.
     """
-    felt = MOVED * np.sqrt(cost / jacobian.shape[0]) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    with np.errstate(over="ignore"):  # what moves nothing goes as far as it may
+        felt = MOVED * np.sqrt(cost / jacobian.shape[0]) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
     most = np.maximum(step * np.maximum(1.0, np.abs(x)), longest)
     return _within(x, high, np.clip(felt, SHORTEST * most, most))
 
