@@ -215,16 +215,20 @@ def to_array(value: tuple[Scalar, ...]) -> np.ndarray:
 def _numbers(cls: type[NamedTuple]) -> Callable[[tuple[Scalar, ...]], Iterable[Scalar]]:
     """What takes all numbers out of a (nested) NamedTuple, at once: one at a time is several times slower."""
     paths = list(_paths(cls))
-    return attrgetter(*paths) if len(paths) > 1 else _flat  # the getter of one number gives no tuple
+    if len(paths) < 2 or None in paths:  # the getter of one gives no tuple
+        return _flat
+    return attrgetter(*(path for path in paths if path is not None))
 
 
-def _paths(cls: type[NamedTuple], before: str = "") -> Iterator[str]:
-    """Where the numbers of a (nested) NamedTuple are, as names behind names."""
+def _paths(cls: type[NamedTuple], before: str = "") -> Iterator[str | None]:
+    """Where the numbers of a (nested) NamedTuple are, as names behind names; None of what may be a tuple or none."""
     for name, inner in zip(cls._fields, _nested(cls), strict=True):
         if inner is None:
             yield before + name
-        else:
+        elif hasattr(inner, "_fields"):
             yield from _paths(inner, f"{before}{name}.")
+        else:
+            yield None
 
 
 def replaced(value: NumbersT, numbers: Mapping[str, float]) -> NumbersT:

@@ -165,7 +165,9 @@ def _simulated(
     bounds = {**experiment.bounds, **dict.fromkeys(curve.nodes, (-highest, highest))}
     fitting = Fitting(motions, [*names, *curve.nodes], bounds)
     near = fit_simulation(how, fitting, [values])
-    return settled(believed, near, fitting) if near.fit.excess < most else None
+    if near.fit.excess < NEAR_NOISE:
+        return settled(believed, near, fitting)
+    return near if near.fit.excess < most else None  # what it leaves is no hollow's
 
 
 def _without(
