@@ -58,10 +58,15 @@ class Unknown:
         return self.place(self.start)
 
 
+def idle(name: str, values: Values) -> float:
+    """What a parameter is, or if it is not given, in the other direction, or where it does nothing."""
+    return values.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), NEUTRAL.get(name, 0.0)))
+
+
 def unknown(name: str, values: Values, bounds: Bounds, scales: Scales) -> Unknown:
     """A parameter as a search sees it that starts at these values, on a machine of these scales."""
     plain = name.removesuffix(f"_{NEGATIVE}")
-    start = values.get(name, values.get(plain, NEUTRAL.get(name, 0.0)))
+    start = idle(name, values)
     low, high = bounds.get(name, (-np.inf, np.inf))
     number = _number_of(name)
     if number is not None and number.size:

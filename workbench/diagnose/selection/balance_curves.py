@@ -56,11 +56,9 @@ class CurveFit:
         balance, after = self.fit.balance, result.after
         price = asked(len(self.nodes), ask.candidates)
         price -= sum(ask.of(effect, names, result.balance) for effect, names in result.effects.items())
-        (_, left, vague), noise = (
-            left_by(self.fit),
-            weighing_at(self.fit),
-        )  # it may have led far from where it was weighed
-        return gained(balance, (noise, left, vague), left_by(after)) > price + LEVEL
+        _, left, vague = left_by(self.fit)
+        own = weighing_at(self.fit), left, vague  # the fit may have led far from where it was weighed
+        return gained(balance, own, left_by(after)) > price + LEVEL
 
 
 def curve_of(experiment: Experiment, result: BalanceResult, values: Values, declared: Values) -> CurveFit | None:

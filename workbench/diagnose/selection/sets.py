@@ -3,15 +3,13 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
-from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import FINAL, NEAR_NOISE, Fit, again, fit, stacks, weighing_at
-from workbench.diagnose.residuals.unknowns import Bounds, Values
+from workbench.diagnose.residuals.unknowns import Bounds, Values, idle
 from workbench.diagnose.selection.likelihood import Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
 from workbench.fitting.least_squares import Search
-from workbench.parameters.sets import NEUTRAL
 
 QUICK = Search(flat=1e-5, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
@@ -86,15 +84,9 @@ def _nearest(current: Fit, values: Values, proposal: Proposal) -> Values:
     the plant's own parameters have to come along.
     """
     sized = [name for trial in proposal.added for name in trial.sized]
-    idle = {
-        name: values.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), NEUTRAL.get(name, 0.0))) for name in sized
-    }
+    first = {name: idle(name, values) for name in sized}
     starts = [
-        {
-            **values,
-            **proposal.start,
-            **{name: idle[name] + share * (proposal.start[name] - idle[name]) for name in sized},
-        }
+        {**values, **proposal.start, **{name: at + share * (proposal.start[name] - at) for name, at in first.items()}}
         for share in SHARES
     ]
     weighed = [current.weighing(stack) for stack in stacks(current.balance, starts)]
