@@ -11,8 +11,8 @@ from driven import driven_shooting
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation import together
-from workbench.diagnose.simulation.shooting import Push, Shooting
-from workbench.diagnose.simulation.together import Asked, errors_of
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.fitting.threads import THREADS, side_by_side
 from workbench.simulation.simulate import LANES
 

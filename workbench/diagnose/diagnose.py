@@ -13,6 +13,7 @@ from workbench.diagnose.residual_stage import (
     with_effects,
     with_effects_of,
     with_floors,
+    with_most,
     with_simulated_floors,
 )
 from workbench.diagnose.residuals.balances import richest
@@ -59,7 +60,7 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
     if base is None or base.fit.excess > NEAR_NOISE:
         stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
-    effects = [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
+    effects = _effects_of(stage, sensor)
     simulation = None
     if base is not None:
         start = stage.simulation_start(effects)
@@ -78,9 +79,19 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
                 them = simulated_with(experiment, base, start, progress)
         if curve is None and them is not None and them.fit.excess > NEAR_NOISE:
             them = nearer_with(experiment, base, them, start, progress)
+            most = with_most(stage) if _is_far(them) else stage
+            if most is not stage:
+                stage, effects = most, _effects_of(most, sensor)
+                start = stage.simulation_start(effects)
+                them = simulated_with(experiment, base, start, progress)
         found = simulation_stage(experiment, start, base, them, curve, progress)
         simulation = without_refuted(experiment, found, held_out, start)
     return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
+
+
+def _effects_of(stage: ResidualStage, sensor: Sequence[FoundEffect]) -> list[FoundEffect]:
+    """Those of a sensor, and of the balances."""
+    return [*sensor, *(effect for result in stage.results for effect in effects_of_result(result))]
 
 
 def _is_far(them: Simulated | None) -> bool:

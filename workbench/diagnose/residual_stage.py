@@ -209,6 +209,18 @@ def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progres
     return replace(stage, results=results, corrected=values, shapes=shapes, curves=curves)
 
 
+def with_most(stage: ResidualStage) -> ResidualStage:
+    """The balances without effects beside which more is left than they take, over the floor: they may stand in for what
+    is left, where no simulated plant tells better. The same if there are none.
+    """
+    partly = [one for one in stage.results if one.effects and 2.0 * one.after.rms**2 > one.before.rms**2 + 1.0]
+    if not partly:
+        return stage
+    results = [one.withdrawn() if one in partly else one for one in stage.results]
+    fitted = {name: one.after.values[name] for one in results for name in one.after.names}
+    return replace(stage, results=results, corrected={**stage.corrected, **fitted})
+
+
 def with_effects_of(
     stage: ResidualStage, experiment: Experiment, effects: Sequence[FoundEffect], simulation: SimulationStage
 ) -> ResidualStage:

@@ -33,10 +33,13 @@ SLOWEST_CREEP = 1e-9
 """m/s. At the creep of a record without noise no contact could be seen to slip."""
 
 
+TAKEN_OFF = BACKLASH, OFFSET = "backlash_width", "pressure_1_offset"
+"""What sensors add, and is taken off a measured motion."""
+
+
 def true_motion(motion: Motion, values: Values) -> Motion:
     """The motion without what its sensors add to it, as far as `values` know that."""
-    behind = with_backlash(motion, values.get("backlash_width", 0.0))
-    return with_pressure_offset(behind, values.get("pressure_1_offset", 0.0))
+    return with_pressure_offset(with_backlash(motion, values.get(BACKLASH, 0.0)), values.get(OFFSET, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +95,14 @@ class Along:
             return frozenset()
         idle = type(parameters.effects)()
         return frozenset(name for name, own in parameters.effects._asdict().items() if own != getattr(idle, name))
+
+    @functools.cached_property
+    def shown_alone(self) -> frozenset[str]:
+        """The numbers of effects on which depends what sensors show of a simulation, and nothing of the machine, nor
+        where it starts.
+        """
+        own = [effect.own_names for effect in possible(self.plant) if effect.shows_alone]
+        return frozenset(name for names in own for name in names) - {*TAKEN_OFF}
 
     def having(self, acting: Collection[str], alone: bool = False) -> Plant:
         """The plant, without effects where none of them is `acting`; or with those `alone` that are: that costs half as

@@ -30,6 +30,9 @@ Residual = Callable[[Motion, Values], Sequence[np.ndarray]]
 Together = Callable[[Sequence[tuple[Motion, Values]]], Sequence[Sequence[np.ndarray]]]
 """The same of several motions or values at once."""
 
+Near = Callable[[Values, Sequence[tuple[Motion, Values]]], Sequence[Sequence[np.ndarray]]]
+"""The same near some values, to first order where that is enough."""
+
 Beside = Callable[[Values], tuple[np.ndarray, Sequence[np.ndarray]]]
 """What no parameter decides: directions (rows of the stack, directions) in which residuals may move, and the groups of
 rows that do so on their own."""
@@ -52,7 +55,7 @@ class Balance:
     without it. `parts` is the number of residuals that each motion gives. One with a `contact` in it says nothing where
     that rests, and none does where smoothing blurs what happened: rates are not linear in all signals. `axis` is that
     of the plant, "m" or "rad"; `beside` is what no parameter decides. Residuals that are dear one by one come
-    `together` where several are asked for.
+    `together` where several are asked for, and many to first order that are `near` to known ones.
     """
 
     name: str
@@ -71,6 +74,7 @@ class Balance:
     beside: Beside = nothing
     null: Sequence[Motion] = ()
     together: Together | None = None
+    near: Near | None = None
     priors: Priors = field(default_factory=dict)
 
     def known(self, motion: Motion) -> np.ndarray:
@@ -94,8 +98,17 @@ class Balance:
 
     def stacks(self, several: Sequence[Values]) -> list[np.ndarray]:
         """The same of several values."""
-        asked = [(motion, values) for values in several for motion in self.motions]
-        found = side_by_side(self._residuals, asked) if self.together is None else self.together(asked)
+        asked = self._asked(several)
+        return self._stacks(side_by_side(self._residuals, asked) if self.together is None else self.together(asked))
+
+    def stacks_near(self, values: Values, several: Sequence[Values]) -> list[np.ndarray]:
+        """The same of several that differ little from these values, to first order where that is known."""
+        return self.stacks(several) if self.near is None else self._stacks(self.near(values, self._asked(several)))
+
+    def _asked(self, several: Sequence[Values]) -> list[tuple[Motion, Values]]:
+        return [(motion, values) for values in several for motion in self.motions]
+
+    def _stacks(self, found: Sequence[Sequence[np.ndarray]]) -> list[np.ndarray]:
         count = len(self.motions)
         return [self.stack(found[at : at + count]) for at in range(0, len(found), count)]
 

@@ -255,6 +255,11 @@ def stacks(balance: Balance, several: Sequence[Values]) -> list[np.ndarray]:
     return list(map(without_lost, balance.stacks(several)))
 
 
+def stacks_near(balance: Balance, values: Values, several: Sequence[Values]) -> list[np.ndarray]:
+    """The same of several near some values, to first order where that is known."""
+    return list(map(without_lost, balance.stacks_near(values, several)))
+
+
 def without_lost(stack: np.ndarray) -> np.ndarray:
     """A stack with `LOST` where the plant diverges."""
     finite = np.isfinite(stack)

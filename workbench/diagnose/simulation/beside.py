@@ -113,7 +113,7 @@ def _filters(
     plant, span, names = along.plant, motion.record.sample_time, corrected(along.plant)
     places, command = np.array([along.names.index(name) for name in names]), plant.input_index(plant.command)
     tracked = along.tracked(motion, values, [name for name in names if name not in MOTION])
-    states, inputs = tracked.states(slice(None)), _held(setup, along, motion, values)
+    states, inputs = tracked.states(slice(None)), held_inputs(setup, along, motion, values)
     sizes = along.magnitudes(motion, values)[places]
     nudges, push = NUDGED * sizes, NUDGED * max(float(np.max(np.abs(inputs[:, command]))), 1e-30)
 
@@ -135,7 +135,7 @@ def _filters(
     return filtered
 
 
-def _held(setup: Setup, along: Along, motion: Motion, values: Values) -> np.ndarray:
+def held_inputs(setup: Setup, along: Along, motion: Motion, values: Values) -> np.ndarray:
     """Inputs (samples, inputs) as they act on average over each sample."""
     inputs = np.tile(to_array(along.at_rest(motion, values)[1]), (motion.time.size, 1))
     for feed in setup.feeds:

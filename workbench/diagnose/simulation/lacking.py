@@ -24,8 +24,9 @@ from workbench.diagnose.simulation.own_curves import (
     flat_curve,
     simulated_motion,
 )
-from workbench.diagnose.simulation.shooting import Push, Shooting
-from workbench.diagnose.simulation.together import Asked, errors_of
+from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.together import Asked, Push, errors_of
+from workbench.diagnose.simulation.variations import variations_of
 from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 
@@ -192,19 +193,23 @@ def _powers(nodes: np.ndarray) -> np.ndarray:
 def _columns(
     how: Shooting, fitted: Fit, base: np.ndarray, balance: str, pushes: Sequence[Mapping[Record, np.ndarray]]
 ) -> np.ndarray:
-    """What each push changes of the residual, which without it is `base`, in units that make as much of it."""
+    """What each push changes of the residual, which without it is `base`, in units that make as much of it: by how the
+    simulations answer, or by simulations of their own where they start more than once or a loop leads them.
+    """
+    on_command, motions, plain = balance == FLOW, fitted.balance.motions, how.balance(fitted.balance.motions, ())
+    varied = variations_of(how, fitted)
 
     def moved(several: Sequence[Mapping[Record, np.ndarray]], size: float) -> list[np.ndarray]:
-        pushed = [
-            replace(how, push=Push(balance == FLOW, {record: size * values for record, values in push.items()}))
-            for push in several
-        ]
-        motions, plain = fitted.balance.motions, how.balance(fitted.balance.motions, ())
+        pushes = [{record: size * values for record, values in push.items()} for push in several]
+        if varied:
+            changed = [one.pushed([push[one.asked.motion.record] for push in pushes], on_command) for one in varied]
+            return [plain.stack(own) for own in zip(*changed, strict=True)]
+        pushed = [replace(how, push=Push(on_command, push)) for push in pushes]
         errors = errors_of([Asked(one, motion, fitted.values) for one in pushed for motion in motions])
         count = len(motions)
         return [without_lost(plain.stack(errors[at : at + count])) - base for at in range(0, len(errors), count)]
 
-    size = FIRST * how.push_scale(balance == FLOW)
+    size = FIRST * how.push_scale(on_command)
     felt = float(np.linalg.norm(fitted.weighing(moved([pushes[len(pushes) // 2]], size)[0])))
     size *= float(np.clip(FELT / max(felt, 1e-12), 1e-6, 1e6))
     return np.column_stack(moved(pushes, size))

@@ -18,6 +18,7 @@ from workbench.diagnose.residuals.fit import Fit, stacks
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.variations import variations_of
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make, or a node of a curve: to first order, and above the solver's
@@ -60,11 +61,19 @@ def flat_curve(
     with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
     balance = with_it.balance(found.balance.motions, ())
     size = FIRST * effect.numbers[nodes[0]].scale(how.scales)
-    base, there = stacks(balance, [flat, {**flat, **dict.fromkeys(nodes, size)}])
-    felt = float(np.linalg.norm(found.weighing(there - base)))
+    varied = variations_of(how, found)
+
+    def changes(several: Sequence[Values]) -> list[np.ndarray]:
+        if varied and effect.pushes:
+            changed = [one.having(with_it, effect, several, flat) for one in varied]
+            return [balance.stack(own) for own in zip(*changed, strict=True)]
+        base, *moved = stacks(balance, [flat, *several])
+        return [one - base for one in moved]
+
+    (there,) = changes([{**flat, **dict.fromkeys(nodes, size)}])
+    felt = float(np.linalg.norm(found.weighing(there)))
     size *= float(np.clip(FELT * len(nodes) ** 0.5 / max(felt, 1e-12), 1e-6, 1e6))
-    moved = stacks(balance, [{**flat, node: size} for node in nodes])
-    changed = np.column_stack(moved) - base[:, None]
+    changed = np.column_stack(changes([{**flat, node: size} for node in nodes]))
     return OwnCurve(balance_told(how, effect.balance), signal, tuple(nodes), with_it, flat, size, changed)
 
 

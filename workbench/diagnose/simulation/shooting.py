@@ -27,7 +27,8 @@ from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_st
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.leading import led, quickest
 from workbench.diagnose.simulation.stiffness import method_for
-from workbench.diagnose.simulation.together import Asked, errors_of
+from workbench.diagnose.simulation.together import Asked, Push, errors_of
+from workbench.diagnose.simulation.variations import errors_near
 from workbench.fitting.replay import Sampled
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate_together
@@ -64,14 +65,6 @@ FOLLOWS = "spool_position"
 
 VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
-
-
-@dataclass(frozen=True, eq=False)
-class Push:
-    """What is added along records (N, or V of a valve's command), at every sample."""
-
-    on_command: bool
-    series: Mapping[Record, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +124,7 @@ class Shooting:
             axis=self.along.plant.axis,
             beside=lambda values: self.undecided(motions, values),
             together=lambda asked: errors_of([Asked(self, *each) for each in asked]),
+            near=lambda values, asked: errors_near(values, [Asked(self, *each) for each in asked]),
             priors=self.priors,
         )
 
@@ -163,9 +157,16 @@ class Shooting:
             errors = errors / followed.spread.reshape(-1, *(1,) * (errors.ndim - 1))
         edges = np.arange(0, motion.record.time.size, motion.thinning)
         sizes = np.diff(np.append(edges, motion.record.time.size))
-        noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
         told = np.where(tells.reshape(-1, *(1,) * (errors.ndim - 1)), errors, 0.0)
-        return np.add.reduceat(told, edges) / np.sqrt(sizes).reshape(-1, *(1,) * (errors.ndim - 1)) / noise
+        return (
+            np.add.reduceat(told, edges)
+            / np.sqrt(sizes).reshape(-1, *(1,) * (errors.ndim - 1))
+            / self.noise(motion, name)
+        )
+
+    def noise(self, motion: Motion, name: str) -> float:
+        """Standard deviation of what counts as noise of a channel."""
+        return max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
 
     def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
@@ -191,7 +192,8 @@ class Shooting:
         return groups
 
     @property
-    def _own(self) -> list[str]:
+    def own(self) -> list[str]:
+        """The states that the plant has without any effect."""
         plant = self.along.plant
         bare = {item.name for item in fields((plant.bare or plant).State)}
         return [item.name for item in fields(plant.State) if item.name in bare]
@@ -199,11 +201,11 @@ class Shooting:
     @property
     def follows(self) -> np.ndarray:
         """Which of these states a command sets, shape (states,)."""
-        return np.array([name == FOLLOWS for name in self._own])
+        return np.array([name == FOLLOWS for name in self.own])
 
     def moves(self, motion: Motion, values: Values) -> list[np.ndarray]:
         """A change of each of the plant's own states at a start: by its sensor's noise, or a little."""
-        own, moves, nudges = self._own, list[np.ndarray](), NUDGED * self.along.magnitudes(motion, values)
+        own, moves, nudges = self.own, list[np.ndarray](), NUDGED * self.along.magnitudes(motion, values)
         for place, name in enumerate(self.along.names):
             if name in own:
                 moves.append(np.zeros(len(self.along.names)))
@@ -314,6 +316,10 @@ class Shooting:
         for start in self.starts(motion):
             covered[start : start + self.samples(motion)] = True
         return covered
+
+    def is_led(self, motion: Motion) -> bool:
+        """Whether a loop that sees its sensors leads the plant along a record, or a filter keeps it beside."""
+        return self.setups[motion.record].reference is not None
 
     def _followed(self, motion: Motion) -> Followed | None:
         """The position that a filter sees which keeps the plant beside the record; None without one."""

@@ -34,6 +34,10 @@ HIGHEST = 3.0
 """Times the largest value of a curve to which first order leads, beyond which none of its values goes: a search in far
 too steep ones takes minutes."""
 
+SMALL = 50.0
+"""Gain of effects up to which first order tells what a curve loses in their place: it is then within ten standard
+deviations of noise."""
+
 UNSEEN = 1e-3
 """Of what that number of a curve changes that shows most, below which another stays where it is: a record that is
 nearly never there says nothing of it."""
@@ -77,15 +81,15 @@ def _fitted(how: Shooting, place: "Place", pushes: Sequence[Lacking], price: flo
         ((*place.without(found.weighing(curve.changed)), curve) for curve in curves), key=lambda one: one[0]
     )
     whole = place.without(np.zeros((found.residual.size, 0)))[0]
-    near = [(curve, x) for lost, x, curve in ordered[:FITTED] if lost < NEARLY * whole]
-    fits = side_by_side(lambda one: place.taken_by(*one), near)
-    return [
-        (
-            Lacking(curve.balance, curve.signal, 0.0, certain, curve.changed),
-            -gained(found.balance, left_by(fitted), left_by(found)),
-        )
-        for (curve, _), fitted in zip(near, fits, strict=True)
-    ]
+    near = [one for one in ordered[:FITTED] if one[0] < NEARLY * whole]
+
+    def lost(by_first_order: float, x: np.ndarray, curve: OwnCurve) -> float:
+        if place.worth < SMALL:
+            return by_first_order
+        return -gained(found.balance, left_by(place.taken_by(curve, x)), left_by(found))
+
+    told = [Lacking(curve.balance, curve.signal, 0.0, certain, curve.changed) for _, _, curve in near]
+    return list(zip(told, side_by_side(lambda one: lost(*one), near), strict=True))
 
 
 @dataclass(frozen=True, eq=False)

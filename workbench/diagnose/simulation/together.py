@@ -7,18 +7,21 @@ is there already, and of which what does nothing is skipped.
 """
 
 from collections import Counter, OrderedDict
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plants.equation import from_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.fitting.threads import free_threads, side_by_side
+from workbench.records.reading import Record
+from workbench.simulation.run import Run
 from workbench.simulation.simulate import LANES, simulate, simulate_together
 
 if TYPE_CHECKING:
@@ -29,6 +32,14 @@ SHOWN = 64
 
 WORTH = 200_000
 """Steps of simulations with some effects from which on it pays to compile a plant that has these alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """What is added along records (N, or V of a valve's command), at every sample."""
+
+    on_command: bool
+    series: Mapping[Record, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +64,12 @@ class Asked:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Asked) and self._key == other._key
+
+    @cached_property
+    def moving(self) -> "Asked":
+        """The simulation of the same motion, of which sensors show what is there; itself where a loop sees them."""
+        values = {name: value for name, value in self.values.items() if name not in self.how.along.shown_alone}
+        return self if self.how.is_led(self.motion) else replace(self, values=values)
 
     @property
     def kin(self) -> tuple[object, ...]:
@@ -91,13 +108,13 @@ _memory = _Memory()
 def errors_of(asked: Sequence[Asked]) -> list[list[np.ndarray]]:
     """What each of these simulations is off by, as `Shooting.errors` has it."""
     found = _memory.known(asked)
-    wanted = [one for one in dict.fromkeys(asked) if one not in found]
-    chunks = list(_chunks(wanted))
-    made = {
-        one: errors
-        for chunk, several in zip(chunks, side_by_side(_Chunk.errors, chunks), strict=True)
-        for one, errors in zip(chunk.asked, several, strict=True)
-    }
+    shown: dict[Asked, list[Asked]] = {}
+    for one in dict.fromkeys(asked):
+        if one not in found:
+            shown.setdefault(one.moving, []).append(one)
+    made: dict[Asked, list[np.ndarray]] = {}
+    for errors in side_by_side(lambda chunk: chunk.errors(shown), list(_chunks([*shown]))):
+        made |= errors
     _memory.add(made)
     found |= made
     return [found[one] for one in asked]
@@ -113,19 +130,30 @@ class _Chunk:
     acting: frozenset[str]
     alone: bool
 
-    def errors(self) -> list[list[np.ndarray]]:
-        """What each is off by."""
+    def errors(self, shown: Mapping[Asked, Sequence[Asked]]) -> dict[Asked, list[np.ndarray]]:
+        """What each is off by, and the others that are `shown` by sensors of the same motion."""
         how, motion = self.asked[0].how, self.asked[0].motion
         plant = how.along.having(self.acting, alone=self.alone)
         pieces = [list(one.how.pieces(motion, one.values, plant, one.moved)) for one in self.asked]
         setups = [setup for own in pieces for _, setup in own]
         made = simulate_together(setups) if self.alone else list(map(simulate, setups))
         _spent.add(self, sum(run.steps for run in made))
-        runs = iter(made)
-        return [
-            one.how.off_by(motion, [(k, next(runs)) for k, _ in own])
-            for one, own in zip(self.asked, pieces, strict=True)
-        ]
+        runs, errors = iter(made), dict[Asked, list[np.ndarray]]()
+        for one, own in zip(self.asked, pieces, strict=True):
+            found = [(k, next(runs)) for k, _ in own]
+            for other in shown[one]:
+                seen = found if other.values == one.values else [(k, self._read(run, other)) for k, run in found]
+                errors[other] = how.off_by(motion, seen)
+        return errors
+
+    def _read(self, run: Run, one: Asked) -> Run:
+        """A run as sensors with errors of their own show it."""
+        along = one.how.along
+        plant = along.plant if run.plant is along.plant else along.having(self.acting | along.acts(one.values), True)
+        state, parameters = from_array(plant.State, run.states.T), along.parameters_of(plant, one.values)
+        return replace(
+            run, measurements=np.column_stack(np.broadcast_arrays(run.time, *plant.measure(state, parameters))[1:])
+        )
 
 
 class _Spent:
