@@ -1,5 +1,6 @@
 """Simulations of a diagnosis that are asked for together: the same bits as each for itself."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from threading import Barrier
@@ -59,9 +60,9 @@ def test_what_is_asked_for_twice_is_simulated_once(made: Made, monkeypatch: pyte
     monkeypatch.setattr(together, "_memory", together._Memory())
     counted = list[int]()
 
-    def counting(chunk: together._Chunk) -> list[list[np.ndarray]]:
+    def counting(chunk: together._Chunk, shown: Mapping[Asked, Sequence[Asked]]) -> dict[Asked, list[np.ndarray]]:
         counted.append(len(chunk.asked))
-        return simulated(chunk)
+        return simulated(chunk, shown)
 
     simulated = together._Chunk.errors
     monkeypatch.setattr(together._Chunk, "errors", counting)

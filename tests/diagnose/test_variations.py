@@ -9,6 +9,8 @@ import pandas as pd
 import pytest
 from diagnosis.generator import make_experiment
 from driven import driven_shooting
+from family.cases import NONE, make_cases
+from family.making import make
 from numpy.typing import ArrayLike
 
 from plants.effects.attach import possible
@@ -93,6 +95,23 @@ def test_what_pushes_by_itself_makes_what_simulations_show(
     (told,) = varied.having(how, effect, [{**plain, **changed}], plain)
     base, there = errors_of([Asked(how, motion, each) for each in (plain, {**plain, **changed})])
     assert 1.0 < np.linalg.norm(np.subtract(there, base)) < 300.0, "felt, and not much more"
+    assert off(np.subtract(there, base), told) < NEARLY
+
+
+def test_what_pushes_on_a_turning_axis_makes_what_simulations_show(tmp_path: Path) -> None:
+    case = next(case for case in make_cases("tuning", [NONE]) if case.machine == "rotary")
+    experiment = read_experiment(make(case, tmp_path))
+    (motion,) = motions_of(experiment, read_records(experiment, "fit"))
+    how, values = shooting_of(experiment, [motion], held=True), declared_values(experiment)
+    assert how is not None
+    how = how.with_tolerance(1e-9)
+    (varied,) = variations_of(how, Fitting([motion], (), {}).begun(how, values).fit)
+    spring, (name,) = effects("rad")["spring_load"], effects("rad")["spring_load"].own_names
+    unit = {**values, name: 1e-6 * how.scales.force}
+    felt = np.linalg.norm(varied.having(how, spring, [unit], values)[0])
+    small = {**values, name: unit[name] / felt}
+    (told,) = varied.having(how, spring, [small], values)
+    base, there = errors_of([Asked(how, motion, each) for each in (values, small)])
     assert off(np.subtract(there, base), told) < NEARLY
 
 

@@ -24,7 +24,7 @@ from plants.compiled import njit
 from plants.effects.attach import possible
 from plants.effects.interface import Change, Effect
 from plants.effects.moment import moment_of
-from plants.equation import fields, from_array, to_array
+from plants.equation import fields, from_array, members, to_array
 from plants.laws.interface import Nothing
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
@@ -198,7 +198,7 @@ class Varied:
         first, *starts = (self._start(how, values) for values in (than, *several))
         found = [self._begun(np.column_stack(starts) - first[:, None])]
         for name, change in effect.inputs.items():
-            found.append(self._added(self._adds(plant.input_index(name)), more(change)))
+            found.append(self._added(self._adds(members(plant.Inputs).index(name)), more(change)))
         names = [item.name for item in fields(plant.State)]
         for place, name in enumerate(names[own] for own in self.own):
             if name in effect.rates:
