@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from plants.equation import fields, replaced
-from plants.interface import SENSORS, Measurement
+from plants.equation import fields, from_array, replaced, to_array
+from plants.interface import SENSORS, Measurement, Plant
 from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
@@ -32,6 +32,20 @@ WINDOW, WARM = 6.0, 3.0
 """s of a `SLOW` record, in which a position that is integrated from its inputs drifts: so long a simulation is compared
 before it starts anew, and for which it runs before that. What a plant remembers of its inputs is then right, and of the
 position only an offset is not, which every fit finds."""
+
+BRISTLES, BENT = "bristle_deflection", 1e-9
+"""The state of a contact that carries a force at rest, linear in it; and by how much (m) it is bent to see so."""
+
+FIRST = 20
+"""Samples of which the mean is what a record begins with."""
+
+PRESSURES = ("pressure_1", "pressure_2", "load_pressure")
+"""States of a plant: of its chambers, or the one less the other."""
+
+SURELY, LEAST = 5.0, 1e-3
+"""Standard deviations of that mean by which pressures differ from those of a plant at rest if they are surely others,
+and the least share of them.
+"""
 
 INTEGRATORS = (Integrator("rk4", 1e-4), Integrator())
 """Fixed steps come first: their error is as smooth in the parameters as the solution, where that of an error-controlled
@@ -129,7 +143,8 @@ def observe(record: Record, experiment: Experiment, *, held: bool = False) -> Ob
     )
     measured = {name: averaged(np.where(record.valid, channels[name], np.nan), count) for name in outputs}
     inputs_key = b"".join(feed.signal(record.time)[0].tobytes() for feed in feeds)
-    about = (record.rpm, round(float(state.position), 3), float(state.velocity), outputs, held)
+    pressures = [float(getattr(state, name)) for name in PRESSURES if name in state._fields]
+    about = (record.rpm, round(float(state.position), 3), float(state.velocity), *pressures, outputs, held)
     key = inputs_key + repr(about).encode()
     time = averaged(record.time, count)
     return Observed(record, record, 0, time, measured, count, setup, key, every, held=held)
@@ -209,14 +224,52 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
     position = record.channels.get("position")
     if position is not None:
         # To the millimetre: the rest is an offset that every fit finds, and repeats can share a simulation.
-        state = state._replace(position=round(float(np.nanmean(position[:20])), 3))
+        state = state._replace(position=round(float(np.nanmean(position[:FIRST])), 3))
         if record.piece:  # it begins wherever the record before it was lost, and not at rest
             first = slice(window_points(record.sample_time))
             state = state._replace(velocity=_slope(record.time[first], position[first]))
+    if pressures := _pressures(record, state):
+        state = _carrying(experiment.plant, parameters, state._replace(**pressures), inputs)
     fed = {item.name: 0.0 for item in fields(experiment.plant.Inputs) if item.name in record.channels}
     fed |= {experiment.plant.command: 0.0}
     fed |= dict.fromkeys(experiment.plant.delayed, _first_command(experiment, record))
     return state, replaced(inputs, fed)
+
+
+def _pressures(record: Record, state: Any) -> dict[str, float]:
+    """Pressures (Pa) of a plant that a record shows where it begins, if they are surely none that balance the load: a
+    closed valve holds any.
+    """
+    first = slice(min(FIRST, window_points(record.sample_time)))
+    shown = {name: record.channels[name][first] for name in PRESSURES[:2] if name in record.channels}
+    if len(shown) == 2:
+        shown[PRESSURES[2]] = shown[PRESSURES[0]] - shown[PRESSURES[1]]
+    begin, surely = dict[str, float](), False
+    for name, values in shown.items():
+        known = values[np.isfinite(values)]
+        if name in state._fields and known.size:
+            begin[name] = float(np.mean(known))
+            off = abs(begin[name] - getattr(state, name))
+            surely |= off > max(SURELY * float(np.std(known)) / known.size**0.5, LEAST * abs(begin[name]))
+    return begin if surely else {}
+
+
+def _carrying(plant: Plant, parameters: Numbers, state: Any, inputs: Any) -> Any:
+    """The state of a plant with bristles that carry what pressures and load leave to them: the mass rests."""
+    names, x = [item.name for item in fields(plant.State)], to_array(state)
+    if BRISTLES not in names:
+        return state
+    place = names.index(BRISTLES)
+
+    def accelerated(bend: float) -> float:
+        x[place] = bend
+        bent = from_array(plant.State, x.tolist())
+        return float(plant.derivatives(0.0, bent, inputs, parameters).velocity)
+
+    first = float(x[place])
+    at_first, beside = accelerated(first), accelerated(first + BENT)
+    x[place] = first if beside == at_first else first - BENT * at_first / (beside - at_first)
+    return from_array(plant.State, x.tolist())
 
 
 def _first_command(experiment: Experiment, record: Record) -> float:

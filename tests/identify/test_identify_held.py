@@ -1,0 +1,86 @@
+"""A record that begins with a rod that rests under pressures which a closed valve holds."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from command import write
+from experiments import identify
+
+from plants.equation import replaced
+from plants.registry import plants
+from workbench.fitting.replay import Sampled, observe
+from workbench.parameters.sets import build, named_sets, read_parameters
+from workbench.records.experiment import read_experiment
+from workbench.records.reading import read_records
+from workbench.simulation.references import Multisine
+from workbench.simulation.setup import Feed, Integrator, Setup
+from workbench.simulation.simulate import simulate
+
+EXPERIMENT = """\
+title = "from a held rest"
+[plant]
+model = "non_rotating"
+parameters = "owen2001_simulation"
+[fit]
+free = ["coulomb", "viscous"]
+[channels]
+time = { column = "t", unit = "s" }
+valve_voltage = { column = "u", unit = "V" }
+position = { column = "x", unit = "m" }
+pressure_1 = { column = "p1", unit = "Pa" }
+pressure_2 = { column = "p2", unit = "Pa" }
+[[records]]
+file = "record.csv"
+"""
+
+NOISE = {"x": 2e-6, "p1": 2e3, "p2": 2e3}
+"""m, Pa."""
+
+HELD = 3e5
+"""Pa between the chambers: half of what breaks the rod away."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The thesis's rig moved by its valve after half a second of rest, its friction 1.15 and 0.9 times as declared."""
+    made = tmp_path_factory.mktemp("held")
+    plant, values = plants()["two_chamber"], read_parameters(named_sets()["owen2001_simulation"])
+    values = {**values, "coulomb": 1.15 * values["coulomb"], "viscous": 0.9 * values["viscous"]}
+    parameters = build(plant.Parameters, values)
+    state, inputs = plant.equilibrium(parameters, 0.0)
+    first = {"pressure_1": state.pressure_1 + 0.5 * HELD, "pressure_2": state.pressure_2 - 0.5 * HELD}
+    carried = HELD * values["piston_area_1"] / values["bristle_stiffness"]
+    state = replaced(state, {**first, "bristle_deflection": carried})
+    time = 1e-3 * np.arange(6001)
+    command = np.where(time > 0.5, Multisine(1.5, 0.5, (1, 2, 3))(time - 0.5)[0], 0.0)
+    feed = Feed(plant.command, Sampled(time, command), linear=False)
+    run = simulate(Setup(plant, parameters, state, inputs, 6.0, feeds=(feed,), integrator=Integrator(tolerance=1e-9)))
+    draw = np.random.default_rng(4)
+    shown = {"x": run.state("position"), "p1": run.state("pressure_1"), "p2": run.state("pressure_2")}
+    noisy = {name: signal + NOISE[name] * draw.standard_normal(signal.size) for name, signal in shown.items()}
+    pd.DataFrame({"t": time, "u": command, **noisy}).to_csv(made / "record.csv", index=False)
+    write(made, EXPERIMENT, "experiment.toml")
+    return made
+
+
+def test_the_simulation_begins_as_the_record_does(folder: Path) -> None:
+    experiment = read_experiment(folder / "experiment.toml")
+    seen = observe(read_records(experiment)[0], experiment)
+    shown = seen.predicted(experiment, {})
+    assert shown is not None
+    rest = seen.time < 0.4
+    for name in ("pressure_1", "pressure_2"):
+        assert np.max(np.abs(shown[name] - seen.measured[name])[rest]) < 5e3, "Pa, of 300 kPa that are held"
+    assert np.ptp(shown["position"][rest]) < 1e-6, "it rests"
+
+
+def test_friction_is_found_from_a_held_rest(folder: Path) -> None:
+    assert identify(folder, EXPERIMENT, "simulation").code == 0
+    found = json.loads((folder / "out/identified.json").read_text(encoding="utf-8"))
+    for name, share in (("coulomb", 1.15), ("viscous", 0.9)):
+        one = found["parameters"][name]
+        assert abs(one["simulation"]["value"] - share * one["declared"]) < 4.0 * one["simulation"]["std"]
+        assert one["simulation"]["std"] < 0.2 * one["declared"]
