@@ -214,8 +214,9 @@ class Varied:
 
     def _adds(self, place: int) -> np.ndarray:
         """What a unit of an input adds to the rates at each sample, (samples, states)."""
-        size = NUDGED * max(float(np.max(np.abs(self.inputs[:, place]))), 1.0)
-        derivatives, parameters = plant_addresses(self.run.plant)[0], to_array(self.run.parameters)
+        plant = self.run.plant
+        size = NUDGED * self.asked.how.push_scale(place == plant.input_index(plant.command))
+        derivatives, parameters = plant_addresses(plant)[0], to_array(self.run.parameters)
         states, pushed = np.ascontiguousarray(self.run.states), self.inputs.copy()
         pushed[:, place] += size
         before, after = (
