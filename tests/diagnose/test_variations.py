@@ -145,6 +145,9 @@ def test_what_starts_more_than_once_or_a_loop_leads_answers_nothing(made: Made) 
     how, motion, values = made
     assert Varied.of(Asked(replace(how, length=1.0), motion, values)) is None
     assert Varied.of(Asked(how.led([motion], values, 50.0), motion, values)) is None
+    assert Varied.of(Asked(how, motion, {**values, "memory_time": 0.02})) is None, (
+        "what remembers has states of its own"
+    )
 
 
 def test_what_is_not_as_first_order_tells_is_not_told(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """A record that begins with a rod that rests under pressures which a closed valve holds."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,3 +84,15 @@ def test_friction_is_found_from_a_held_rest(folder: Path) -> None:
     one = found["parameters"]["coulomb"]
     assert abs(one["simulation"]["value"] - 1.15 * one["declared"]) < 4.0 * one["simulation"]["std"]
     assert one["simulation"]["std"] < 0.2 * one["declared"]
+
+
+def test_pressures_that_no_contact_holds_are_not_begun_with(folder: Path) -> None:
+    """A sensor's offset: the rod rests, as it did before that was looked at."""
+    experiment = read_experiment(folder / "experiment.toml")
+    (record,) = read_records(experiment)
+    off = replace(record, channels={**record.channels, "pressure_1": record.channels["pressure_1"] + 10.0 * HELD})
+    lost = record.channels["pressure_1"].copy()
+    lost[:20] = np.nan
+    for spoiled in (off, replace(record, channels={**record.channels, "pressure_1": lost})):
+        state = observe(spoiled, experiment).setup.state
+        assert state.load_pressure == pytest.approx(0.0), "balanced"

@@ -229,7 +229,8 @@ def _start(experiment: Experiment, record: Record, parameters: Numbers) -> tuple
             first = slice(window_points(record.sample_time))
             state = state._replace(velocity=_slope(record.time[first], position[first]))
     if pressures := _pressures(record, state):
-        state = _carrying(experiment.plant, parameters, state._replace(**pressures), inputs)
+        held = _carrying(experiment.plant, parameters, state._replace(**pressures), inputs)
+        state = state if held is None else held  # a sensor's offset may be more than any contact holds
     fed = {item.name: 0.0 for item in fields(experiment.plant.Inputs) if item.name in record.channels}
     fed |= {experiment.plant.command: 0.0}
     fed |= dict.fromkeys(experiment.plant.delayed, _first_command(experiment, record))
@@ -251,12 +252,16 @@ def _pressures(record: Record, state: Any) -> dict[str, float]:
             begin[name] = float(np.mean(known))
             off = abs(begin[name] - getattr(state, name))
             surely |= off > max(SURELY * float(np.std(known)) / known.size**0.5, LEAST * abs(begin[name]))
-    return begin if surely else {}
+    unknown = [name for name in PRESSURES if name in state._fields and name not in begin]
+    return begin if surely and not unknown else {}
 
 
 def _carrying(plant: Plant, parameters: Numbers, state: Any, inputs: Any) -> Any:
-    """The state of a plant with bristles that carry what pressures and load leave to them: the mass rests."""
+    """The state of a plant with bristles that carry what pressures and load leave to them: the mass rests; None where
+    that is more than breaks it away.
+    """
     names, x = [item.name for item in fields(plant.State)], to_array(state)
+    known = dict(zip([item.name for item in fields(plant.Parameters)], to_array(parameters).tolist(), strict=True))
     if BRISTLES not in names:
         return state
     place = names.index(BRISTLES)
@@ -269,7 +274,8 @@ def _carrying(plant: Plant, parameters: Numbers, state: Any, inputs: Any) -> Any
     first = float(x[place])
     at_first, beside = accelerated(first), accelerated(first + BENT)
     x[place] = first if beside == at_first else first - BENT * at_first / (beside - at_first)
-    return from_array(plant.State, x.tolist())
+    most = (known["coulomb"] + known["stribeck"]) / known["bristle_stiffness"]
+    return from_array(plant.State, x.tolist()) if abs(x[place]) <= most else None
 
 
 def _first_command(experiment: Experiment, record: Record) -> float:

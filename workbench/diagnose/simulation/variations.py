@@ -45,10 +45,13 @@ STEP, MOST_STEPS = 1.0, 8
 of what has play a derivative tells nothing.
 """
 
-FELT, RIGHT = 30.0, 0.1
+FELT, RIGHT = 10.0, 0.25
 """Standard deviations of noise that a push makes by which it is seen whether first order is right, and the share of
 that by which it may be off.
 """
+
+ALONG, NODES = ("position", "velocity"), 8
+"""Signals over which pushes go up and down by which that is seen, and how often."""
 
 LOOKED = 500
 """States along a simulation among which its fastest rate is looked for."""
@@ -123,8 +126,8 @@ class Varied:
 
     @classmethod
     def of(cls, asked: Asked) -> "Varied | None":
-        """None of one that starts more than once, diverges, is stiff, led by a loop that sees what it does, or of which
-        first order tells too little.
+        """None of one that starts more than once, diverges, is stiff, led by a loop that sees what it does, has effects
+        that remember, or of which first order tells too little.
         """
         how, motion, values = asked.how, asked.motion, asked.values
         if how.is_led(motion) or not np.isinf(how.length):
@@ -145,7 +148,7 @@ class Varied:
             return np.asarray(rates_along(derivatives, time, np.ascontiguousarray(states), under, parameters))
 
         steps = max(int(np.ceil(span * fastest(rates, states[rows], places, nudges) / STEP)), 1)
-        if steps > MOST_STEPS:
+        if steps > MOST_STEPS or places.size < len(names):
             return None
         sampling = derivatives, parameters, places, nudges, 0, 1.0, span, steps
         shown = _shown(asked, run, places, nudges)
@@ -154,15 +157,22 @@ class Varied:
         return varied if np.all(np.isfinite(first)) and varied._is_right() else None
 
     def _is_right(self) -> bool:
-        """Whether a push that is well felt changes a simulation as it should to first order."""
+        """Whether pushes that are well felt change simulations as they should to first order: constant, and up and down
+        over position and velocity; on the mass and on the command, if a valve has one.
+        """
         how, record = self.asked.how, self.asked.motion.record
-        on_command, push = not how.takes_a_force, np.ones(record.time.size)
-        (told,) = self.pushed([push], on_command)
-        size = FELT / max(float(np.linalg.norm(told)), 1e-30)
-        pushed = replace(self.asked, how=replace(how, push=Push(on_command, {record: size * push})))
-        base, there = errors_of([self.asked, pushed])
-        off = np.subtract(there, base) - size * np.array(told)
-        return bool(np.linalg.norm(off) < RIGHT * FELT)
+        names = [item.name for item in fields(self.run.plant.State)]
+        series = [np.ones(record.time.size), *(_zigzag(self.run.states[:, names.index(name)]) for name in ALONG)]
+        for on_command in [False] * how.takes_a_force + [True] * (how.has_valve or not how.takes_a_force):
+            told = [np.array(one) for one in self.pushed(series, on_command)]
+            sizes = [FELT / max(float(np.linalg.norm(one)), 1e-30) for one in told]
+            pushes = [Push(on_command, {record: size * one}) for size, one in zip(sizes, series, strict=True)]
+            pushed = [replace(self.asked, how=replace(how, push=push)) for push in pushes]
+            base, *there = errors_of([self.asked, *pushed])
+            off = [np.subtract(one, base) - size * own for one, size, own in zip(there, sizes, told, strict=True)]
+            if not all(np.linalg.norm(one) < RIGHT * FELT for one in off):
+                return False
+        return True
 
     def pushed(self, several: Sequence[np.ndarray], on_command: bool) -> list[list[np.ndarray]]:
         """What pushes (samples,) on the mass, or on the command, add to what the simulation is off by, as
@@ -249,6 +259,12 @@ class Varied:
         sizes = np.sqrt(np.diff(np.append(self._edges, self.run.time.size)))
         noises = [how.noise(motion, name) for name in how.channels]
         return [[-sums[:, k, m] / sizes / noise for k, noise in enumerate(noises)] for m in range(sums.shape[-1])]
+
+
+def _zigzag(values: np.ndarray) -> np.ndarray:
+    """Up and down over a signal, between -1 and 1 at even shares of its values."""
+    nodes = np.unique(np.quantile(values, np.linspace(0.0, 1.0, NODES)))
+    return np.asarray(np.interp(values, nodes, (-1.0) ** np.arange(nodes.size)))
 
 
 def _shown(asked: Asked, run: Run, places: np.ndarray, nudges: np.ndarray) -> np.ndarray:
