@@ -84,6 +84,7 @@ def without_effects(stage: ResidualStage) -> BalanceResult:
     return force.withdrawn()
 
 
+@pytest.mark.thorough
 def test_what_no_effect_is_becomes_a_curve_beside_the_effects_of_other_balances(tmp_path: Path) -> None:
     """The floor was that of parameters that make up for the force, and hid it. An effect of the flow is no number that
     is held: what is written has it, and its deviation.
