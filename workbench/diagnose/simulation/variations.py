@@ -154,7 +154,8 @@ class Varied:
         shown = _shown(asked, run, places, nudges)
         first, rated = _in_blocks(sampling, run.time, states, inputs, shown, motion.thinning)
         varied = cls(asked, run, inputs, places, first, rated)
-        return varied if np.all(np.isfinite(first)) and varied._is_right() else None
+        with np.errstate(over="ignore", invalid="ignore"):  # what runs away to first order is not right
+            return varied if np.all(np.isfinite(first)) and varied._is_right() else None
 
     def _is_right(self) -> bool:
         """Whether pushes that are well felt change simulations as they should to first order: constant, and up and down
