@@ -5,10 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from command import write
-from experiments import identify
+from experiments import CHANNELS, identify, save_record
 
 from plants.equation import replaced
 from plants.registry import plants
@@ -20,25 +19,16 @@ from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Integrator, Setup
 from workbench.simulation.simulate import simulate
 
-EXPERIMENT = """\
+EXPERIMENT = f"""\
 title = "from a held rest"
 [plant]
 model = "non_rotating"
 parameters = "owen2001_simulation"
 [fit]
 free = ["coulomb"]
-[channels]
-time = { column = "t", unit = "s" }
-valve_voltage = { column = "u", unit = "V" }
-position = { column = "x", unit = "m" }
-pressure_1 = { column = "p1", unit = "Pa" }
-pressure_2 = { column = "p2", unit = "Pa" }
-[[records]]
-file = "record.csv"
+{CHANNELS}[[records]]
+file = "record.parquet"
 """
-
-NOISE = {"x": 2e-6, "p1": 2e3, "p2": 2e3}
-"""m, Pa."""
 
 HELD = 3e5
 """Pa between the chambers: half of what breaks the rod away."""
@@ -59,10 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     command = np.where(time > 0.5, Multisine(1.5, 0.5, (1, 2, 3))(time - 0.5)[0], 0.0)
     feed = Feed(plant.command, Sampled(time, command), linear=False)
     run = simulate(Setup(plant, parameters, state, inputs, 3.0, feeds=(feed,), integrator=Integrator(tolerance=1e-9)))
-    draw = np.random.default_rng(4)
-    shown = {"x": run.state("position"), "p1": run.state("pressure_1"), "p2": run.state("pressure_2")}
-    noisy = {name: signal + NOISE[name] * draw.standard_normal(signal.size) for name, signal in shown.items()}
-    pd.DataFrame({"t": time, "u": command, **noisy}).to_csv(made / "record.csv", index=False)
+    save_record(made / "record.parquet", run, 4)
     write(made, EXPERIMENT, "experiment.toml")
     return made
 

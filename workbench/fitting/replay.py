@@ -261,7 +261,6 @@ def _carrying(plant: Plant, parameters: Numbers, state: Any, inputs: Any) -> Any
     that is more than breaks it away.
     """
     names, x = [item.name for item in fields(plant.State)], to_array(state)
-    known = dict(zip([item.name for item in fields(plant.Parameters)], to_array(parameters).tolist(), strict=True))
     if BRISTLES not in names:
         return state
     place = names.index(BRISTLES)
@@ -274,8 +273,14 @@ def _carrying(plant: Plant, parameters: Numbers, state: Any, inputs: Any) -> Any
     first = float(x[place])
     at_first, beside = accelerated(first), accelerated(first + BENT)
     x[place] = first if beside == at_first else first - BENT * at_first / (beside - at_first)
-    most = (known["coulomb"] + known["stribeck"]) / known["bristle_stiffness"]
-    return from_array(plant.State, x.tolist()) if abs(x[place]) <= most else None
+    values = dict(zip([item.name for item in fields(plant.Parameters)], to_array(parameters).tolist(), strict=True))
+    return from_array(plant.State, x.tolist()) if abs(x[place]) <= breakaway_bend(values) else None
+
+
+def breakaway_bend(values: Mapping[str, float]) -> float:
+    """(F_c + F_s) / sigma0 (m), at which bristles break away; infinite of a contact without."""
+    stiffness = values.get("bristle_stiffness", 0.0)
+    return (values["coulomb"] + values["stribeck"]) / stiffness if stiffness > 0.0 else np.inf
 
 
 def _first_command(experiment: Experiment, record: Record) -> float:

@@ -82,7 +82,7 @@ class Balance:
         something wherever all samples from one instant to the next are known.
         """
         if self.name == SIMULATION:
-            return np.logical_and.reduceat(motion.record.valid, np.arange(0, motion.time.size, motion.thinning))
+            return np.logical_and.reduceat(motion.record.valid, motion.instants)
         thin = motion.thinned
         return thin.valid & ~thin.blurred
 

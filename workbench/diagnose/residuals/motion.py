@@ -114,6 +114,11 @@ class Motion:
         """Every how many samples a fit looks at."""
         return max(self.grain // self.finer, 1)
 
+    @cached_property
+    def instants(self) -> np.ndarray:
+        """The samples of a fit's instants: every `thinning`."""
+        return np.arange(0, self.record.time.size, self.thinning)
+
     @property
     def stride(self) -> int:
         """Every how many samples a plant goes along: a divisor of the thinning."""

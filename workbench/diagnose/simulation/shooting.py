@@ -29,7 +29,7 @@ from workbench.diagnose.simulation.leading import led, quickest
 from workbench.diagnose.simulation.stiffness import method_for
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.diagnose.simulation.variations import errors_near
-from workbench.fitting.replay import Sampled
+from workbench.fitting.replay import BRISTLES, Sampled, breakaway_bend
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate_together
 
@@ -42,9 +42,8 @@ NUDGED = 1e-2
 ASIDE = 0.3
 """Standard deviations along a record by which a state may start beside what was measured, at most."""
 
-BENDS, BENT = "bristle_deflection", 3.0
-"""The state of a contact that carries a force, and times the deflection at which it breaks away that one may begin
-beside what the balance of forces asks of it.
+BENT = 3.0
+"""Times the deflection at which a contact breaks away that one may begin beside what the balance of forces asks of it.
 """
 
 MOST_PIECES = 30
@@ -155,18 +154,14 @@ class Shooting:
         followed = self._followed(motion)
         if followed is not None:
             errors = errors / followed.spread.reshape(-1, *(1,) * (errors.ndim - 1))
-        edges = np.arange(0, motion.record.time.size, motion.thinning)
-        sizes = np.diff(np.append(edges, motion.record.time.size))
         told = np.where(tells.reshape(-1, *(1,) * (errors.ndim - 1)), errors, 0.0)
-        return (
-            np.add.reduceat(told, edges)
-            / np.sqrt(sizes).reshape(-1, *(1,) * (errors.ndim - 1))
-            / self.noise(motion, name)
-        )
+        return self.of_sums(motion, name, np.add.reduceat(told, motion.instants))
 
-    def noise(self, motion: Motion, name: str) -> float:
-        """Standard deviation of what counts as noise of a channel."""
-        return max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
+    def of_sums(self, motion: Motion, name: str, sums: np.ndarray) -> np.ndarray:
+        """The same of sums of errors of a channel over these times, shape (instants, ...)."""
+        sizes = np.diff(np.append(motion.instants, motion.record.time.size))
+        noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
+        return np.asarray(sums / np.sqrt(sizes).reshape(-1, *(1,) * (sums.ndim - 1)) / noise)
 
     def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
@@ -221,9 +216,7 @@ class Shooting:
         def farthest(name: str) -> float:
             if shown(motion.channels, name):
                 return ASIDE * float(np.std(state_along(name, motion, values)))
-            if name == BENDS and values.get("bristle_stiffness", 0.0) > 0.0:
-                return BENT * (values["coulomb"] + values["stribeck"]) / values["bristle_stiffness"]
-            return np.inf
+            return BENT * breakaway_bend(values) if name == BRISTLES else np.inf
 
         reach = np.tile([farthest(name) for name in self.along.names], (len(self.starts(motion)), 1))
         reach[0] += np.maximum(np.abs(self._sensed(motion)), np.abs(self._rested(motion, values)))

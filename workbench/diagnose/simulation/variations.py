@@ -41,9 +41,7 @@ if TYPE_CHECKING:
     from workbench.diagnose.simulation.shooting import Shooting
 
 STEP, MOST_STEPS = 1.0, 8
-"""Step within a sample over one over the plant's fastest rate, and steps at most: more cost more than they save, and
-of what has play a derivative tells nothing.
-"""
+"""Step within a sample over one over the plant's fastest rate, and steps at most: more cost more than they save."""
 
 FELT, RIGHT = 10.0, 0.25
 """Standard deviations of noise that a push makes by which it is seen whether first order is right, and the share of
@@ -67,14 +65,13 @@ REMEMBERED = 4
 def _in_blocks(
     plant: Sampling, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, shown: np.ndarray, size: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What states (those of the plant's own) before blocks of so many samples make of the sums of what is shown in them
-    and of the states behind them, (blocks, states + channels, states), and what rates make of these, (samples, states +
-    channels, states).
+    """What states before blocks of so many samples make of the sums of what is shown in them and of the states behind
+    them, (blocks, states + channels, states), and what rates make of these, (samples, states + channels, states).
 
     Args:
         plant: as it goes over a sample.
         time: s, shape (samples,).
-        states: whole ones along the simulation, shape (samples, all).
+        states: along the simulation, shape (samples, states).
         inputs: held over each sample, shape (samples, inputs).
         shown: what each state adds to what sensors show, C, shape (samples, channels, states).
         size: of a block.
@@ -114,13 +111,12 @@ def _over_blocks(first: np.ndarray, added: np.ndarray, start: np.ndarray, count:
 @dataclass(frozen=True, eq=False)
 class Varied:
     """A simulation along a record from end to end, and how it answers: inputs as they act over each sample (samples,
-    inputs), the places of the plant's own states, and what `_in_blocks` gives.
+    inputs), and what `_in_blocks` gives.
     """
 
     asked: Asked
     run: Run
     inputs: np.ndarray
-    own: np.ndarray
     first: np.ndarray
     rated: np.ndarray
 
@@ -133,13 +129,12 @@ class Varied:
         if how.is_led(motion) or not np.isinf(how.length):
             return None
         ((_, run),) = how.runs(motion, values)
-        if run.diverged:
+        names = [item.name for item in fields(run.plant.State)]
+        if run.diverged or not {*names} <= {*how.own}:
             return None
         inputs = held_inputs(how.setups[motion.record], how.along, motion, values)
-        names, span = [item.name for item in fields(run.plant.State)], motion.record.sample_time
-        places = np.array([place for place, name in enumerate(names) if name in how.own])
-        sizes = how.along.magnitudes(motion, values)[[how.along.names.index(names[place]) for place in places]]
-        nudges = NUDGED * sizes
+        sizes = how.along.magnitudes(motion, values)[[how.along.names.index(name) for name in names]]
+        nudges, places, span = NUDGED * sizes, np.arange(len(names)), motion.record.sample_time
         derivatives, parameters = plant_addresses(run.plant)[0], to_array(run.parameters)
         states, rows = np.ascontiguousarray(run.states), slice(None, None, -(-run.time.size // LOOKED))
         time, under = np.ascontiguousarray(run.time[rows]), np.ascontiguousarray(inputs[rows])
@@ -148,12 +143,12 @@ class Varied:
             return np.asarray(rates_along(derivatives, time, np.ascontiguousarray(states), under, parameters))
 
         steps = max(int(np.ceil(span * fastest(rates, states[rows], places, nudges) / STEP)), 1)
-        if steps > MOST_STEPS or places.size < len(names):
+        if steps > MOST_STEPS:
             return None
         sampling = derivatives, parameters, places, nudges, 0, 1.0, span, steps
-        shown = _shown(asked, run, places, nudges)
+        shown = _shown(asked, run, nudges)
         first, rated = _in_blocks(sampling, run.time, states, inputs, shown, motion.thinning)
-        varied = cls(asked, run, inputs, places, first, rated)
+        varied = cls(asked, run, inputs, first, rated)
         with np.errstate(over="ignore", invalid="ignore"):  # what runs away to first order is not right
             return varied if np.all(np.isfinite(first)) and varied._is_right() else None
 
@@ -210,18 +205,17 @@ class Varied:
         found = [self._begun(np.column_stack(starts) - first[:, None])]
         for name, change in effect.inputs.items():
             found.append(self._added(self._adds(members(plant.Inputs).index(name)), more(change)))
-        names = [item.name for item in fields(plant.State)]
-        for place, name in enumerate(names[own] for own in self.own):
-            if name in effect.rates:
-                adds = np.zeros((size, self.own.size))
+        for place, item in enumerate(fields(plant.State)):
+            if item.name in effect.rates:
+                adds = np.zeros_like(self.run.states)
                 adds[:, place] = 1.0
-                found.append(self._added(adds, more(effect.rates[name])))
+                found.append(self._added(adds, more(effect.rates[item.name])))
         return self._in_noise(np.sum(found, axis=0))
 
     def _start(self, how: "Shooting", values: Values) -> np.ndarray:
         """Where a simulation with other values starts."""
         ((_, setup),) = how.pieces(self.asked.motion, values, self.run.plant)
-        return to_array(setup.state)[self.own]
+        return to_array(setup.state)
 
     def _adds(self, place: int) -> np.ndarray:
         """What a unit of an input adds to the rates at each sample, (samples, states)."""
@@ -233,7 +227,7 @@ class Varied:
         before, after = (
             rates_along(derivatives, self.run.time, states, inputs, parameters) for inputs in (self.inputs, pushed)
         )
-        return np.asarray((after - before)[:, self.own] / size)
+        return np.asarray((after - before) / size)
 
     def _begun(self, starts: np.ndarray) -> np.ndarray:
         """What changes of the start (states, changes) add to the sums of what is shown (blocks, channels, changes)."""
@@ -246,20 +240,16 @@ class Varied:
         """
         series = series if held else 0.5 * (series + np.append(series[1:], series[-1:], axis=0))
         made, count = np.einsum("kij,kj->ki", self.rated, adds), adds.shape[1]
-        added = np.stack([np.add.reduceat(made * one[:, None], self._edges, axis=0) for one in series.T], axis=-1)
+        added = np.stack(
+            [np.add.reduceat(made * one[:, None], self.asked.motion.instants, axis=0) for one in series.T], axis=-1
+        )
         return np.asarray(_over_blocks(self.first, added, np.zeros((count, series.shape[1])), count))
-
-    @property
-    def _edges(self) -> np.ndarray:
-        """The first samples of the blocks."""
-        return np.arange(0, self.run.time.size, self.asked.motion.thinning)
 
     def _in_noise(self, sums: np.ndarray) -> list[list[np.ndarray]]:
         """Sums of what is shown as each change adds them to what the simulation is off by."""
         how, motion = self.asked.how, self.asked.motion
-        sizes = np.sqrt(np.diff(np.append(self._edges, self.run.time.size)))
-        noises = [how.noise(motion, name) for name in how.channels]
-        return [[-sums[:, k, m] / sizes / noise for k, noise in enumerate(noises)] for m in range(sums.shape[-1])]
+        off = [how.of_sums(motion, name, -sums[:, place]) for place, name in enumerate(how.channels)]
+        return [[one[:, change] for one in off] for change in range(sums.shape[-1])]
 
 
 def _zigzag(values: np.ndarray) -> np.ndarray:
@@ -268,19 +258,16 @@ def _zigzag(values: np.ndarray) -> np.ndarray:
     return np.asarray(np.interp(values, nodes, (-1.0) ** np.arange(nodes.size)))
 
 
-def _shown(asked: Asked, run: Run, places: np.ndarray, nudges: np.ndarray) -> np.ndarray:
-    """What a unit of each state at `places` adds to what sensors show, C, (samples, channels, states)."""
+def _shown(asked: Asked, run: Run, nudges: np.ndarray) -> np.ndarray:
+    """What a unit of each state adds to what each channel's sensor shows, C, (samples, channels, states)."""
     plant, channels = run.plant, asked.how.channels
 
     def seen(states: np.ndarray) -> np.ndarray:
         shown = plant.measure(from_array(plant.State, states.T), run.parameters)
         return np.column_stack([np.broadcast_to(getattr(shown, name), run.time.shape) for name in channels])
 
-    base, moved = seen(run.states), list[np.ndarray]()
-    for place, nudge in zip(places, nudges, strict=True):
-        states = run.states.copy()
-        states[:, place] += nudge
-        moved.append((seen(states) - base) / nudge)
+    base = seen(run.states)
+    moved = [(seen(run.states + move) - base) / nudge for move, nudge in zip(np.diag(nudges), nudges, strict=True)]
     return np.stack(moved, axis=-1)
 
 
