@@ -157,12 +157,6 @@ class Effect:
         return bool(self.readings) and len(self.equations) == len(self.readings)
 
     @property
-    def pushes(self) -> bool:
-        """Whether it adds a force on the mass, or to rates, at each instant by itself, and changes nothing besides."""
-        changes = [*(self.inputs.keys() - {DISTURBANCE}), *self.parameters, *self.readings]
-        return bool(self.inputs or self.rates) and not changes and self.remember is None
-
-    @property
     def meaning(self) -> str:
         """What the parameters that it brings mean, on one line; "" where their class does not say."""
         text = " ".join((self.Own.__doc__ or "").split())

@@ -19,14 +19,12 @@ from plants.effects.interface import Effect
 from plants.effects.registry import effects
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.simulation import variations
-from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
-from workbench.diagnose.simulation.variations import Varied, errors_near, variations_of
+from workbench.diagnose.simulation.variations import Varied, errors_near
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 
@@ -49,9 +47,10 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return how.with_tolerance(1e-9), motion, values
 
 
-def fitted(made: Made, values: dict[str, float] | None = None) -> Fit:
-    how, motion, declared = made
-    return Fitting([motion], (), {}).begun(how, declared if values is None else values).fit
+def answering(how: Shooting, motion: Motion, values: dict[str, float]) -> Varied:
+    varied = Varied.of(Asked(how, motion, values))
+    assert varied is not None
+    return varied
 
 
 def off(errors: ArrayLike, told: ArrayLike) -> float:
@@ -61,7 +60,7 @@ def off(errors: ArrayLike, told: ArrayLike) -> float:
 @pytest.mark.parametrize("on_command", [False, True])
 def test_pushes_make_what_simulations_of_their_own_show(made: Made, on_command: bool) -> None:
     how, motion, values = made
-    (varied,) = variations_of(how, fitted(made))
+    varied = answering(*made)
     time = motion.record.time
     pushes = [np.ones(time.size), np.sin(8.0 * time), (time > 2.0) * 1.0]
     told = varied.pushed(pushes, on_command)
@@ -91,9 +90,27 @@ def test_what_pushes_by_itself_makes_what_simulations_show(
         plain |= {"pressure_1_flow_curve_share": 1.0, "pressure_1_flow_curve_low": 0.0}
         plain |= {"pressure_1_flow_curve_high": 5e6}
         how = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
-    (varied,) = variations_of(made[0], fitted(made))
-    (told,) = varied.having(how, effect, [{**plain, **changed}], plain)
+    varied = answering(*made)
+    (told,) = varied.having(how, [{**plain, **changed}], plain)
     base, there = errors_of([Asked(how, motion, each) for each in (plain, {**plain, **changed})])
+    assert 1.0 < np.linalg.norm(np.subtract(there, base)) < 300.0, "felt, and not much more"
+    assert off(np.subtract(there, base), told) < NEARLY
+
+
+@pytest.mark.parametrize("kind", ["plant", "parameters", "rates", "reading", "start"])
+def test_what_does_not_push_but_remembers_nothing_makes_what_simulations_show(made: Made, kind: str) -> None:
+    """A number of the plant's own or of an effect, whatever it changes."""
+    how, motion, values = made
+    ways = {
+        "plant": {"valve_overlap": 2e-9, "coulomb_negative": values["coulomb"] * 1.0001},
+        "parameters": {"friction_gradient": 1e-3, "droop_resistance": 1e5},
+        "rates": {"air_fraction": 3e-5, "volume_share": 1e-4},
+        "reading": {"position_ripple_cosine": 3e-7, "position_ripple_pitch": 0.003},
+        "start": {"load_force": 0.1},
+    }
+    changed = {**values, **ways[kind]}
+    (told,) = answering(*made).having(how, [changed], values)
+    base, there = errors_of([Asked(how, motion, each) for each in (values, changed)])
     assert 1.0 < np.linalg.norm(np.subtract(there, base)) < 300.0, "felt, and not much more"
     assert off(np.subtract(there, base), told) < NEARLY
 
@@ -105,12 +122,12 @@ def test_what_pushes_on_a_turning_axis_makes_what_simulations_show(tmp_path: Pat
     how, values = shooting_of(experiment, [motion], held=True), declared_values(experiment)
     assert how is not None
     how = how.with_tolerance(1e-9)
-    (varied,) = variations_of(how, Fitting([motion], (), {}).begun(how, values).fit)
-    spring, (name,) = effects("rad")["spring_load"], effects("rad")["spring_load"].own_names
+    varied = answering(how, motion, values)
+    (name,) = effects("rad")["spring_load"].own_names
     unit = {**values, name: 1e-6 * how.scales.force}
-    felt = np.linalg.norm(varied.having(how, spring, [unit], values)[0])
+    felt = np.linalg.norm(varied.having(how, [unit], values)[0])
     small = {**values, name: unit[name] / felt}
-    (told,) = varied.having(how, spring, [small], values)
+    (told,) = varied.having(how, [small], values)
     base, there = errors_of([Asked(how, motion, each) for each in (values, small)])
     assert off(np.subtract(there, base), told) < NEARLY
 
@@ -128,17 +145,12 @@ def test_many_that_push_are_told_near_one_and_what_remembers_is_simulated(
     monkeypatch.setattr(variations, "errors_of", counting)
     many = [Asked(how, motion, {**values, "spring_stiffness": float(k)}) for k in range(1, variations.WORTH + 1)]
     play = Asked(how, motion, {**values, "backlash_width": 1e-5})
-    told = errors_near(values, [*many, play])
-    assert play in simulated
+    late = Asked(how, motion, {**values, "command_delay": 1e-5})
+    told = errors_near(how, values, [*many, late, play])
+    assert {play, late} <= {*simulated}
     assert not {*many} & {*simulated}
-    assert off(errors_of([many[-1]])[0], told[-2]) < NEARLY
+    assert off(errors_of([many[-1]])[0], told[-3]) < NEARLY
     np.testing.assert_array_equal(told[-1], errors_of([play])[0])
-
-
-def test_effects_that_push_change_nothing_besides() -> None:
-    pushing = {name for name, effect in effects("m").items() if effect.pushes}
-    assert {"cogging", "cushion", "spring_load"} <= pushing
-    assert not {"backlash", "valve_deadband", "supply_ripple", "compliant_load", "sensor_nonlinearity"} & pushing
 
 
 def test_what_starts_more_than_once_or_a_loop_leads_answers_nothing(made: Made) -> None:

@@ -69,10 +69,17 @@ def test_several_at_once_are_the_same_bits_as_one_by_one(common: dict[str, Any])
 
 
 def test_one_that_ends_early_leaves_the_others_as_they_are() -> None:
-    """Masses on springs, one of which pushes; and roots that fall into 0, at which no step is short enough."""
+    """Masses on springs, one of which pushes; roots that fall into 0, at which no step is short enough; and one that
+    swings so fast that it takes more steps than are allowed.
+    """
     masses = [start(OSCILLATOR, 1.0, stiffness=stiffness, duration=2.0) for stiffness in (10.0, -4000.0, 20.0)]
     roots = [start(COLLAPSE, np.sqrt(end), duration=1.5) for end in (0.9995, 2.0, 0.4, 3.0, 1.2)]
-    for asked, early in ((masses, {1: "diverged"}), (roots, dict.fromkeys((0, 2, 4), "step too small"))):
+    quick = [start(OSCILLATOR, 1.0, stiffness=k, duration=2.0, most_steps=4000.0) for k in (10.0, 1e10, 20.0)]
+    for asked, early in (
+        (masses, {1: "diverged"}),
+        (roots, dict.fromkeys((0, 2, 4), "step too small")),
+        (quick, {1: "too many steps"}),
+    ):
         together = simulate_together(asked)
         assert {i: run.outcome for i, run in enumerate(together) if run.diverged} == early
         assert all(is_same(run, simulate(one)) for run, one in zip(together, asked, strict=True))

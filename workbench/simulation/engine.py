@@ -29,7 +29,7 @@ from workbench.simulation.steppers import (
 )
 from workbench.simulation.whole_step import CLOCK, RAMPED
 
-COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED, MACHINE_FAILED = 0, 1, 2, 3, 4
+COMPLETED, DIVERGED, STEP_TOO_SMALL, STOPPED, MACHINE_FAILED, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5
 """How a loop ended."""
 
 ENDED, COUNT, STEPS = 0, 1, 2
@@ -61,7 +61,7 @@ _ARGUMENTS = (
     types.Tuple((_table, _vector, _vector, _table)),  # noise, if any; resolution, filter cutoffs, systematic errors
     types.Tuple((_integer, _number)),  # delay: whole samples, and the rest in s
     _table,  # of each input that is the command of a time ago: its place, that time in whole samples, and the rest in s
-    types.Tuple((_number, _integer, _number)),  # sample time, steps a sample, tolerance
+    types.Tuple((_number, _integer, _number, _number)),  # sample time, steps a sample, tolerance, most steps
     _number,  # times its typical magnitude and its initial value at which a state has diverged
     types.Tuple((_integer, _number, _integer, _integer)),  # the method: how it steps, order, slopes, what it works on
     types.Tuple((_table, _table, _table, _table)),  # logs: states, inputs, measurements, the controller's state
@@ -227,7 +227,7 @@ def _loops(lanes: int, given: Any) -> int:
     references, rotary_references, exogenous, linear = signals
     noise, resolution, cutoffs, errors = sensors
     delay_samples, delay_rest = delay
-    h, steps_a_sample, tolerance = clock
+    h, steps_a_sample, tolerance, most_steps = clock
     kind, order, slope_count, step_work = method
     log_states, log_inputs, log_measurements, log_control = logs
 
@@ -414,8 +414,8 @@ def _loops(lanes: int, given: Any) -> int:
             gone = False
             for j in range(n):
                 gone = gone or not abs(p_y[j * lanes + lane]) <= p_bounds[j * lanes + lane]
-            if gone and p_results[3 * lane + ENDED] == COMPLETED:
-                p_results[3 * lane + ENDED] = DIVERGED
+            if (gone or p_tried[lane] > most_steps) and p_results[3 * lane + ENDED] == COMPLETED:
+                p_results[3 * lane + ENDED] = DIVERGED if gone else TOO_MANY_STEPS
     for lane in range(lanes):
         p_results[3 * lane + STEPS] = p_tried[lane]
     return COMPLETED

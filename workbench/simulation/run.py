@@ -21,10 +21,12 @@ MACHINE_FAILED = "FMU failed"
 TORQUE_LIMITED = "torque-limited"
 """The outcome of a run whose motor cannot give what holding the speed of rotation takes."""
 
+EARLY = ("diverged", "step too small", "too many steps")
+"""The outcomes of runs that end before their time, but for those of foreign machines."""
+
 OUTCOMES = (
     COMPLETED,
-    "diverged",
-    "step too small",
+    *EARLY,
     "end stop",
     "saturated throughout",
     "stuck",
@@ -119,7 +121,7 @@ class Run:
     @property
     def diverged(self) -> bool:
         """Whether it ended before its time."""
-        return self.outcome in ("diverged", "step too small") or self.outcome.startswith(MACHINE_FAILED)
+        return self.outcome in EARLY or self.outcome.startswith(MACHINE_FAILED)
 
 
 def _fixed(values: np.ndarray) -> np.ndarray:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from controllers.interface import Controller
 from controllers.open_loop import OPEN_LOOP
 from controllers.open_loop import Gains as OpenLoopGains
@@ -91,7 +93,8 @@ class Setup:
     `state` and `inputs` are where the plant starts and what its inputs are before any command is added.
     `rotary` drives the plant's rotary input from `rotation_speed` (rad/s), a constant wanted speed. Where there is a
     `machine`, it runs in the place of the plant's equations, with a solver and a start of its own. A state
-    has diverged that is `farthest` times its typical magnitude and its initial value.
+    has diverged that is `farthest` times its typical magnitude and its initial value; a run ends early that takes more
+    than `most_steps`.
     """
 
     plant: Plant
@@ -110,6 +113,7 @@ class Setup:
     seed: int = 0
     machine: FmuMachine | None = None
     farthest: float = FARTHEST
+    most_steps: float = np.inf
 
 
 def memory_names(controller: Controller) -> list[str]:

@@ -21,7 +21,7 @@ from workbench.simulation.compilation import controller_addresses, step_addresse
 from workbench.simulation.integrators.registry import INTEGRATORS
 from workbench.simulation.outcomes import outcome_of
 from workbench.simulation.references import Signal
-from workbench.simulation.run import COMPLETED, MACHINE_FAILED, TORQUE_LIMITED, Run
+from workbench.simulation.run import COMPLETED, EARLY, MACHINE_FAILED, TORQUE_LIMITED, Run
 from workbench.simulation.sensors import systematic_error
 from workbench.simulation.setup import DELAY_SLACK, NO_LOOP, Feed, Integrator, Loop, Setup
 from workbench.simulation.steppers import CONTROLLED, FIXED_STEP, ITS_OWN
@@ -61,7 +61,7 @@ def ready(setup: Setup) -> None:
         controller_addresses(loop.controller)
 
 
-EARLY = {engine.DIVERGED: "diverged", engine.STEP_TOO_SMALL: "step too small"}
+ENDED = dict(zip((engine.DIVERGED, engine.STEP_TOO_SMALL, engine.TOO_MANY_STEPS), EARLY, strict=True))
 """The outcomes of runs that end before their time, by how the loop ended."""
 
 
@@ -112,7 +112,7 @@ def _alike(setup: Setup) -> tuple[object, ...]:
     """What setups that go side by side have in common."""
     loops = [None if loop is None else (loop.controller, loop.drives) for loop in (setup.loop, setup.rotary)]
     linear = [(feed.input, feed.linear, _changes_within_samples(feed, setup)) for feed in setup.feeds]
-    numbers = setup.duration, setup.sample_time, setup.seed, setup.rotation_speed, setup.farthest
+    numbers = setup.duration, setup.sample_time, setup.seed, setup.rotation_speed, setup.farthest, setup.most_steps
     return setup.plant, setup.reference, *loops, linear, setup.sensors, setup.integrator, *numbers
 
 
@@ -199,6 +199,7 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
             h,
             int(np.ceil(h / integrator.step - 1e-9)) if fixed else integrator.fewest,
             integrator.tolerance,
+            setup.most_steps,
         ),
         setup.farthest,
         how,
@@ -223,7 +224,7 @@ def _solved(setups: Sequence[Setup], code: Code, known: Signal | None = None) ->
             measurements,
             remembered,
             None if profile is None else (profile[0][:count], profile[1][:count], profile[2][:count]),
-            EARLY.get(ended, ""),
+            ENDED.get(ended, ""),
             steps,
         )
         found.append((run, float(limits[lane, 0])))

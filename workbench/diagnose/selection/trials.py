@@ -11,7 +11,7 @@ from plants.effects.interface import Effect, Number
 from plants.effects.registry import effects
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import Fit, stacks, stacks_near
+from workbench.diagnose.residuals.fit import Fit, stacks_near
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, unknown
 from workbench.diagnose.selection.hum import humming_at, without_hum
 from workbench.diagnose.selection.lines import band_of, matched, references, swinging
@@ -196,7 +196,7 @@ def _sought(fitted: Fit, effect: Effect, name: str) -> tuple[float, ...]:
     (first,) = _columns(fitted, [(cosine, shapes[0])], {}, {})
     kinds = [(wave, shape) for shape in shapes for wave in (cosine, sine)]
     known = dict.fromkeys((cosine, sine), first.step)
-    waves = _columns(fitted, kinds, {}, known, near=True)
+    waves = _columns(fitted, kinds, {}, known)
     changes = [fitted.weighing(column.change) for column in waves]
     made = [real + 1j * imaginary for real, imaginary in zip(changes[::2], changes[1::2], strict=True)]
     return tuple(matched(fitted, signal, band, made))
@@ -276,20 +276,15 @@ def _value(values: Values, name: str) -> float:
     return values.get(name, NEUTRAL.get(name, values.get(name.removesuffix(f"_{NEGATIVE}"), 0.0)))
 
 
-def _columns(
-    fitted: Fit, kinds: Sequence[Kind], bounds: Bounds, steps: Mapping[str, float], near: bool = False
-) -> list[Column]:
-    """What a change of each number does to the residual, of a size that is felt: at the step that is known of it. Of
-    what is looked at to find a shape alone it is enough to be `near`, to first order.
+def _columns(fitted: Fit, kinds: Sequence[Kind], bounds: Bounds, steps: Mapping[str, float]) -> list[Column]:
+    """What a change of each number does to the residual, to first order where that is known, of a size that is felt: at
+    the step that is known of it.
     """
-
-    def asked(several: Sequence[Values]) -> list[np.ndarray]:
-        return stacks_near(fitted.balance, fitted.values, several) if near else stacks(fitted.balance, several)
-
     looked = [_Look.at_first(fitted, kind, bounds, steps.get(kind[0])) for kind in kinds]
     going = list(looked)
     for last in range(LOOKS, -1, -1):
-        for look, there in zip(going, asked([look.values for look in going]), strict=True):
+        several = stacks_near(fitted.balance, fitted.values, [look.values for look in going])
+        for look, there in zip(going, several, strict=True):
             look.sees(there - fitted.residual, float(np.linalg.norm(fitted.weighing(there - fitted.residual))))
         going = [look for look in going if last and look.moves_on()]
         if not going:

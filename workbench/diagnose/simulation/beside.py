@@ -17,7 +17,7 @@ A filter whose plant is far off goes astray, and gains along such a way lead no 
 more than the sensor's noise asks for, until what it does not foresee is hardly larger than it says.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,7 +113,9 @@ def _filters(
     plant, span, names = along.plant, motion.record.sample_time, corrected(along.plant)
     places, command = np.array([along.names.index(name) for name in names]), plant.input_index(plant.command)
     tracked = along.tracked(motion, values, [name for name in names if name not in MOTION])
-    states, inputs = tracked.states(slice(None)), held_inputs(setup, along, motion, values)
+    idle, feeds = along.at_rest(motion, values)[1], tuple(arriving(setup.feeds, along, values))
+    driven = replace(setup, parameters=tracked.parameters, inputs=idle, feeds=feeds)
+    states, inputs = tracked.states(slice(None)), held_inputs(driven, motion.time)
     sizes = along.magnitudes(motion, values)[places]
     nudges, push = NUDGED * sizes, NUDGED * max(float(np.max(np.abs(inputs[:, command]))), 1e-30)
 
@@ -135,14 +137,21 @@ def _filters(
     return filtered
 
 
-def held_inputs(setup: Setup, along: Along, motion: Motion, values: Values) -> np.ndarray:
-    """Inputs (samples, inputs) as they act on average over each sample."""
-    inputs = np.tile(to_array(along.at_rest(motion, values)[1]), (motion.time.size, 1))
+def arriving(feeds: Sequence[Feed], along: Along, values: Values) -> list[Feed]:
+    """Feeds of which the command comes as late as it does to a plant with `values`."""
+    late = along.late(values)
+    return [replace(feed, delay=late) if feed.input == along.plant.command else feed for feed in feeds]
+
+
+def held_inputs(setup: Setup, time: np.ndarray) -> np.ndarray:
+    """Inputs (samples, inputs) as they act on average over each sample (s)."""
+    plant, inputs = setup.plant, np.tile(to_array(setup.inputs), (time.size, 1))
+    later = {name: float(delay(setup.parameters)) for name, delay in plant.delayed.items()}
     for feed in setup.feeds:
-        late = along.late(values) if feed.input == along.plant.command else 0.0
-        series = feed.signal(motion.time - late)[0]
-        following = np.append(series[1:], series[-1])
-        inputs[:, along.plant.input_index(feed.input)] = 0.5 * (series + following) if feed.linear else series
+        for name, late in {feed.input: 0.0, **(later if feed.input == plant.command else {})}.items():
+            series = feed.signal(time - feed.delay - late)[0]
+            following = np.append(series[1:], series[-1])
+            inputs[:, plant.input_index(name)] = 0.5 * (series + following) if feed.linear else series
     return inputs
 
 

@@ -179,11 +179,12 @@ class Fitting:
 
     def final(self, of: Simulated) -> Simulated:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
-        balance = of.how.balance(self.motions, self.names)
+        how = of.how.bounded(self.motions, of.fit.values) if of.is_near else of.how
+        balance = how.balance(self.motions, self.names)
         weighing, search = weighing_at(of.fit), FINAL
         if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
             weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
-        return Simulated(of.how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
+        return Simulated(how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:

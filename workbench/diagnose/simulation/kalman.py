@@ -54,30 +54,46 @@ def _go(
 
 @njit(cache=True, nogil=True)
 def over_sample(
-    plant: Sampling, time: float, state: np.ndarray, u: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F and B, each (states, states), and G (states,), of a plant that goes on from a whole state at a time (s) under
-    inputs.
+    plant: Sampling, time: float, state: np.ndarray, u: np.ndarray, both_ways: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """F and B, each (states, states), of a plant that goes on from a whole state at a time (s) under inputs: by
+    quotients to one side, or to `both_ways`: a contact at rest slips differently to either side, and what stays beside
+    it for long is on both.
     """
-    derivatives, parameters, places, nudges, command, push, span, steps = plant
+    derivatives, parameters, places, nudges, _, _, span, steps = plant
     count, every = places.size, state.size
     moved, held = np.zeros((count, count)), np.zeros((count, count))
     base, other, added, work = state.copy(), state.copy(), np.zeros(every), np.zeros((3, every))
-    _go(derivatives, time, base, u, parameters, added, work, span, steps)
+    sides = 2 if both_ways else 1
+    if not both_ways:
+        _go(derivatives, time, base, u, parameters, added, work, span, steps)
     for i in range(count):
-        other[:] = state
-        other[places[i]] += nudges[i]
-        _go(derivatives, time, other, u, parameters, added, work, span, steps)
-        moved[:, i] = (other[places] - base[places]) / nudges[i]
-        other[:] = state
-        added[places[i]] = nudges[i] / span
-        _go(derivatives, time, other, u, parameters, added, work, span, steps)
-        held[:, i] = (other[places] - base[places]) / added[places[i]]
-        added[places[i]] = 0.0
-    other[:], pushed = state, u.copy()
-    pushed[command] += push
-    _go(derivatives, time, other, pushed, parameters, added, work, span, steps)
-    return moved, held, (other[places] - base[places]) / push
+        for side in range(sides):
+            size = nudges[i] if side == 0 else -nudges[i]
+            other[:] = state
+            other[places[i]] += size
+            _go(derivatives, time, other, u, parameters, added, work, span, steps)
+            for j in range(count):
+                moved[j, i] += (other[places[j]] - base[places[j]]) / (sides * size)
+            other[:] = state
+            added[places[i]] = size / span
+            _go(derivatives, time, other, u, parameters, added, work, span, steps)
+            for j in range(count):
+                held[j, i] += (other[places[j]] - base[places[j]]) / (sides * size / span)
+            added[places[i]] = 0.0
+    return moved, held
+
+
+@njit(cache=True, nogil=True)
+def _pushed(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """G, (states,), of the same."""
+    derivatives, parameters, places, _, command, push, span, steps = plant
+    base, other, inputs, work = state.copy(), state.copy(), u.copy(), np.zeros((3, state.size))
+    added = np.zeros(state.size)
+    _go(derivatives, time, base, inputs, parameters, added, work, span, steps)
+    inputs[command] += push
+    _go(derivatives, time, other, inputs, parameters, added, work, span, steps)
+    return (other[places] - base[places]) / push
 
 
 @njit(cache=True, nogil=True)
@@ -114,7 +130,8 @@ def keep_beside(
         off[k], spread[k] = position[k] - y[places[0]], np.sqrt(variance)
         at[:] = y
         at[places] += gain * off[k]
-        moved, held, pushed = over_sample(plant, time[k], at, u)
+        moved, held = over_sample(plant, time[k], at, u, False)
+        pushed = _pushed(plant, time[k], at, u)
         if not (np.all(np.isfinite(moved)) and np.all(np.isfinite(held))):
             spread[k:] = np.nan
             break

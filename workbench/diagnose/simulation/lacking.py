@@ -7,7 +7,7 @@ missing, however small.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,8 +25,8 @@ from workbench.diagnose.simulation.own_curves import (
     simulated_motion,
 )
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.together import Asked, Push, errors_of
-from workbench.diagnose.simulation.variations import variations_of
+from workbench.diagnose.simulation.together import Push
+from workbench.diagnose.simulation.variations import errors_pushed
 from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 
@@ -197,17 +197,11 @@ def _columns(
     simulations answer, or by simulations of their own where they start more than once or a loop leads them.
     """
     on_command, motions, plain = balance == FLOW, fitted.balance.motions, how.balance(fitted.balance.motions, ())
-    varied = variations_of(how, fitted)
 
     def moved(several: Sequence[Mapping[Record, np.ndarray]], size: float) -> list[np.ndarray]:
-        pushes = [{record: size * values for record, values in push.items()} for push in several]
-        if varied:
-            changed = [one.pushed([push[one.asked.motion.record] for push in pushes], on_command) for one in varied]
-            return [plain.stack(own) for own in zip(*changed, strict=True)]
-        pushed = [replace(how, push=Push(on_command, push)) for push in pushes]
-        errors = errors_of([Asked(one, motion, fitted.values) for one in pushed for motion in motions])
-        count = len(motions)
-        return [without_lost(plain.stack(errors[at : at + count])) - base for at in range(0, len(errors), count)]
+        pushes = [Push(on_command, {record: size * values for record, values in one.items()}) for one in several]
+        errors = errors_pushed(how, motions, fitted.values, pushes)
+        return [without_lost(plain.stack(own)) - base for own in errors]
 
     size = FIRST * how.push_scale(on_command)
     felt = float(np.linalg.norm(fitted.weighing(moved([pushes[len(pushes) // 2]], size)[0])))

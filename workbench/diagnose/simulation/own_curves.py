@@ -14,11 +14,12 @@ from plants.effects.curves import CURVES
 from plants.effects.interface import Effect
 from plants.interface import Plant
 from workbench.diagnose.residuals.along import Along
-from workbench.diagnose.residuals.fit import Fit, stacks
+from workbench.diagnose.residuals.fit import Fit, without_lost
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.variations import variations_of
+from workbench.diagnose.simulation.together import Asked
+from workbench.diagnose.simulation.variations import errors_near
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make, or a node of a curve: to first order, and above the solver's
@@ -59,15 +60,16 @@ def flat_curve(
     flat = {**found.values, **dict.fromkeys(nodes, 0.0), share: 1.0}
     flat |= {low: min(np.min(one[signal]) for one in along), high: max(np.max(one[signal]) for one in along)}
     with_it = replace(how, along=Along(how.along.plant.with_effects(effect), how.along.flow))
-    balance = with_it.balance(found.balance.motions, ())
     size = FIRST * effect.numbers[nodes[0]].scale(how.scales)
-    varied = variations_of(how, found)
+    motions = found.balance.motions
+    balance = with_it.balance(motions, ())
 
     def changes(several: Sequence[Values]) -> list[np.ndarray]:
-        if varied and effect.pushes:
-            changed = [one.having(with_it, effect, several, flat) for one in varied]
-            return [balance.stack(own) for own in zip(*changed, strict=True)]
-        base, *moved = stacks(balance, [flat, *several])
+        asked = [Asked(with_it, motion, values) for values in (flat, *several) for motion in motions]
+        errors = errors_near(how, found.values, asked, than=flat, least=1)
+        base, *moved = [
+            without_lost(balance.stack(errors[at : at + len(motions)])) for at in range(0, len(errors), len(motions))
+        ]
         return [one - base for one in moved]
 
     (there,) = changes([{**flat, **dict.fromkeys(nodes, size)}])

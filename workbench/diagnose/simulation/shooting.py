@@ -22,7 +22,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Priors, Values
-from workbench.diagnose.simulation.beside import Followed
+from workbench.diagnose.simulation.beside import Followed, arriving
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.leading import led, quickest
@@ -48,6 +48,11 @@ BENT = 3.0
 
 MOST_PIECES = 30
 """Pieces of a record that are simulated, at most: each has its cost, and as many tell a place to begin."""
+
+HOPELESS = 30.0
+"""Times the steps of a simulation near its record up to which others beside it go: what needs more shakes faster than
+any sensor shows, and a search that strays there would take longer for it than for all else.
+"""
 
 LONG = 20_000
 """Samples of a record from which a plant is simulated with those effects alone that act: of shorter ones it costs more
@@ -123,7 +128,7 @@ class Shooting:
             axis=self.along.plant.axis,
             beside=lambda values: self.undecided(motions, values),
             together=lambda asked: errors_of([Asked(self, *each) for each in asked]),
-            near=lambda values, asked: errors_near(values, [Asked(self, *each) for each in asked]),
+            near=lambda values, asked: errors_near(self, values, [Asked(self, *each) for each in asked]),
             priors=self.priors,
         )
 
@@ -274,6 +279,15 @@ class Shooting:
         }
         return replace(self, setups=setups)
 
+    def bounded(self, motions: Sequence[Motion], values: Values) -> "Shooting":
+        """The same with simulations that end early which take far more steps than those with these values."""
+        setups = dict(self.setups)
+        for motion in motions:
+            if np.isinf(setups[motion.record].most_steps):
+                taken = max(sum(run.steps for _, run in self.runs(motion, values)), motion.record.time.size)
+                setups[motion.record] = replace(setups[motion.record], most_steps=HOPELESS * taken)
+        return replace(self, setups=setups)
+
     @property
     def tolerance(self) -> float:
         """Of the solver, as `Integrator` has it."""
@@ -330,10 +344,6 @@ class Shooting:
             gap[k : k + run.time.size] = run.states[:, place]
         return with_slack(motion, -np.clip(gap / width, -0.5, 0.5))
 
-    def _delayed(self, feed: Feed, delay: float) -> Feed:
-        """The command as it arrives."""
-        return replace(feed, delay=delay) if feed.input == self.along.plant.command else feed
-
     def _pushed(self, feeds: Sequence[Feed], record: Record, push: Push) -> list[Feed]:
         """Feeds with a push: on the mass as a disturbance, which acts against it, else on the command."""
         series = push.series[record]
@@ -364,7 +374,7 @@ class Shooting:
         integrator = replace(setup.integrator, method=method_for(along, motion, values))
         followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
-        feeds = [self._delayed(feed, along.late(values)) for feed in setup.feeds]
+        feeds = arriving(setup.feeds, along, values)
         if values.get(cosine) or values.get(sine):
             angle = motion.measured["rotation_angle"]
             swing = values.get(cosine, 0.0) * np.cos(angle) + values.get(sine, 0.0) * np.sin(angle)

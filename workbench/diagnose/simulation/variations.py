@@ -15,18 +15,14 @@ Then a change costs next to nothing, and has no error of a solver in it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.compiled import njit
-from plants.effects.attach import possible
-from plants.effects.interface import Change, Effect
-from plants.effects.moment import moment_of
-from plants.equation import fields, from_array, members, to_array
-from plants.laws.interface import Nothing
-from workbench.diagnose.residuals.fit import Fit
+from plants.compiled import address, njit, shift
+from plants.equation import fields, from_array, to_array
+from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import rates_along
@@ -34,7 +30,7 @@ from workbench.diagnose.simulation.beside import NUDGED, held_inputs
 from workbench.diagnose.simulation.kalman import Sampling, fastest, over_sample
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.fitting.threads import side_by_side
-from workbench.simulation.compilation import plant_addresses
+from workbench.simulation.compilation import call_derivatives, plant_addresses
 from workbench.simulation.run import Run
 
 if TYPE_CHECKING:
@@ -51,6 +47,9 @@ that by which it may be off.
 ALONG, NODES = ("position", "velocity"), 8
 """Signals over which pushes go up and down by which that is seen, and how often."""
 
+APART = 0.01
+"""Share of the range of a signal by which places are apart between which a push goes up or down."""
+
 LOOKED = 500
 """States along a simulation among which its fastest rate is looked for."""
 
@@ -65,8 +64,8 @@ REMEMBERED = 4
 def _in_blocks(
     plant: Sampling, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, shown: np.ndarray, size: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What states before blocks of so many samples make of the sums of what is shown in them and of the states behind
-    them, (blocks, states + channels, states), and what rates make of these, (samples, states + channels, states).
+    """What states before blocks of so many samples make of the states behind them and of the sums of what is shown in
+    them, (blocks, states + channels, states), and what rates make of these, (samples, states, states + channels).
 
     Args:
         plant: as it goes over a sample.
@@ -79,7 +78,7 @@ def _in_blocks(
     channels, count = shown.shape[1:]
     blocks = -(-time.size // size)
     first = np.zeros((blocks, count + channels, count))
-    rated = np.zeros((time.size, count + channels, count), np.float32)
+    rated = np.zeros((time.size, count, count + channels), np.float32)
     both = np.zeros((count + channels, count))
     for block in range(blocks):
         begin, end = block * size, min((block + 1) * size, time.size)
@@ -88,8 +87,8 @@ def _in_blocks(
             both[i, i] = 1.0
         for k in range(end - 1, begin - 1, -1):
             if k < time.size - 1:
-                moved, held, _ = over_sample(plant, time[k], states[k], inputs[k])
-                rated[k] = both @ held
+                moved, held = over_sample(plant, time[k], states[k], inputs[k], True)
+                rated[k] = (both @ held).T
                 both = both @ moved
             both[count:] += shown[k]
         first[block] = both
@@ -106,6 +105,41 @@ def _over_blocks(first: np.ndarray, added: np.ndarray, start: np.ndarray, count:
         both = first[block] @ state + added[block]
         state, sums[block] = both[:count].copy(), both[count:]
     return sums
+
+
+@njit(cache=True, nogil=True)
+def _rates_of(
+    derivatives: int,
+    time: np.ndarray,
+    states: np.ndarray,
+    inputs: np.ndarray,
+    parameters: np.ndarray,
+    whole: np.ndarray,
+    places: np.ndarray,
+) -> np.ndarray:
+    """Rates (samples, states) of states at `places` of a plant whose others are as in a `whole` state."""
+    state, made, rates = whole.copy(), whole.copy(), np.empty_like(states)
+    for k in range(time.size):
+        for j in range(places.size):
+            state[places[j]] = states[k, j]
+        held = shift(address(inputs), k * inputs.shape[1])
+        call_derivatives(derivatives, time[k], address(state), held, address(parameters), address(made))
+        for j in range(places.size):
+            rates[k, j] = made[places[j]]
+    return rates
+
+
+@njit(cache=True, nogil=True)
+def _in_sums(rated: np.ndarray, rates: np.ndarray, instants: np.ndarray) -> np.ndarray:
+    """What rates (samples, states) add to states and sums, as `_over_blocks` has it, of one change."""
+    added = np.zeros((instants.size, rated.shape[2]))
+    for block in range(instants.size):
+        end = instants[block + 1] if block + 1 < instants.size else rates.shape[0]
+        for k in range(instants[block], end):
+            for j in range(rates.shape[1]):
+                for i in range(rated.shape[2]):
+                    added[block, i] += rated[k, j, i] * rates[k, j]
+    return added
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +166,8 @@ class Varied:
         names = [item.name for item in fields(run.plant.State)]
         if run.diverged or not {*names} <= {*how.own}:
             return None
-        inputs = held_inputs(how.setups[motion.record], how.along, motion, values)
+        ((_, setup),) = how.pieces(motion, values, run.plant)
+        inputs = np.ascontiguousarray(held_inputs(setup, run.time))
         sizes = how.along.magnitudes(motion, values)[[how.along.names.index(name) for name in names]]
         nudges, places, span = NUDGED * sizes, np.arange(len(names)), motion.record.sample_time
         derivatives, parameters = plant_addresses(run.plant)[0], to_array(run.parameters)
@@ -185,37 +220,42 @@ class Varied:
         held = on_command and any(not feed.linear for feed in feeds if feed.input == plant.command)
         return self._in_noise(self._added(self._adds(place), series, held))
 
-    def having(
-        self, how: "Shooting", effect: Effect, several: Sequence[Values], than: Values
-    ) -> list[list[np.ndarray]]:
-        """The same of an effect that `pushes` with other numbers `than` these, on a plant that can have it."""
-        plant, p, size = self.run.plant, self.run.parameters, self.run.time.size
-        state, inputs = from_array(plant.State, self.run.states.T), from_array(plant.Inputs, self.inputs.T)
-        moment = moment_of(plant.bare or plant)(self.run.time, state, inputs, p)
-        owns = [
-            effect.Own(*(values.get(item.name, item.default) for item in fields(effect.Own)))
-            for values in (than, *several)
-        ]
+    def having(self, how: "Shooting", several: Sequence[Values], than: Values) -> list[list[np.ndarray]]:
+        """The same of other values `than` these, with which the plant remembers no more: by the rates that they make in
+        the states of the simulation, where it starts, and what sensors show of it.
+        """
+        base, instants = self._with(how, than), self.asked.motion.instants
 
-        def more(change: Change) -> np.ndarray:
-            first, *values = (change(np.zeros(size), moment, Nothing(), p, own) for own in owns)
-            return np.column_stack([value - first for value in values])
+        def changes(values: Values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            there = self._with(how, values)
+            added = _in_sums(self.rated, there.rates - base.rates, instants)
+            return added, there.start - base.start, np.add.reduceat(there.shown - base.shown, instants)
 
-        first, *starts = (self._start(how, values) for values in (than, *several))
-        found = [self._begun(np.column_stack(starts) - first[:, None])]
-        for name, change in effect.inputs.items():
-            found.append(self._added(self._adds(members(plant.Inputs).index(name)), more(change)))
-        for place, item in enumerate(fields(plant.State)):
-            if item.name in effect.rates:
-                adds = np.zeros_like(self.run.states)
-                adds[:, place] = 1.0
-                found.append(self._added(adds, more(effect.rates[item.name])))
-        return self._in_noise(np.sum(found, axis=0))
+        added, starts, shown = zip(*side_by_side(changes, several), strict=True)
+        sums = _over_blocks(self.first, np.stack(added, -1), np.column_stack(starts), base.start.size)
+        return self._in_noise(sums + np.stack(shown, -1))
 
-    def _start(self, how: "Shooting", values: Values) -> np.ndarray:
-        """Where a simulation with other values starts."""
-        ((_, setup),) = how.pieces(self.asked.motion, values, self.run.plant)
-        return to_array(setup.state)
+    def _with(self, how: "Shooting", values: Values) -> "_Acting":
+        """What these values make in the states of the simulation."""
+        motion, run = self.asked.motion, self.run
+        plant = how.along.plant
+        ((_, setup),) = how.pieces(motion, values, plant)
+        start, names = to_array(setup.state), [item.name for item in fields(plant.State)]
+        places = np.array([names.index(item.name) for item in fields(run.plant.State)])
+        (time, states), inputs = self.half_way, np.ascontiguousarray(held_inputs(setup, run.time))
+        derivatives, parameters = plant_addresses(plant)[0], to_array(setup.parameters)
+        rates = _rates_of(derivatives, time, states, inputs, parameters, start, places)
+        columns = start.tolist()
+        for place, column in zip(places, run.states.T, strict=True):
+            columns[place] = column
+        return _Acting(rates, start[places], _seen(how, plant, columns, setup.parameters))
+
+    @cached_property
+    def half_way(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states (samples, states) in the middle of each sample."""
+        time, states = self.run.time, self.run.states
+        following = np.append(time[1:], time[-1:]), np.append(states[1:], states[-1:], axis=0)
+        return 0.5 * (time + following[0]), 0.5 * (states + following[1])
 
     def _adds(self, place: int) -> np.ndarray:
         """What a unit of an input adds to the rates at each sample, (samples, states)."""
@@ -229,17 +269,12 @@ class Varied:
         )
         return np.asarray((after - before) / size)
 
-    def _begun(self, starts: np.ndarray) -> np.ndarray:
-        """What changes of the start (states, changes) add to the sums of what is shown (blocks, channels, changes)."""
-        none = np.zeros((*self.first.shape[:2], starts.shape[1]))
-        return np.asarray(_over_blocks(self.first, none, np.ascontiguousarray(starts), starts.shape[0]))
-
-    def _added(self, adds: np.ndarray, series: np.ndarray, held: bool = False) -> np.ndarray:
-        """The same of `series` (samples, changes) of rates `adds` (samples, states), straight lines between samples, or
-        `held`.
+    def _added(self, adds: np.ndarray, series: np.ndarray, held: bool) -> np.ndarray:
+        """What `series` (samples, changes) of rates `adds` (samples, states), straight lines between samples or `held`,
+        add to the sums of what is shown, (blocks, channels, changes).
         """
         series = series if held else 0.5 * (series + np.append(series[1:], series[-1:], axis=0))
-        made, count = np.einsum("kij,kj->ki", self.rated, adds), adds.shape[1]
+        made, count = np.einsum("kji,kj->ki", self.rated, adds), adds.shape[1]
         added = np.stack(
             [np.add.reduceat(made * one[:, None], self.asked.motion.instants, axis=0) for one in series.T], axis=-1
         )
@@ -253,60 +288,92 @@ class Varied:
 
 
 def _zigzag(values: np.ndarray) -> np.ndarray:
-    """Up and down over a signal, between -1 and 1 at even shares of its values."""
+    """Up and down over a signal, between -1 and 1 at even shares of its values; not among those where it rests."""
     nodes = np.unique(np.quantile(values, np.linspace(0.0, 1.0, NODES)))
+    nodes = nodes[np.append(True, np.diff(nodes) > APART * np.ptp(values))]
     return np.asarray(np.interp(values, nodes, (-1.0) ** np.arange(nodes.size)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Acting:
+    """What values make in the states of a simulation: rates (samples, states) on average over each sample, where it
+    starts, (states,), and what sensors show, (samples, channels).
+    """
+
+    rates: np.ndarray
+    start: np.ndarray
+    shown: np.ndarray
+
+
+def _seen(how: "Shooting", plant: Plant, states: Sequence[Any], parameters: Any) -> np.ndarray:
+    """What each channel's sensor shows of states, (states,) of (samples,) each: (samples, channels)."""
+    shown = plant.measure(from_array(plant.State, states), parameters)
+    return np.column_stack(np.broadcast_arrays(*(getattr(shown, name) for name in how.channels)))
 
 
 def _shown(asked: Asked, run: Run, nudges: np.ndarray) -> np.ndarray:
     """What a unit of each state adds to what each channel's sensor shows, C, (samples, channels, states)."""
-    plant, channels = run.plant, asked.how.channels
-
-    def seen(states: np.ndarray) -> np.ndarray:
-        shown = plant.measure(from_array(plant.State, states.T), run.parameters)
-        return np.column_stack([np.broadcast_to(getattr(shown, name), run.time.shape) for name in channels])
-
-    base = seen(run.states)
-    moved = [(seen(run.states + move) - base) / nudge for move, nudge in zip(np.diag(nudges), nudges, strict=True)]
+    base = _seen(asked.how, run.plant, list(run.states.T), run.parameters)
+    moved = [
+        (_seen(asked.how, run.plant, list((run.states + move).T), run.parameters) - base) / nudge
+        for move, nudge in zip(np.diag(nudges), nudges, strict=True)
+    ]
     return np.stack(moved, axis=-1)
 
 
-def errors_near(base: Values, asked: Sequence[Asked]) -> list[list[np.ndarray]]:
-    """What each of these is off by, as `errors_of` has it: to first order where no more than what pushes differs from a
-    simulation with `base` values that answers.
+def errors_near(
+    how: "Shooting", values: Values, asked: Sequence[Asked], than: Values | None = None, least: int = WORTH
+) -> list[list[np.ndarray]]:
+    """What each of these is off by, as `errors_of` has it: to first order beside simulations with `values` that answer,
+    along records of which at `least` so many are asked for, where the plant remembers no more, and no command comes
+    later, which would change within samples. These may be of a plant that is more, and that does as much with the
+    values `than`.
     """
-    kinds: dict[tuple[Motion, Effect], list[Asked]] = {}
+    kinds: dict[Motion, list[Asked]] = {}
     for one in asked:
-        effect = _pushing(base, one)
-        if effect is not None:
-            kinds.setdefault((one.motion, effect), []).append(one)
+        if not (_remembers(one) or how.along.late(one.values) != how.along.late(values)):
+            kinds.setdefault(one.motion, []).append(one)
+    many = {motion: several for motion, several in kinds.items() if len(several) >= least}
     found = dict[Asked, list[np.ndarray]]()
-    for (_, effect), several in kinds.items():
-        varied = _varied(replace(several[0], values=base)) if len(several) >= WORTH else None
-        if varied is not None:
-            (off,) = errors_of([varied.asked])
-            changes = varied.having(several[0].how, effect, [one.values for one in several], base)
-            found |= {one: list(map(np.add, off, own)) for one, own in zip(several, changes, strict=True)}
+    for varied in _answering(how, list(many), values):
+        several = many[varied.asked.motion]
+        (off,) = errors_of([varied.asked])
+        changes = varied.having(several[0].how, [one.values for one in several], values if than is None else than)
+        found |= {one: list(map(np.add, off, own)) for one, own in zip(several, changes, strict=True)}
     rest = [one for one in asked if one not in found]
     found |= zip(rest, errors_of(rest), strict=True)
     return [found[one] for one in asked]
 
 
-def _pushing(base: Values, one: Asked) -> Effect | None:
-    """The effect whose numbers alone are other than in `base`, if it pushes."""
-    names = {name for name, value in one.values.items() if base.get(name) != value}
-    able = possible(one.how.along.plant)
-    return next((effect for effect in able if effect.pushes and names <= {*effect.own_names}), None) if names else None
+def errors_pushed(
+    how: "Shooting", motions: Sequence[Motion], values: Values, pushes: Sequence[Push]
+) -> list[list[list[np.ndarray]]]:
+    """The same of simulations with each of these pushes, all on the mass or all on the command, along each record."""
+    found = dict[tuple[Motion, Push], list[np.ndarray]]()
+    for varied in _answering(how, motions, values):
+        motion, (off,) = varied.asked.motion, errors_of([varied.asked])
+        changes = varied.pushed([push.series[motion.record] for push in pushes], pushes[0].on_command)
+        found |= {(motion, push): list(map(np.add, off, own)) for push, own in zip(pushes, changes, strict=True)}
+    rest = [(motion, push) for push in pushes for motion in motions if (motion, push) not in found]
+    asked = [Asked(replace(how, push=push), motion, values) for motion, push in rest]
+    found |= zip(rest, errors_of(asked), strict=True)
+    return [[found[motion, push] for motion in motions] for push in pushes]
+
+
+def _answering(how: "Shooting", motions: Sequence[Motion], values: Values) -> list[Varied]:
+    """The simulations along these motions that answer."""
+    found = side_by_side(_varied, [Asked(how, motion, values) for motion in motions])
+    return [one for one in found if one is not None]
+
+
+def _remembers(one: Asked) -> bool:
+    """Whether the plant has states that are not its own."""
+    along = one.how.along
+    plant = along.having(along.acts(one.values), alone=True)
+    return not {item.name for item in fields(plant.State)} <= {*one.how.own}
 
 
 @lru_cache(REMEMBERED)
 def _varied(asked: Asked) -> Varied | None:
     """`Varied.of`, remembered."""
     return Varied.of(asked)
-
-
-def variations_of(how: "Shooting", fitted: Fit) -> list[Varied]:
-    """How the simulations of a fit answer along each of its records; none where one of them does not."""
-    asked = [Asked(how, motion, fitted.values) for motion in fitted.balance.motions]
-    found = [one for one in side_by_side(_varied, asked) if one is not None]
-    return found if len(found) == len(asked) else []
