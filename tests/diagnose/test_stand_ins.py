@@ -17,7 +17,7 @@ from workbench.diagnose.selection.likelihood import gained, left_by
 from workbench.diagnose.selection.search import LEVEL, Found
 from workbench.diagnose.selection.sets import Asked, without_effects
 from workbench.diagnose.selection.unexplained import Dependence
-from workbench.diagnose.simulation import stage
+from workbench.diagnose.simulation import believed
 from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.lacking import Lacking, dependence_of, lacking
 from workbench.diagnose.simulation.shooting import Shooting
@@ -82,9 +82,9 @@ def test_effects_are_not_named_where_one_curve_beside_the_plant_is_likelier(
     assert worth > 10.0
     assert without.excess < NEAR_NOISE
     curve = Lacking("force", "velocity", 16.0 + worth + LEVEL + more, 16.0, np.zeros((fitted.residual.size, 1)))
-    monkeypatch.setattr(stage, "standing_in", lambda *_: [])
-    monkeypatch.setattr(stage, "lacking", lambda _, of: [] if of is fitted else [curve])
-    kept, lacks = stage._without_stand_ins(how, found, without, ask)
+    monkeypatch.setattr(believed, "standing_in", lambda *_: [])
+    monkeypatch.setattr(believed, "lacking", lambda _, of: [] if of is fitted else [curve])
+    kept, lacks = believed.believed(how, found, without, ask)
     assert (not kept.effects, lacks is not None) == (more > 0.0, more > 0.0)
     assert kept.fit is fitted or kept.fit.names == without.names
 
@@ -97,9 +97,9 @@ def test_effects_are_not_named_where_more_is_left_beside_than_they_gain(
     fitted = found.fit
     assert without.excess > NEAR_NOISE
     curve = Lacking("force", "velocity", 40.0 + more, 16.0, np.zeros((fitted.residual.size, 1)))
-    monkeypatch.setattr(stage, "standing_in", lambda *_: [])
-    monkeypatch.setattr(stage, "lacking", lambda *_: [curve])
-    kept, lacks = stage._without_stand_ins(how, found, without, ask)
+    monkeypatch.setattr(believed, "standing_in", lambda *_: [])
+    monkeypatch.setattr(believed, "lacking", lambda *_: [curve])
+    kept, lacks = believed.believed(how, found, without, ask)
     assert lacks is not None
     assert kept.fit is (without if more > 0.0 else fitted)
     assert bool(kept.effects) is (more < 0.0)
@@ -126,7 +126,7 @@ def test_a_strong_effect_is_named_beside_what_is_left(stiffness: float, left: fl
         fitted, effects, [], {"spring_load": 5000.0, "constant_load": 30.0}, {name: [] for name in effects}, {}
     )
     ask = Asked(start, {}, 10, {}, settle=lambda one: one)
-    strong = stage._strong(found, Dependence("force", {"time": 1.0}, left), plain, ask)
+    strong = believed.strong_of(found, Dependence("force", {"time": 1.0}, left), plain, ask)
     assert (None if strong is None else list(strong.effects)) == kept
     if strong is not None:
         assert strong.fit.names == ("spring_stiffness",)
