@@ -19,7 +19,7 @@ from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import Left, gained
 from workbench.diagnose.simulation.beside import Followed
 from workbench.diagnose.simulation.filters import filtered, least_doubt
-from workbench.diagnose.simulation.kalman import over_sample
+from workbench.diagnose.simulation.kalman import over_sample, pushed_over_sample
 from workbench.diagnose.simulation.setup import as_simulated, shooting_of
 from workbench.parameters.sets import build
 from workbench.records.experiment import Experiment, read_experiment
@@ -161,7 +161,8 @@ def test_a_filter_whose_plant_is_far_off_doubts_its_force(tmp_path: Path) -> Non
     assert least_doubt(how, motions, declared_values(experiment)) > 10.0
 
 
-def test_where_a_state_goes_within_a_sample_is_that_of_the_matrix_exponential() -> None:
+@pytest.mark.parametrize("both_ways", [False, True])
+def test_where_a_state_goes_within_a_sample_is_that_of_the_matrix_exponential(both_ways: bool) -> None:
     """Of a drive that slides fast and far from breaking away its equations are as good as linear."""
     plant = plants()["drive_force"]
     parameters = build(plant.Parameters, TRUE)
@@ -182,7 +183,8 @@ def test_where_a_state_goes_within_a_sample_is_that_of_the_matrix_exponential() 
         span,
         64,
     )
-    moved, held, pushed = over_sample(sampling, 0.0, start, given)
+    moved, held = over_sample(sampling, 0.0, start, given, both_ways)
+    pushed = pushed_over_sample(sampling, 0.0, start, given)
     mass, stiffness, damping = (TRUE[name] for name in ("mass", "bristle_stiffness", "bristle_damping"))
     relaxes = stiffness * speed / TRUE["coulomb"]
     rates = np.array(

@@ -193,7 +193,7 @@ def test_a_plant_that_goes_astray_is_led_back(
     first = fitting.begun(how, start)
     assert first.fit.excess > 100.0
     found = led_by(first, fitting, start)
-    assert found.how.setups == first.how.setups, "no loop is left"
+    assert not found.how.is_led(motions[0]), "no loop is left"
     assert found.fit.rms == pytest.approx(1.0, abs=0.1)
     for name in fitting.names:
         assert abs(found.fit.values[name] - truth[name]) < 3.0 * found.fit.deviations[name], name

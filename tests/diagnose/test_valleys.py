@@ -36,6 +36,9 @@ class Hollowed:
 
     length: float = np.inf
 
+    def bounded(self, motions: Sequence[Motion], values: Values) -> "Hollowed":
+        return self
+
     def balance(self, motions: Sequence[Motion], names: Sequence[str]) -> Balance:
         return made_balance(motions, hollowed, TRUTH, tuple(names))
 

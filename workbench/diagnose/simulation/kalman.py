@@ -85,7 +85,7 @@ def over_sample(
 
 
 @njit(cache=True, nogil=True)
-def _pushed(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> np.ndarray:
+def pushed_over_sample(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> np.ndarray:
     """G, (states,), of the same."""
     derivatives, parameters, places, _, command, push, span, steps = plant
     base, other, inputs, work = state.copy(), state.copy(), u.copy(), np.zeros((3, state.size))
@@ -131,7 +131,7 @@ def keep_beside(
         at[:] = y
         at[places] += gain * off[k]
         moved, held = over_sample(plant, time[k], at, u, False)
-        pushed = _pushed(plant, time[k], at, u)
+        pushed = pushed_over_sample(plant, time[k], at, u)
         if not (np.all(np.isfinite(moved)) and np.all(np.isfinite(held))):
             spread[k:] = np.nan
             break
