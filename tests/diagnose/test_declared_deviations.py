@@ -118,6 +118,7 @@ def declared(folder: Path, off: float, std: float | None) -> Path:
     return path
 
 
+@pytest.mark.thorough
 def test_a_mass_that_is_off_by_what_is_declared_is_no_effect(tmp_path: Path) -> None:
     wrong = diagnose(declared(tmp_path, 1.1, 0.1 * TRUE["mass"]))
     assert wrong.verdict == "none_missing"

@@ -67,6 +67,7 @@ def test_what_loops_do_not_bring_nearer_has_its_numbers(tmp_path: Path, monkeypa
     assert {*led.simulated.fit.deviations} == {*led.simulated.fit.names}
 
 
+@pytest.mark.thorough
 def test_nothing_is_sought_beside_a_loop_that_leaves_no_less(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Noise that wanders slowly is far from white, and a loop follows it; what it hides no loop shows."""
 
