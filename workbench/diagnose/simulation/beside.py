@@ -122,7 +122,7 @@ def _filters(
     def rates(states: np.ndarray) -> np.ndarray:
         return along.rates(motion.time, states, inputs, tracked.parameters)
 
-    steps = int(np.clip(np.ceil(span * fastest(rates, states, places, nudges) / STEP), 1, MOST_STEPS))
+    steps = int(np.clip(np.ceil(span * np.max(fastest(rates, states, places, nudges)) / STEP), 1, MOST_STEPS))
     sampling = plant_addresses(plant)[0], to_array(tracked.parameters), places, nudges, command, push, span, steps
     (start,) = along.starting_states(motion, values, [0])
     noise = max(motion.sensed["position"], 1e-30)

@@ -85,6 +85,31 @@ def over_sample(
 
 
 @njit(cache=True, nogil=True)
+def fastest_at(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> float:
+    """1/s: the spectral radius of derivatives of a plant's rates, J, as |J^32|^(1/32) in units of the nudges."""
+    derivatives, parameters, places, nudges, _, _, _, _ = plant
+    count = places.size
+    base, rates, other, power = np.zeros(state.size), np.zeros(state.size), state.copy(), np.zeros((count, count))
+    call_derivatives(derivatives, time, address(state), address(u), address(parameters), address(base))
+    for i in range(count):
+        other[places[i]] += nudges[i]
+        call_derivatives(derivatives, time, address(other), address(u), address(parameters), address(rates))
+        other[places[i]] = state[places[i]]
+        for j in range(count):
+            power[j, i] = (rates[places[j]] - base[places[j]]) / nudges[j]
+    radius, share = 0.0, 1.0
+    for _ in range(5):
+        size = np.sqrt(np.sum(power**2))
+        if not 0.0 < size < np.inf:
+            return 0.0
+        radius += share * np.log(size)
+        power /= size
+        power = power @ power
+        share *= 0.5
+    return float(np.exp(radius + share * np.log(max(np.sqrt(np.sum(power**2)), 1e-300))))
+
+
+@njit(cache=True, nogil=True)
 def pushed_over_sample(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> np.ndarray:
     """G, (states,), of the same."""
     derivatives, parameters, places, _, command, push, span, steps = plant
@@ -146,13 +171,13 @@ def keep_beside(
     return corrections, spread, off
 
 
-def fastest(rates: Any, states: np.ndarray, places: np.ndarray, nudges: np.ndarray) -> float:
-    """1/s: the largest eigenvalue of derivatives of `rates`, a function of whole states (samples, all), by those at
-    `places`.
+def fastest(rates: Any, states: np.ndarray, places: np.ndarray, nudges: np.ndarray) -> np.ndarray:
+    """1/s: at each sample the largest eigenvalue of derivatives of `rates`, a function of whole states (samples, all),
+    by those at `places`.
     """
     columns = []
     for place, nudge in zip(places, nudges, strict=True):
         move = np.zeros(states.shape[1])
         move[place] = nudge
         columns.append((rates(states + move) - rates(states - move))[:, places] / (2.0 * nudge))
-    return float(np.max(np.abs(np.linalg.eigvals(np.nan_to_num(np.stack(columns, axis=2))))))
+    return np.max(np.abs(np.linalg.eigvals(np.nan_to_num(np.stack(columns, axis=2)))), axis=1)

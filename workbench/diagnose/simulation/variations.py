@@ -27,7 +27,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import rates_along
 from workbench.diagnose.simulation.beside import NUDGED, held_inputs
-from workbench.diagnose.simulation.kalman import Sampling, fastest, over_sample
+from workbench.diagnose.simulation.kalman import Sampling, fastest, fastest_at, over_sample
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.fitting.threads import side_by_side
 from workbench.simulation.compilation import call_derivatives, plant_addresses
@@ -36,8 +36,10 @@ from workbench.simulation.run import Run
 if TYPE_CHECKING:
     from workbench.diagnose.simulation.shooting import Shooting
 
-STEP, MOST_STEPS = 1.0, 8
-"""Step within a sample over one over the plant's fastest rate, and steps at most: more cost more than they save."""
+STEP, MOST_STEPS, MOST = 1.0, 8, 512
+"""Step within a sample over one over the plant's fastest rate there; steps at most on average, since more cost more
+than they save, and within any sample.
+"""
 
 FELT, RIGHT = 10.0, 0.25
 """Standard deviations of noise that a push makes by which it is seen whether first order is right, and the share of
@@ -56,8 +58,10 @@ LOOKED = 500
 WORTH = 16
 """Changes from which it pays to find how a simulation answers."""
 
-REMEMBERED = 4
-"""Simulations of which it is remembered how they answer: one of each record of a fit."""
+REMEMBERED = 8
+"""Simulations of which it is remembered how they answer: one of each record of a fit. Of more records none is asked: it
+would be found anew each time.
+"""
 
 
 @njit(cache=True, nogil=True)
@@ -68,7 +72,7 @@ def _in_blocks(
     them, (blocks, states + channels, states), and what rates make of these, (samples, states, states + channels).
 
     Args:
-        plant: as it goes over a sample.
+        plant: as it goes over a sample, in as many steps as that takes.
         time: s, shape (samples,).
         states: along the simulation, shape (samples, states).
         inputs: held over each sample, shape (samples, inputs).
@@ -76,6 +80,7 @@ def _in_blocks(
         size: of a block.
     """
     channels, count = shown.shape[1:]
+    derivatives, parameters, places, nudges, command, push, span, _ = plant
     blocks = -(-time.size // size)
     first = np.zeros((blocks, count + channels, count))
     rated = np.zeros((time.size, count, count + channels), np.float32)
@@ -87,7 +92,10 @@ def _in_blocks(
             both[i, i] = 1.0
         for k in range(end - 1, begin - 1, -1):
             if k < time.size - 1:
-                moved, held = over_sample(plant, time[k], states[k], inputs[k], True)
+                quick = span * fastest_at(plant, time[k], states[k], inputs[k]) / STEP
+                steps = max(int(np.ceil(min(quick, MOST))), 1)
+                sampling = (derivatives, parameters, places, nudges, command, push, span, steps)
+                moved, held = over_sample(sampling, time[k], states[k], inputs[k], True)
                 rated[k] = (both @ held).T
                 both = both @ moved
             both[count:] += shown[k]
@@ -177,10 +185,9 @@ class Varied:
         def rates(states: np.ndarray) -> np.ndarray:
             return np.asarray(rates_along(derivatives, time, np.ascontiguousarray(states), under, parameters))
 
-        steps = max(int(np.ceil(span * fastest(rates, states[rows], places, nudges) / STEP)), 1)
-        if steps > MOST_STEPS:
+        if np.mean(np.ceil(span * fastest(rates, states[rows], places, nudges) / STEP)) > MOST_STEPS:
             return None
-        sampling = derivatives, parameters, places, nudges, 0, 1.0, span, steps
+        sampling = derivatives, parameters, places, nudges, 0, 1.0, span, 1
         shown = _shown(asked, run, nudges)
         first, rated = _in_blocks(sampling, run.time, states, inputs, shown, motion.thinning)
         varied = cls(asked, run, inputs, first, rated)
@@ -362,6 +369,8 @@ def errors_pushed(
 
 def _answering(how: "Shooting", motions: Sequence[Motion], values: Values) -> list[Varied]:
     """The simulations along these motions that answer."""
+    if len(motions) > REMEMBERED:
+        return []
     found = side_by_side(_varied, [Asked(how, motion, values) for motion in motions])
     return [one for one in found if one is not None]
 
