@@ -58,7 +58,10 @@ LOOKED = 500
 WORTH = 16
 """Changes from which it pays to find how a simulation answers."""
 
-REMEMBERED = 8
+STILL = 1e-3
+"""Of the fastest motion, below which a contact rests."""
+
+REMEMBERED = 4
 """Simulations of which it is remembered how they answer: one of each record of a fit. Of more records none is asked: it
 would be found anew each time.
 """
@@ -66,7 +69,13 @@ would be found anew each time.
 
 @njit(cache=True, nogil=True)
 def _in_blocks(
-    plant: Sampling, time: np.ndarray, states: np.ndarray, inputs: np.ndarray, shown: np.ndarray, size: int
+    plant: Sampling,
+    time: np.ndarray,
+    states: np.ndarray,
+    inputs: np.ndarray,
+    shown: np.ndarray,
+    still: np.ndarray,
+    size: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What states before blocks of so many samples make of the states behind them and of the sums of what is shown in
     them, (blocks, states + channels, states), and what rates make of these, (samples, states, states + channels).
@@ -77,6 +86,7 @@ def _in_blocks(
         states: along the simulation, shape (samples, states).
         inputs: held over each sample, shape (samples, inputs).
         shown: what each state adds to what sensors show, C, shape (samples, channels, states).
+        still: where the contact rests, and slips differently to either side, shape (samples,).
         size: of a block.
     """
     channels, count = shown.shape[1:]
@@ -95,7 +105,7 @@ def _in_blocks(
                 quick = span * fastest_at(plant, time[k], states[k], inputs[k]) / STEP
                 steps = max(int(np.ceil(min(quick, MOST))), 1)
                 sampling = (derivatives, parameters, places, nudges, command, push, span, steps)
-                moved, held = over_sample(sampling, time[k], states[k], inputs[k], True)
+                moved, held = over_sample(sampling, time[k], states[k], inputs[k], still[k])
                 rated[k] = (both @ held).T
                 both = both @ moved
             both[count:] += shown[k]
@@ -189,7 +199,8 @@ class Varied:
             return None
         sampling = derivatives, parameters, places, nudges, 0, 1.0, span, 1
         shown = _shown(asked, run, nudges)
-        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, motion.thinning)
+        still = np.abs(states[:, names.index("velocity")]) < STILL * motion.top_speed
+        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, still, motion.thinning)
         varied = cls(asked, run, inputs, first, rated)
         with np.errstate(over="ignore", invalid="ignore"):  # what runs away to first order is not right
             return varied if np.all(np.isfinite(first)) and varied._is_right() else None
