@@ -118,16 +118,14 @@ def _filters(
     states, inputs = tracked.states(slice(None)), held_inputs(driven, motion.time)
     sizes = along.magnitudes(motion, values)[places]
     nudges, push = NUDGED * sizes, NUDGED * max(float(np.max(np.abs(inputs[:, command]))), 1e-30)
-
-    def rates(states: np.ndarray) -> np.ndarray:
-        return along.rates(motion.time, states, inputs, tracked.parameters)
-
-    steps = int(np.clip(np.ceil(span * np.max(fastest(rates, states, places, nudges)) / STEP), 1, MOST_STEPS))
-    sampling = plant_addresses(plant)[0], to_array(tracked.parameters), places, nudges, command, push, span, steps
+    whole = plant_addresses(plant)[0], to_array(tracked.parameters), places, nudges, command, push, span
+    time = np.ascontiguousarray(motion.time)
+    quickest = float(np.max(fastest((*whole, 1), time, np.ascontiguousarray(states), np.ascontiguousarray(inputs))))
+    sampling = (*whole, int(np.clip(np.ceil(span * quickest / STEP), 1, MOST_STEPS)))
     (start,) = along.starting_states(motion, values, [0])
     noise = max(motion.sensed["position"], 1e-30)
     first = np.array([noise, float(np.max(np.abs(motion.velocity))), *sizes[len(MOTION) :]])
-    time, position = np.ascontiguousarray(motion.time), np.interp(motion.time, *_measured(motion))
+    position = np.interp(motion.time, *_measured(motion))
 
     def filtered(doubt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         noises = doubt * motion.sensed["force"], noise

@@ -9,7 +9,7 @@ r are constant rates that are added over the sample, u is the command, held over
 the filter itself goes, sample by sample.
 """
 
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -85,7 +85,7 @@ def over_sample(
 
 
 @njit(cache=True, nogil=True)
-def fastest_at(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> float:
+def _fastest_at(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> float:
     """1/s: the spectral radius of derivatives of a plant's rates, J, as |J^32|^(1/32) in units of the nudges."""
     derivatives, parameters, places, nudges, _, _, _, _ = plant
     count = places.size
@@ -171,13 +171,10 @@ def keep_beside(
     return corrections, spread, off
 
 
-def fastest(rates: Any, states: np.ndarray, places: np.ndarray, nudges: np.ndarray) -> np.ndarray:
-    """1/s: at each sample the largest eigenvalue of derivatives of `rates`, a function of whole states (samples, all),
-    by those at `places`.
-    """
-    columns = []
-    for place, nudge in zip(places, nudges, strict=True):
-        move = np.zeros(states.shape[1])
-        move[place] = nudge
-        columns.append((rates(states + move) - rates(states - move))[:, places] / (2.0 * nudge))
-    return np.max(np.abs(np.linalg.eigvals(np.nan_to_num(np.stack(columns, axis=2)))), axis=1)
+@njit(cache=True, nogil=True)
+def fastest(plant: Sampling, time: np.ndarray, states: np.ndarray, inputs: np.ndarray) -> np.ndarray:
+    """1/s: how fast a plant is in each of some whole states (samples, all) under inputs (samples, inputs)."""
+    rates = np.empty(time.size)
+    for k in range(time.size):
+        rates[k] = _fastest_at(plant, time[k], states[k], inputs[k])
+    return rates

@@ -27,7 +27,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import rates_along
 from workbench.diagnose.simulation.beside import NUDGED, held_inputs
-from workbench.diagnose.simulation.kalman import Sampling, fastest, fastest_at, over_sample
+from workbench.diagnose.simulation.kalman import Sampling, fastest, over_sample
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.fitting.threads import side_by_side
 from workbench.simulation.compilation import call_derivatives, plant_addresses
@@ -52,9 +52,6 @@ ALONG, NODES = ("position", "velocity"), 8
 APART = 0.01
 """Share of the range of a signal by which places are apart between which a push goes up or down."""
 
-LOOKED = 500
-"""States along a simulation among which its fastest rate is looked for."""
-
 WORTH = 16
 """Changes from which it pays to find how a simulation answers."""
 
@@ -75,18 +72,20 @@ def _in_blocks(
     inputs: np.ndarray,
     shown: np.ndarray,
     still: np.ndarray,
+    steps: np.ndarray,
     size: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What states before blocks of so many samples make of the states behind them and of the sums of what is shown in
     them, (blocks, states + channels, states), and what rates make of these, (samples, states, states + channels).
 
     Args:
-        plant: as it goes over a sample, in as many steps as that takes.
+        plant: as it goes over a sample.
         time: s, shape (samples,).
         states: along the simulation, shape (samples, states).
         inputs: held over each sample, shape (samples, inputs).
         shown: what each state adds to what sensors show, C, shape (samples, channels, states).
         still: where the contact rests, and slips differently to either side, shape (samples,).
+        steps: within each sample, shape (samples,).
         size: of a block.
     """
     channels, count = shown.shape[1:]
@@ -102,9 +101,7 @@ def _in_blocks(
             both[i, i] = 1.0
         for k in range(end - 1, begin - 1, -1):
             if k < time.size - 1:
-                quick = span * fastest_at(plant, time[k], states[k], inputs[k]) / STEP
-                steps = max(int(np.ceil(min(quick, MOST))), 1)
-                sampling = (derivatives, parameters, places, nudges, command, push, span, steps)
+                sampling = (derivatives, parameters, places, nudges, command, push, span, steps[k])
                 moved, held = over_sample(sampling, time[k], states[k], inputs[k], still[k])
                 rated[k] = (both @ held).T
                 both = both @ moved
@@ -188,19 +185,14 @@ class Varied:
         inputs = np.ascontiguousarray(held_inputs(setup, run.time))
         sizes = how.along.magnitudes(motion, values)[[how.along.names.index(name) for name in names]]
         nudges, places, span = NUDGED * sizes, np.arange(len(names)), motion.record.sample_time
-        derivatives, parameters = plant_addresses(run.plant)[0], to_array(run.parameters)
-        states, rows = np.ascontiguousarray(run.states), slice(None, None, -(-run.time.size // LOOKED))
-        time, under = np.ascontiguousarray(run.time[rows]), np.ascontiguousarray(inputs[rows])
-
-        def rates(states: np.ndarray) -> np.ndarray:
-            return np.asarray(rates_along(derivatives, time, np.ascontiguousarray(states), under, parameters))
-
-        if np.mean(np.ceil(span * fastest(rates, states[rows], places, nudges) / STEP)) > MOST_STEPS:
+        states = np.ascontiguousarray(run.states)
+        sampling = plant_addresses(run.plant)[0], to_array(run.parameters), places, nudges, 0, 1.0, span, 1
+        steps = np.clip(np.ceil(span * fastest(sampling, run.time, states, inputs) / STEP), 1, MOST).astype(np.int64)
+        if np.mean(steps) > MOST_STEPS:
             return None
-        sampling = derivatives, parameters, places, nudges, 0, 1.0, span, 1
         shown = _shown(asked, run, nudges)
         still = np.abs(states[:, names.index("velocity")]) < STILL * motion.top_speed
-        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, still, motion.thinning)
+        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, still, steps, motion.thinning)
         varied = cls(asked, run, inputs, first, rated)
         with np.errstate(over="ignore", invalid="ignore"):  # what runs away to first order is not right
             return varied if np.all(np.isfinite(first)) and varied._is_right() else None
