@@ -2,27 +2,48 @@
 
 import doctest
 import inspect
+from collections.abc import Iterator
 from pathlib import Path
+from unittest import mock
 
 import control
 import nbformat
 import pytest
-from api_examples import FACES, documented, examples, given, notebook
+from api_examples import FACES, documented, examples, given, given_experiment, notebook
 from command import ROOT
 from nbclient import NotebookClient
 from snippets.blocks import blocks
 
 from workbench import api
+from workbench.design import design, power, search
 
-pytestmark = pytest.mark.usefixtures("png_alone")
+pytestmark = pytest.mark.usefixtures("png_alone", "little_effort")
+
+
+@pytest.fixture(scope="module")
+def little_effort() -> Iterator[None]:
+    """A motion is designed from few pieces and on few machines: how good it is no example shows."""
+    with (
+        mock.patch.object(search, "STEPS", 0),
+        mock.patch.object(design, "COMPARED", 0),
+        mock.patch.object(power, "STEPS", 0),
+    ):
+        yield
+
+
+@pytest.fixture(scope="module")
+def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The one that examples take as given: they read it and write elsewhere."""
+    return given_experiment(tmp_path_factory.mktemp("given"))
+
 
 EXAMPLES = examples()
 """Names with their documentation."""
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_examples_run(name: str, tmp_path: Path) -> None:
-    test = doctest.DocTestParser().get_doctest(EXAMPLES[name], given(tmp_path), name, name, 0)
+def test_examples_run(name: str, experiment: Path, tmp_path: Path) -> None:
+    test = doctest.DocTestParser().get_doctest(EXAMPLES[name], given(tmp_path, experiment), name, name, 0)
     failures: list[str] = []
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
     runner.run(test, out=failures.append, clear_globs=False)
@@ -49,8 +70,7 @@ def test_every_public_name_is_documented_with_its_arguments_and_an_example(name:
 @pytest.mark.thorough
 @pytest.mark.filterwarnings("default")
 def test_a_notebook_of_the_examples_executes(tmp_path: Path) -> None:
-    given(tmp_path)
-    cells = notebook(tmp_path)
+    cells = notebook(tmp_path, given_experiment(tmp_path))
     NotebookClient(cells, timeout=300, resources={"metadata": {"path": ROOT}}).execute()
     nbformat.write(cells, tmp_path / "examples.ipynb")
     shown = [{kind for output in cell.get("outputs", []) for kind in output.get("data", {})} for cell in cells.cells]

@@ -20,12 +20,15 @@ FACES = (
 """What the last cells of the notebook show: what earlier ones have made, and at the end a figure."""
 
 
-def given(folder: Path) -> dict[str, object]:
+def given_experiment(folder: Path) -> Path:
+    """An experiment with its record, in `folder`."""
+    make_record(folder)
+    return write(folder, EXPERIMENT, "experiment.toml")
+
+
+def given(folder: Path, experiment: Path) -> dict[str, object]:
     """What examples take as given: an empty folder, an experiment with its record, and the module's small study."""
-    (folder / "given").mkdir()
-    make_record(folder / "given")
-    names: dict[str, object] = {"wb": wb, "folder": folder}
-    names["experiment"] = write(folder / "given", EXPERIMENT, "experiment.toml")
+    names: dict[str, object] = {"wb": wb, "folder": folder, "experiment": experiment}
     for example in doctest.DocTestParser().get_examples(api.__doc__ or ""):
         if example.source.startswith("small_study"):
             exec(example.source, names)
@@ -50,13 +53,13 @@ def examples() -> dict[str, str]:
     return {name: text for name, text in documented() if ">>>" in text}
 
 
-def notebook(folder: Path) -> nbformat.NotebookNode:
+def notebook(folder: Path, experiment: Path) -> nbformat.NotebookNode:
     """A notebook of all examples, a cell each, those that end in an error left out; then the faces of results.
 
-    `folder` holds what is `given`. Each example has a folder of its own.
+    They take the `experiment` as given. Each example has a folder of its own in `folder`.
     """
     begin = "from pathlib import Path\nimport workbench as wb\n"
-    cells = [begin + f"experiment = Path({str(folder / 'given' / 'experiment.toml')!r})"]
+    cells = [begin + f"experiment = Path({str(experiment)!r})"]
     for number, text in enumerate(examples().values()):
         parsed = [item for item in doctest.DocTestParser().get_examples(text) if item.exc_msg is None]
         cells.append(f"folder = Path({str(folder / str(number))!r})\n" + "".join(item.source for item in parsed))
