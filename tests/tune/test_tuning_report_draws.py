@@ -24,7 +24,7 @@ ON_DRAWS = (
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory, png_alone: None) -> tuple[Path, Answer]:
+def drawn(tmp_path_factory: pytest.TempPathFactory, dots_alone: None) -> tuple[Path, Answer]:
     """A tuning on draws, with a controller that no gains make stable."""
     folder = tmp_path_factory.mktemp("drawn")
     return folder / "out", reported(folder, ON_DRAWS)
