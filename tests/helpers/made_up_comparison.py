@@ -110,7 +110,7 @@ def cell(
         for (controller, rpm), error in errors.items()
         for i, draw in enumerate(draws)
     ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame([vars(row) for row in rows])  # of dataclasses pandas makes copies all the way down
 
 
 CONTROLLERS = ("p", "pi", "load_pressure", "lugre", "tafazoli")
