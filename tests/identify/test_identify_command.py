@@ -20,7 +20,7 @@ from workbench.simulation.references import Multisine
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
 
-SAMPLE_TIME, DURATION, NOISE = 5e-3, 4.0, 2e-6
+SAMPLE_TIME, DURATION, NOISE = 5e-3, 2.0, 2e-6
 
 FREE = '[fit]\nmethod = "simulation"\nfree = ["mass", "coulomb", "viscous"]\n'
 

@@ -53,7 +53,7 @@ def problem_of(folder: Path, scale: dict[str, float], free: list[str]) -> Proble
 def leaking(tmp_path_factory: pytest.TempPathFactory, dots_alone: None) -> Path:
     """A machine that leaks, which is not declared: its identification."""
     folder = tmp_path_factory.mktemp("leaking")
-    save_record(folder / "record.parquet", moved(leakage_coefficient=2e-12), seed=3)
+    save_record(folder / "record.parquet", moved(2.0, leakage_coefficient=2e-12), seed=3)
     answer, _ = answered(folder, {"coulomb": 1.3}, ["coulomb", "viscous"])
     (folder / "answer.txt").write_text(answer.out)
     return folder
@@ -115,7 +115,7 @@ def test_rounded_voltages_are_expected(tmp_path: Path, dots_alone: None) -> None
 def test_a_fit_without_pressures_is_written_without_a_figure_of_friction(
     tmp_path: Path, dots_alone: None, figure: str
 ) -> None:
-    save_record(tmp_path / "record.parquet", moved(), seed=3)
+    save_record(tmp_path / "record.parquet", moved(2.0), seed=3)
     text = experiment_text({"coulomb": 1.3}, ["coulomb", "viscous"])
     lines = [line for line in text.splitlines() if not line.startswith("pressure_")]
     answer = identify(tmp_path, "\n".join([*lines, figure]), "simulation")
@@ -221,7 +221,7 @@ def test_the_step_of_a_rounded_signal_and_its_error() -> None:
 
 def test_what_is_declared_with_a_deviation_refutes_nothing_and_is_in_the_others(tmp_path: Path) -> None:
     """A valve's gain off by 2 %, declared to 1 % or for certain: the position is off by many times its noise."""
-    save_record(tmp_path / "record.parquet", moved(valve_flow_gain=1.02 * TRUTH["valve_flow_gain"]), seed=3)
+    save_record(tmp_path / "record.parquet", moved(3.0, valve_flow_gain=1.02 * TRUTH["valve_flow_gain"]), seed=3)
     for std in (0.01, None):
         entries = [
             Entry(name, value, std * value if std and name == "valve_flow_gain" else None, "a test")

@@ -90,7 +90,7 @@ def test_deviations_know_that_samples_are_old_and_the_way_between_them_is_not(
 def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_path: Path, dots_alone: None) -> None:
     """They end at 0 or next to it, whatever was guessed, and what is fitted beside them comes out right."""
     absent = {f"{name}{suffix}": 0.0 for name in ("dead_band", "command_delay") for suffix in ("", "_negative")}
-    fitted = found(logged(tmp_path, 45.0, **absent, axis_time_constant=0.033))
+    fitted = found(logged(tmp_path, 33.0, **absent, axis_time_constant=0.033))
     values = {name: number["value"] for name, number in fitted.items()}
     truth = read_parameters(AXIS / "machine.toml")
     for suffix in ("", "_negative"):
@@ -102,7 +102,7 @@ def test_a_dead_band_and_a_delay_that_are_not_there_are_found_to_be_none(tmp_pat
 
 def test_a_drift_is_found_and_biases_nothing(tmp_path: Path, dots_alone: None) -> None:
     """A load that pulls at the axis while the valve is closed; nobody declared it."""
-    fitted = found(logged(tmp_path, 45.0, drift_velocity=4e-3))
+    fitted = found(logged(tmp_path, 33.0, drift_velocity=4e-3))
     truth = {**read_parameters(AXIS / "machine.toml"), "drift_velocity": 4e-3}
     for name in ("drift_velocity", *(f"{name}{suffix}" for name in FOUND for suffix in ("", "_negative"))):
         assert fitted[name]["value"] == pytest.approx(truth[name], rel=0.05)
