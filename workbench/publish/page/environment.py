@@ -8,7 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import Environment, FileSystemLoader
+from jinja2 import BytecodeCache, Environment, FileSystemLoader
+from jinja2.bccache import Bucket
 from markupsafe import Markup
 
 from workbench.publish.page.live import live
@@ -25,6 +26,23 @@ BOKEH = ("bokeh.min.js", "bokeh-api.min.js")
 """Of what Bokeh brings for a browser: it draws lines and points, and reads what `page.js` asks of it."""
 
 
+class _InMemory(BytecodeCache):
+    """Compiled templates of files, which all pages of this process share: to compile them takes as long as a page."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, bytes] = {}
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        if bucket.key in self._kept:
+            bucket.bytecode_from_string(self._kept[bucket.key])
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        self._kept[bucket.key] = bucket.bytecode_to_string()
+
+
+_COMPILED = _InMemory()
+
+
 def page_environment(folder: Path) -> Environment:
     """Where templates of pages are rendered that are to lie in `folder`: they extend "frame.html" and fill its blocks
     title, kind, picture, summary, style, body and scripts. Nothing of a page is fetched; its pictures are those of
@@ -34,7 +52,9 @@ def page_environment(folder: Path) -> Environment:
     exists as a file alone. "every_case.html", which is included, shows `section`, all cases of a study: sketches are
     large, and only what is included is written piece by piece.
     """
-    environment = Environment(loader=FileSystemLoader(HERE), autoescape=True, keep_trailing_newline=True)
+    environment = Environment(
+        loader=FileSystemLoader(HERE), autoescape=True, keep_trailing_newline=True, bytecode_cache=_COMPILED
+    )
     environment.filters["plain"] = plain_name
     environment.globals |= {
         "style_sheet": Markup(_asset("page.css")),
