@@ -20,8 +20,8 @@ from workbench.decide.result import Decision
 from workbench.decide.run import decide
 from workbench.study.reading import read_study
 
-FEW = changed("fresh_draws = 60", "fresh_draws = 42", STUDY)
-"""With as few fresh draws as can show the probability that is asked for."""
+FEW = changed("fresh_draws = 60", "probability = 0.5\nfresh_draws = 8", STUDY)
+"""With few fresh draws, which can show the probability that is asked for."""
 
 
 def planned(folder: Path, text: str = STUDY) -> Plan:

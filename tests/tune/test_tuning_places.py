@@ -88,7 +88,7 @@ def test_the_gain_of_a_p_is_that_at_which_its_phase_margin_is_45_degrees(tmp_pat
 
 def test_each_place_has_a_tuning_of_its_own(tmp_path: Path) -> None:
     """The same controller on the same belief has other gains on another machine; a file has an entry a speed."""
-    tuning = tuned(tmp_path, PLACES, "p", trials=16)
+    tuning = tuned(tmp_path, PLACES, "p", trials=8)
     assert [each.task.label for each in tuning.tuned] == [
         f"p, machine {machine}, rpm {rpm}" for machine in ("light", "heavy") for rpm in ("0", "60 rpm")
     ]
