@@ -92,6 +92,7 @@ def test_noise_is_seeded(tmp_path: Path) -> None:
     assert other.read_text(encoding="utf-8").splitlines()[1].split(",")[2:] == eight
 
 
+@pytest.mark.usefixtures("dots_alone")
 def test_only_what_figures_draw_is_kept(tmp_path: Path) -> None:
     drawn = STUDY + FIGURE + 'curves = [{ y = "position", where = { rpm = 460 } }]\n'
     out = ran(tmp_path, drawn)
