@@ -226,7 +226,7 @@ def test_open_loop_response_is_that_of_python_control(plant_: Plant, rpm: float)
     parameters = build(plant_.Parameters, SET)
     state, inputs = plant_.equilibrium(parameters, rpm * 2.0 * np.pi / 60.0 * RADIUS)
     outputs = ("position", "velocity", "load_pressure", "axial_friction")
-    setup = Setup(plant_, parameters, state, inputs, 0.25, feeds=(Feed("valve_voltage", Sine(3.0, 4.0)),))
+    setup = Setup(plant_, parameters, state, inputs, 0.125, feeds=(Feed("valve_voltage", Sine(3.0, 8.0)),))
     run = simulate(replace(setup, integrator=Integrator(tolerance=1e-11)))
     theirs = control.input_output_response(
         nonlinear_system(plant_, parameters, outputs),
