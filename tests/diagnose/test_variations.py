@@ -115,6 +115,29 @@ def test_what_does_not_push_but_remembers_nothing_makes_what_simulations_show(ma
     assert off(np.subtract(there, base), told) < NEARLY
 
 
+@pytest.mark.parametrize(
+    "remembers",
+    [
+        {"backlash_width": 1e-6},
+        {"backlash_width": 2e-4},
+        {"memory_time": 0.02},
+        {"position_sensor_lag": 5e-3},
+        {"slip_level": 50.0, "slip_stiffness": 1e6},
+    ],
+    ids=["narrow", "wide", "memory", "lag", "slip"],
+)
+def test_beside_what_remembers_the_same_it_is_told_too(made: Made, remembers: dict[str, float]) -> None:
+    """A flank that carries a sensor forgets what was before; between two flanks it is kept."""
+    how, motion, plain = made
+    values = {**plain, **remembers}
+    varied = answering(how, motion, values)
+    ways = [{"spring_stiffness": 20.0}, {"coulomb_negative": values["coulomb"] * 1.0001}, {"load_force": 0.1}]
+    changed = [{**values, **way} for way in ways]
+    base, *there = errors_of([Asked(how, motion, each) for each in (values, *changed)])
+    for one, told in zip(there, varied.having(how, changed, values), strict=True):
+        assert off(np.subtract(one, base), told) < NEARLY
+
+
 def test_what_pushes_on_a_turning_axis_makes_what_simulations_show(tmp_path: Path) -> None:
     case = next(case for case in make_cases("tuning", [NONE]) if case.machine == "rotary")
     experiment = read_experiment(make(case, tmp_path))
@@ -157,9 +180,6 @@ def test_what_starts_more_than_once_or_a_loop_leads_answers_nothing(made: Made) 
     how, motion, values = made
     assert Varied.of(Asked(replace(how, length=1.0), motion, values)) is None
     assert Varied.of(Asked(how.led([motion], values, 50.0), motion, values)) is None
-    assert Varied.of(Asked(how, motion, {**values, "memory_time": 0.02})) is None, (
-        "what remembers has states of its own"
-    )
 
 
 def test_what_is_not_as_first_order_tells_is_not_told(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

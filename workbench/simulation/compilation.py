@@ -101,6 +101,7 @@ def compile_commit(controller: Controller) -> MachineCode:
     return machine_code(controller.commit, (None, controller.State, controller.Gains, None), into=1)
 
 
+@functools.cache
 def plant_addresses(plant: Plant) -> tuple[int, int]:
     """Addresses of the plant's derivatives and of its readings.
 
@@ -112,6 +113,7 @@ def plant_addresses(plant: Plant) -> tuple[int, int]:
     return derivatives.address, measure.address
 
 
+@functools.cache
 def step_addresses(plant: Plant, method: IntegrationMethod, filtered: bool, lanes: int) -> tuple[int, int, int]:
     """Addresses of a whole step by a method, for so many lanes, and of what it integrates: rates of the plant, and of
     filters of its sensors if these are `filtered`; and of the plant's readings.
@@ -126,6 +128,7 @@ def step_addresses(plant: Plant, method: IntegrationMethod, filtered: bool, lane
     return step.address, rates.address, measure.address
 
 
+@functools.cache
 def controller_addresses(controller: Controller) -> tuple[int, int]:
     """Addresses of the controller's step and commit.
 

@@ -156,50 +156,34 @@ class Along:
         known = np.column_stack([state_along(name, seen, values)[:until] for name in shown_here])
         inputs, contact = self.inputs(motion, values, hidden)[:until], self.contact & set(hidden)
         still = self.still(motion, values)[:until] & bool(contact)
-        simulated = self._columns(hidden)
+        simulated = self.columns(hidden)
         bends, rates = walk(
             plant_addresses(self.plant)[0],
             np.ascontiguousarray(motion.time[:until]),
             rest,
-            self._columns(shown_here),
+            self.columns(shown_here),
             np.ascontiguousarray(known),
             np.ascontiguousarray(inputs),
             to_array(parameters),
             simulated,
             self._groups(simulated),
-            self._columns(self.by_input(motion, hidden)),
-            self._columns(contact),
+            self.columns(self.by_input(motion, hidden)),
+            self.columns(contact),
             np.array([self.names.index(name) for name in wanted], dtype=np.int64),
             self.names.index("velocity"),
             np.ascontiguousarray(still),
             np.ascontiguousarray(motion.resting[:until]),
             max(motion.creep, SLOWEST_CREEP),
             np.ascontiguousarray(seen.acceleration[:until]),
-            NUDGE * self._magnitudes(motion, rest, idle, values),
+            NUDGE * self.magnitudes(motion, values),
             motion.sample_time,
         )
-        columns = np.concatenate([self._columns(shown_here), simulated])
+        columns = np.concatenate([self.columns(shown_here), simulated])
         return Tracked(parameters, rest, idle, columns, np.hstack([known, bends]), inputs, rates, still)
 
     def magnitudes(self, motion: Motion, values: Values) -> np.ndarray:
         """What is typical of each state, shape (states,): of a contact how far the fastest motion bends it."""
-        rest, idle = map(to_array, self._at_rest(motion, values, self.parameters(values)))
-        return self._magnitudes(motion, rest, idle, values)
-
-    def _magnitudes(self, motion: Motion, rest: np.ndarray, idle: np.ndarray, values: Values) -> np.ndarray:
-        """The same of a plant whose states and inputs at rest are known."""
-        return np.asarray(
-            bent_by(
-                plant_addresses(self.plant)[0],
-                rest,
-                idle,
-                to_array(self.parameters(values)),
-                self._columns(self.contact),
-                self.names.index("velocity"),
-                motion.top_speed,
-                np.array([item.scale for item in fields(self.plant.State)]),
-            )
-        )
+        return _magnitudes(self, motion, tuple(values.items()))
 
     def _groups(self, simulated: np.ndarray) -> np.ndarray:
         """For each of these states the number of a group in which no state counts in another's rate."""
@@ -214,7 +198,8 @@ class Along:
                 group.append(place)
         return np.array([next(i for i, g in enumerate(groups) if place in g) for place in simulated], dtype=np.int64)
 
-    def _columns(self, states: Collection[str]) -> np.ndarray:
+    def columns(self, states: Collection[str]) -> np.ndarray:
+        """Their places among the plant's states."""
         return np.array([place for place, name in enumerate(self.names) if name in states], dtype=np.int64)
 
     def starting_states(self, motion: Motion, values: Values, places: Sequence[int]) -> list[Any]:
@@ -236,11 +221,11 @@ class Along:
             states,
             self.inputs(motion, values, [])[rows],
             to_array(tracked.parameters),
-            self._columns(self.contact),
+            self.columns(self.contact),
             velocity,
             max(motion.creep, SLOWEST_CREEP),
             seen.acceleration[rows],
-            NUDGE * self._magnitudes(motion, tracked.rest, tracked.idle, values),
+            NUDGE * self.magnitudes(motion, values),
         )
         return [from_array(self.plant.State, row.tolist()) for row in states]
 
@@ -314,7 +299,7 @@ class Along:
         by_input = self.by_input(motion, self.hidden(motion, states))
         if not by_input:
             return None
-        whole, columns = tracked.states(slice(None)), self._columns(by_input)
+        whole, columns = tracked.states(slice(None)), self.columns(by_input)
         whole[:, columns] = tracked.rest[columns]
         idle = self.rates(motion.time, whole, np.tile(tracked.idle, (whole.shape[0], 1)), tracked.parameters)
         return np.asarray(tracked.rates - idle[:, [self.names.index(name) for name in states]])
@@ -352,6 +337,24 @@ def _by_input(plant: Plant, hidden: frozenset[str], channels: frozenset[str]) ->
     fed = {item.name for item in fields(plant.Inputs) if given_by(channels, item.name)}
     driven = {name for name in hidden if any(depends.inputs[each] & fed for each in depends.reached([name], []))}
     return frozenset(name for name in driven if depends.reached([name], []) <= hidden)
+
+
+@functools.lru_cache(REMEMBERED)
+def _magnitudes(along: Along, motion: Motion, values: tuple[tuple[str, float], ...]) -> np.ndarray:
+    """See `Along.magnitudes`: of one simulation they are asked for more than once."""
+    plant, (rest, idle) = along.plant, map(to_array, along.at_rest(motion, dict(values)))
+    return np.asarray(
+        bent_by(
+            plant_addresses(plant)[0],
+            rest,
+            idle,
+            to_array(along.parameters(dict(values))),
+            along.columns(along.contact),
+            along.names.index("velocity"),
+            motion.top_speed,
+            np.array([item.scale for item in fields(plant.State)]),
+        )
+    )
 
 
 @functools.lru_cache(REMEMBERED)

@@ -48,7 +48,9 @@ class Whitening:
         if not first:
             return np.asarray(self.numbers[0] * values)
         columns = values.reshape(values.shape[0], -1)
-        out = np.column_stack([np.convolve(column, self.numbers)[: column.size] for column in columns.T])
+        out = np.empty(columns.shape)
+        for place, column in enumerate(columns.T):
+            out[:, place] = np.convolve(column, self.numbers)[: column.size]
         out[:first] = self.head[:first, :first] @ columns[:first]
         return out.reshape(values.shape)
 

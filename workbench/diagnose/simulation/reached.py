@@ -10,9 +10,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, stacked
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
+from workbench.diagnose.residuals.weighing import weighing_of
+from workbench.diagnose.selection.likelihood import Left
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shapes
@@ -71,7 +73,15 @@ def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, b
         return settle(how, motions, fit, bounds)
 
     times = BESIDE if how.is_beside else 1.0
-    return Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times)
+    every = None if all(motion.thinning == 1 for motion in motions) else lru_cache(SETTLED)(left_of_all_samples)
+    return Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times, all_samples=every)
+
+
+def left_of_all_samples(fitted: Fit) -> Left:
+    """What a fit to means over samples leaves of every one of them, as it weighs there."""
+    balance = replace(fitted.balance, motions=as_quick(fitted.balance.motions))
+    residual = stacked(balance, fitted.values)
+    return weighing_of(balance.series, residual), residual, 0.5 * float(fitted.vague @ fitted.vague)
 
 
 def simulated_baseline(

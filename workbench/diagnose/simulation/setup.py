@@ -84,6 +84,8 @@ def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Moti
     one as with the other. Means over some of them see the slow ones alone, and whatever makes the loop quicker, such as
     a load that hangs behind a spring, would gain by them.
     """
+    if not motions:
+        return []
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
     return as_quick(motions) if is_sensed(along, motions[0]) else list(motions)
 

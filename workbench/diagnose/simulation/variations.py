@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plants.compiled import address, njit, shift
+from plants.effects.attach import possible
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
@@ -72,6 +73,7 @@ def _in_blocks(
     inputs: np.ndarray,
     shown: np.ndarray,
     still: np.ndarray,
+    carried: np.ndarray,
     steps: np.ndarray,
     size: int,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -85,6 +87,7 @@ def _in_blocks(
         inputs: held over each sample, shape (samples, inputs).
         shown: what each state adds to what sensors show, C, shape (samples, channels, states).
         still: where the contact rests, and slips differently to either side, shape (samples,).
+        carried: which states a flank carries from there on: what they were is forgotten, shape (samples, states).
         steps: within each sample, shape (samples,).
         size: of a block.
     """
@@ -103,6 +106,9 @@ def _in_blocks(
             if k < time.size - 1:
                 sampling = (derivatives, parameters, places, nudges, command, push, span, steps[k])
                 moved, held = over_sample(sampling, time[k], states[k], inputs[k], still[k])
+                for i in range(count):
+                    if carried[k + 1, i]:
+                        moved[i], held[i] = 0.0, 0.0
                 rated[k] = (both @ held).T
                 both = both @ moved
             both[count:] += shown[k]
@@ -171,15 +177,15 @@ class Varied:
 
     @classmethod
     def of(cls, asked: Asked) -> "Varied | None":
-        """None of one that starts more than once, diverges, is stiff, led by a loop that sees what it does, has effects
-        that remember, or of which first order tells too little.
+        """None of one that starts more than once, diverges, is stiff, led by a loop that sees what it does, or of which
+        first order tells too little.
         """
         how, motion, values = asked.how, asked.motion, asked.values
         if how.is_led(motion) or not np.isinf(how.length):
             return None
         ((_, run),) = how.runs(motion, values)
         names = [item.name for item in fields(run.plant.State)]
-        if run.diverged or not {*names} <= {*how.own}:
+        if run.diverged:
             return None
         ((_, setup),) = how.pieces(motion, values, run.plant)
         inputs = np.ascontiguousarray(held_inputs(setup, run.time))
@@ -187,12 +193,14 @@ class Varied:
         nudges, places, span = NUDGED * sizes, np.arange(len(names)), motion.record.sample_time
         states = np.ascontiguousarray(run.states)
         sampling = plant_addresses(run.plant)[0], to_array(run.parameters), places, nudges, 0, 1.0, span, 1
-        steps = np.clip(np.ceil(span * fastest(sampling, run.time, states, inputs) / STEP), 1, MOST).astype(np.int64)
+        carried = _carried(states) & ~np.isin(names, how.own)
+        rates = fastest(_moving(sampling, ~np.any(carried, axis=0)), run.time, states, inputs)
+        steps = np.clip(np.ceil(span * rates / STEP), 1, MOST).astype(np.int64)
         if np.mean(steps) > MOST_STEPS:
             return None
         shown = _shown(asked, run, nudges)
         still = np.abs(states[:, names.index("velocity")]) < STILL * motion.top_speed
-        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, still, steps, motion.thinning)
+        first, rated = _in_blocks(sampling, run.time, states, inputs, shown, still, carried, steps, motion.thinning)
         varied = cls(asked, run, inputs, first, rated)
         with np.errstate(over="ignore", invalid="ignore"):  # what runs away to first order is not right
             return varied if np.all(np.isfinite(first)) and varied._is_right() else None
@@ -231,7 +239,7 @@ class Varied:
         return self._in_noise(self._added(self._adds(place), series, held))
 
     def having(self, how: "Shooting", several: Sequence[Values], than: Values) -> list[list[np.ndarray]]:
-        """The same of other values `than` these, with which the plant remembers no more: by the rates that they make in
+        """The same of other values `than` these, with which the plant remembers as much: by the rates that they make in
         the states of the simulation, where it starts, and what sensors show of it.
         """
         base, instants = self._with(how, than), self.asked.motion.instants
@@ -297,6 +305,19 @@ class Varied:
         return [[one[:, change] for one in off] for change in range(sums.shape[-1])]
 
 
+def _carried(states: np.ndarray) -> np.ndarray:
+    """Which states (samples, states) stay what they are over the sample that follows, to the last bit."""
+    stays = np.zeros(states.shape, dtype=bool)
+    stays[:-1] = states[:-1] == states[1:]
+    return stays
+
+
+def _moving(sampling: Sampling, which: np.ndarray) -> Sampling:
+    """The same of these states alone, shape (states,)."""
+    derivatives, parameters, places, nudges, *rest = sampling
+    return derivatives, parameters, places[which], nudges[which], *rest
+
+
 def _zigzag(values: np.ndarray) -> np.ndarray:
     """Up and down over a signal, between -1 and 1 at even shares of its values; not among those where it rests."""
     nodes = np.unique(np.quantile(values, np.linspace(0.0, 1.0, NODES)))
@@ -335,13 +356,14 @@ def errors_near(
     how: "Shooting", values: Values, asked: Sequence[Asked], than: Values | None = None, least: int = WORTH
 ) -> list[list[np.ndarray]]:
     """What each of these is off by, as `errors_of` has it: to first order beside simulations with `values` that answer,
-    along records of which at `least` so many are asked for, where the plant remembers no more, and no command comes
+    along records of which at `least` so many are asked for, where the plant remembers as much, and no command comes
     later, which would change within samples. These may be of a plant that is more, and that does as much with the
     values `than`.
     """
     kinds: dict[Motion, list[Asked]] = {}
+    remembered = _remembered(how, values)
     for one in asked:
-        if not (_remembers(one) or how.along.late(one.values) != how.along.late(values)):
+        if _remembered(one.how, one.values) == remembered and how.along.late(one.values) == how.along.late(values):
             kinds.setdefault(one.motion, []).append(one)
     many = {motion: several for motion, several in kinds.items() if len(several) >= least}
     found = dict[Asked, list[np.ndarray]]()
@@ -378,11 +400,11 @@ def _answering(how: "Shooting", motions: Sequence[Motion], values: Values) -> li
     return [one for one in found if one is not None]
 
 
-def _remembers(one: Asked) -> bool:
-    """Whether the plant has states that are not its own."""
-    along = one.how.along
-    plant = along.having(along.acts(one.values), alone=True)
-    return not {item.name for item in fields(plant.State)} <= {*one.how.own}
+def _remembered(how: "Shooting", values: Values) -> dict[str, float]:
+    """The numbers of those effects that remember what was: what stays between two flanks depends on where these are."""
+    acting, able = how.along.acts(values), possible(how.along.plant)
+    own = [effect.own_names for effect in able if effect.remember is not None and effect.name in acting]
+    return {name: values[name] for names in own for name in names if name in values}
 
 
 @lru_cache(REMEMBERED)

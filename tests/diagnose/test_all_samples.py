@@ -1,0 +1,83 @@
+"""A loop moves a plant by its sensors' noise: means over samples take that for an effect, and all samples do not."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command import write
+from driven import TRUE
+from experiments import CHANNELS
+
+from controllers import pid
+from controllers.pid import PID
+from plants.effects.registry import effects
+from plants.interface import Measurement
+from plants.registry import CHAMBERS
+from workbench.diagnose.readiness import declared_values, motions_of
+from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.selection.likelihood import Left
+from workbench.diagnose.selection.search import Found, search
+from workbench.diagnose.selection.sets import Asked
+from workbench.diagnose.simulation.fits import Fitting, settle
+from workbench.diagnose.simulation.reached import left_of_all_samples
+from workbench.diagnose.simulation.setup import shooting_of
+from workbench.parameters.sets import build
+from workbench.records.experiment import Experiment, read_experiment
+from workbench.records.reading import read_records
+from workbench.simulation.references import Steps
+from workbench.simulation.sensors import Channel, Sensors
+from workbench.simulation.setup import Integrator, Loop, Setup
+from workbench.simulation.simulate import simulate
+
+EXPERIMENT = f"""\
+title = "a rod that a loop holds where it is"
+[plant]
+model = "two_chamber"
+parameters = "owen2001_simulation"
+{CHANNELS}[[records]]
+file = "record.parquet"
+"""
+
+NOISE = {"position": 5e-6, "pressure_1": 2e3, "pressure_2": 2e3}
+
+
+def held(folder: Path, width: float, seed: int) -> Experiment:
+    """40 s of P control at 200 V/m, which sees the noise of the position, over steps between which the rod rests; with
+    a backlash of some `width` (m).
+    """
+    plant = CHAMBERS.with_effects(effects("m")["backlash"])
+    parameters = build(plant.Parameters, {**TRUE, "backlash_width": width})
+    loop = Loop(PID, PID.design(pid.Settings(kp=200.0), parameters, 1e-3))
+    steps = Steps((0.0, 3e-3, -6e-3, 8e-3, 7e-3, -2e-3, 1e-3, 4e-3), 5.0)
+    sensors = Sensors({name: Channel(noise=noise) for name, noise in NOISE.items()})
+    exact = Integrator(tolerance=1e-9)
+    start = plant.equilibrium(parameters, 0.0)
+    run = simulate(Setup(plant, parameters, *start, 40.0, loop, steps, sensors=sensors, integrator=exact, seed=seed))
+    shown = {name: run.measurements[:, Measurement._fields.index(name)] for name in NOISE}
+    pd.DataFrame({"time": run.time, "valve_voltage": run.command, **shown}).to_parquet(folder / "record.parquet")
+    return read_experiment(write(folder, EXPERIMENT, "experiment.toml"))
+
+
+def sought(experiment: Experiment, seen: Callable[[Fit], Left] | None) -> Found:
+    """A search for a backlash on the plant that is as it is declared; what it gains has to be `seen` in all samples."""
+    motions = motions_of(experiment, read_records(experiment))
+    how, values = shooting_of(experiment, motions), declared_values(experiment)
+    assert how is not None
+    fitting = Fitting(motions, ("coulomb",), {})
+    base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-8), values))
+    ask = Asked(values, {}, 20, {}, settle=lambda found: settle(base.how, motions, found, {}), all_samples=seen)
+    return search(base.fit, {}, ask)
+
+
+def test_what_a_loop_makes_of_noise_is_no_effect(tmp_path: Path) -> None:
+    experiment = held(tmp_path, 0.0, 3)
+    assert list(sought(experiment, None).effects) == ["backlash"], "means over 10 samples show one"
+    assert not sought(experiment, left_of_all_samples).effects
+
+
+def test_what_is_there_all_samples_show_as_well(tmp_path: Path) -> None:
+    found = sought(held(tmp_path, 1e-6, 1), left_of_all_samples)
+    assert list(found.effects) == ["backlash"]
+    assert found.fit.values["backlash_width"] == pytest.approx(1e-6, abs=4.0 * found.fit.deviations["backlash_width"])
