@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 from command import workbench, write
 
-from workbench.design import power, search
+from workbench.design import design, power, search
 from workbench.design.search import ODDS
 from workbench.publish.contents import read_contents
 from workbench.toml.reading import read_toml
@@ -51,13 +51,17 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @contextmanager
 def quick() -> Iterator[None]:
-    """A design with few pieces tried, and one machine drawn beside the declared one."""
-    with mock.patch.object(search, "TRIALS", (10, 10)), mock.patch.object(power, "MACHINES", 1):
+    """A design with few pieces tried, one motion as a whole, and one machine drawn beside the declared one."""
+    with (
+        mock.patch.object(search, "TRIALS", (6, 6)),
+        mock.patch.object(design, "COMPARED", 0),
+        mock.patch.object(power, "MACHINES", 1),
+    ):
         yield
 
 
 @pytest.fixture(scope="module")
-def designed(experiment: Path, png_alone: None) -> tuple[Any, Path]:
+def designed(experiment: Path, dots_alone: None) -> tuple[Any, Path]:
     """What the command answers to a quick design, and its folder."""
     out = experiment.parent / "out"
     with quick():

@@ -10,7 +10,7 @@ from declared_parameters import write_declared
 
 from plants.effects.scales import PITCHES
 from plants.registry import plants
-from workbench.design import power, search
+from workbench.design import design, power, search
 from workbench.design.asked import asked_of
 from workbench.design.declared import _asked_sizes, hypotheses_of
 from workbench.design.design import SPARE
@@ -71,12 +71,16 @@ def test_a_size_by_a_plain_name_is_that_of_both_directions() -> None:
     assert _asked_sizes(both, known) == both
 
 
-def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path) -> None:
+def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path, dots_alone: None) -> None:
     """The power is told for all of them, and the page says which; a pitch that is said is the only one."""
     write_declared(tmp_path / "drive.toml", plants()["drive_force"], VALUES)
     text = EXPERIMENT.replace('"quadratic_drag"', '"cogging"').replace('drag_coefficient = "0.05 N s^2/m^2"', SIZES)
     path = write(tmp_path, text.replace('sample_time = "4 ms"', 'sample_time = "10 ms"'), "experiment.toml")
-    with mock.patch.object(search, "TRIALS", (4, 4)), mock.patch.object(power, "MACHINES", 1):
+    with (
+        mock.patch.object(search, "TRIALS", (4, 4)),
+        mock.patch.object(design, "COMPARED", 0),
+        mock.patch.object(power, "MACHINES", 1),
+    ):
         assert workbench("design", path, "--out", tmp_path / "out").code == 0
     none, cogging = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))["hypotheses"]
     reach = 2.0 * 30e-3 * SPARE

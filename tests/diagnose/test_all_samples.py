@@ -66,7 +66,7 @@ def sought(experiment: Experiment, seen: Callable[[Fit], Left] | None) -> Found:
     how, values = shooting_of(experiment, motions), declared_values(experiment)
     assert how is not None
     fitting = Fitting(motions, ("coulomb",), {})
-    base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-8), values))
+    base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-7), values))
     ask = Asked(values, {}, 20, {}, settle=lambda found: settle(base.how, motions, found, {}), all_samples=seen)
     return search(base.fit, {}, ask)
 
