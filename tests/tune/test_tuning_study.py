@@ -111,7 +111,6 @@ def test_what_cannot_be_drawn_or_turned_leaves_no_folder(tmp_path: Path, text: s
     assert not out.exists()
 
 
-@pytest.mark.usefixtures("dots_alone")
 def test_the_added_pd_can_be_tuned_alone(tmp_path: Path) -> None:
     without = STUDY.replace('pd = { type = "pid", kp = "500 V/m", kd = "2 V s/m" }\n', "").replace('"pd", ', "")
     assert tuned(tmp_path, without, "pd", trials=4).tuned[0].best is not None
