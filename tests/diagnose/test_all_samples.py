@@ -1,6 +1,6 @@
 """A loop moves a plant by its sensors' noise: means over samples take that for an effect, and all samples do not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,12 +17,11 @@ from plants.interface import Measurement
 from plants.registry import CHAMBERS
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.selection.likelihood import Left
+from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.simulation.fits import Fitting, settle
-from workbench.diagnose.simulation.reached import left_of_all_samples
-from workbench.diagnose.simulation.setup import shooting_of
+from workbench.diagnose.simulation.setup import as_quick, shooting_of
 from workbench.parameters.sets import build
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
@@ -60,24 +59,28 @@ def held(folder: Path, width: float, seed: int) -> Experiment:
     return read_experiment(write(folder, EXPERIMENT, "experiment.toml"))
 
 
-def sought(experiment: Experiment, seen: Callable[[Fit], Left] | None) -> Found:
-    """A search for a backlash on the plant that is as it is declared; what it gains has to be `seen` in all samples."""
+def sought(experiment: Experiment, all_samples: bool) -> Found:
+    """A search for a backlash on the plant that is as it is declared, of which `all_samples` may have to show it."""
     motions = motions_of(experiment, read_records(experiment))
     how, values = shooting_of(experiment, motions), declared_values(experiment)
     assert how is not None
     fitting = Fitting(motions, ("coulomb",), {})
     base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-7), values))
-    ask = Asked(values, {}, 20, {}, settle=lambda found: settle(base.how, motions, found, {}), all_samples=seen)
-    return search(base.fit, {}, ask)
+
+    def to(which: Sequence[Motion]) -> Callable[[Fit], Fit]:
+        return lambda found: settle(base.how, which, found, {})
+
+    every = to(as_quick(motions)) if all_samples else None
+    return search(base.fit, {}, Asked(values, {}, 20, {}, settle=to(motions), all_samples=every))
 
 
 def test_what_a_loop_makes_of_noise_is_no_effect(tmp_path: Path) -> None:
     experiment = held(tmp_path, 0.0, 3)
-    assert list(sought(experiment, None).effects) == ["backlash"], "means over 10 samples show one"
-    assert not sought(experiment, left_of_all_samples).effects
+    assert list(sought(experiment, all_samples=False).effects) == ["backlash"], "means over 10 samples show one"
+    assert not sought(experiment, all_samples=True).effects
 
 
 def test_what_is_there_all_samples_show_as_well(tmp_path: Path) -> None:
-    found = sought(held(tmp_path, 1e-6, 1), left_of_all_samples)
+    found = sought(held(tmp_path, 1e-6, 1), all_samples=True)
     assert list(found.effects) == ["backlash"]
     assert found.fit.values["backlash_width"] == pytest.approx(1e-6, abs=4.0 * found.fit.deviations["backlash_width"])

@@ -106,16 +106,15 @@ def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
 
 
 def _is_in_all_samples(proposal: Proposal, found: Fit, beside: Fit, taken: Effects, ask: Asked) -> bool:
-    """Whether what a set gains of means over some samples it gains of all of them, too.
+    """Whether what a set gains of means over some samples it gains of all of them, too, with and without it fitted to
+    these.
 
     A loop moves the plant by the noise of each sample, so that an effect may depend on noise before it, and does not on
     its own. A mean holds both, and noise is taken for an effect.
     """
     if ask.all_samples is None:
         return True
-    (weighing, left, vague), (_, rest, vaguer) = map(ask.all_samples, (found, beside))
-    gain = 0.5 * float(np.sum(weighing(rest) ** 2) - np.sum(weighing(left) ** 2)) + vaguer - vague
-    return gain > ask.price_of(proposal, taken, found.balance)
+    return _gained(*map(ask.all_samples, (found, beside))) > ask.price_of(proposal, taken, found.balance)
 
 
 def _is_known(proposal: Proposal, fitted: Fit, taken: Effects, seen: Mapping[frozenset[str], float]) -> bool:

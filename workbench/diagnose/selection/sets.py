@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import FINAL, NEAR_NOISE, Fit, again, fit, stacks, weighing_at
 from workbench.diagnose.residuals.unknowns import Bounds, Values, idle
-from workbench.diagnose.selection.likelihood import Left, Proposal, asked
+from workbench.diagnose.selection.likelihood import Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
 from workbench.fitting.least_squares import Search
@@ -29,8 +29,8 @@ SHARES = (1.0, 0.3, 0.1, 0.03)
 class Asked:
     """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
     candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
-    set has to take away, beside what its likelihood has to gain: that many `times` what noise would gain. Fits to means
-    over samples tell what is left of `all_samples`.
+    set has to take away, beside what its likelihood has to gain: that many `times` what noise would gain. Where fits
+    are to means over samples, one becomes a fit to `all_samples`.
     """
 
     declared: Values
@@ -40,7 +40,7 @@ class Asked:
     least_share: float = 0.0
     settle: Callable[[Fit], Fit] | None = None
     times: float = 1.0
-    all_samples: Callable[[Fit], Left] | None = None
+    all_samples: Callable[[Fit], Fit] | None = None
 
     def of(self, effect: str, names: Collection[str], balance: Balance) -> float:
         """Gain that an effect with these numbers has to exceed."""

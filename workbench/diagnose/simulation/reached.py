@@ -10,11 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, stacked
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
-from workbench.diagnose.residuals.weighing import weighing_of
-from workbench.diagnose.selection.likelihood import Left
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import Asked
 from workbench.diagnose.selection.trials import Shapes
@@ -72,16 +70,13 @@ def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, b
     def settled(fit: Fit) -> Fit:
         return settle(how, motions, fit, bounds)
 
+    @lru_cache(SETTLED)
+    def to_all_samples(fit: Fit) -> Fit:
+        return settle(how, as_quick(motions), fit, bounds)
+
     times = BESIDE if how.is_beside else 1.0
-    every = None if all(motion.thinning == 1 for motion in motions) else lru_cache(SETTLED)(left_of_all_samples)
+    every = None if all(motion.thinning == 1 for motion in motions) else to_all_samples
     return Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times, all_samples=every)
-
-
-def left_of_all_samples(fitted: Fit) -> Left:
-    """What a fit to means over samples leaves of every one of them, as it weighs there."""
-    balance = replace(fitted.balance, motions=as_quick(fitted.balance.motions))
-    residual = stacked(balance, fitted.values)
-    return weighing_of(balance.series, residual), residual, 0.5 * float(fitted.vague @ fitted.vague)
 
 
 def simulated_baseline(
