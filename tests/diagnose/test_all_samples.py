@@ -1,6 +1,5 @@
 """A loop moves a plant by its sensors' noise: means over samples take that for an effect, and all samples do not."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,12 +15,10 @@ from plants.effects.registry import effects
 from plants.interface import Measurement
 from plants.registry import CHAMBERS
 from workbench.diagnose.readiness import declared_values, motions_of
-from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
-from workbench.diagnose.selection.sets import Asked
-from workbench.diagnose.simulation.fits import Fitting, settle
-from workbench.diagnose.simulation.setup import as_quick, shooting_of
+from workbench.diagnose.simulation.fits import Fitting
+from workbench.diagnose.simulation.reached import SimulationStart, asked_of
+from workbench.diagnose.simulation.setup import shooting_of
 from workbench.parameters.sets import build
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
@@ -66,12 +63,9 @@ def sought(experiment: Experiment, all_samples: bool) -> Found:
     assert how is not None
     fitting = Fitting(motions, ("coulomb",), {})
     base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-7), values))
-
-    def to(which: Sequence[Motion]) -> Callable[[Fit], Fit]:
-        return lambda found: settle(base.how, which, found, {})
-
-    every = to(as_quick(motions)) if all_samples else None
-    return search(base.fit, {}, Asked(values, {}, 20, {}, settle=to(motions), all_samples=every))
+    start = SimulationStart(fitting.names, values, values, values, {}, {})
+    ask = replace(asked_of(base.how, motions, start, {}), candidates=20)
+    return search(base.fit, {}, ask if all_samples else replace(ask, all_samples=None))
 
 
 def test_what_a_loop_makes_of_noise_is_no_effect(tmp_path: Path) -> None:

@@ -66,8 +66,8 @@ def choose(
             and near
             and enough
             and _is_no_hum(proposal, found, beside, ask)
-            and _is_in_all_samples(proposal, found, beside, taken, ask)
             and _is_sure(proposal, found, beside, current, taken, ask)
+            and _is_in_all_samples(proposal, found, beside, taken, ask)
         ):
             return (proposal, found), nearer
         if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:

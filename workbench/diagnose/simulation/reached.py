@@ -4,7 +4,7 @@ A fit begins at once. What is far from noise then may lack something, or have lo
 dear, to lead it along its records by loops dearer, and both are left to whom nothing else brings near.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -66,17 +66,13 @@ class SimulationStart:
 def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, bounds: Bounds) -> Asked:
     """What a search among effects of a plant that is simulated so may move, and what it asks of them."""
 
-    @lru_cache(SETTLED)
-    def settled(fit: Fit) -> Fit:
-        return settle(how, motions, fit, bounds)
-
-    @lru_cache(SETTLED)
-    def to_all_samples(fit: Fit) -> Fit:
-        return settle(how, as_quick(motions), fit, bounds)
+    def settling(motions: Sequence[Motion]) -> Callable[[Fit], Fit]:
+        return lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
 
     times = BESIDE if how.is_beside else 1.0
-    every = None if all(motion.thinning == 1 for motion in motions) else to_all_samples
-    return Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settled, times=times, all_samples=every)
+    every = None if all(motion.thinning == 1 for motion in motions) else settling(as_quick(motions))
+    candidates, settled = len(how.effects), settling(motions)
+    return Asked(start.declared, bounds, candidates, start.shapes, settle=settled, times=times, all_samples=every)
 
 
 def simulated_baseline(
