@@ -31,6 +31,9 @@ times that a fit then looks more often.
 KEPT = 0.9
 """Share of what a parameter changes of all samples that the means at which a fit looks are to keep of it."""
 
+MANY = 100_000
+"""Samples of all channels from which a fit looks at means over some of them."""
+
 ASTRAY = 0.1
 """Share of the measured position's standard deviation by which a simulation may be off and not start anew."""
 
@@ -76,8 +79,10 @@ def _farthest(setup: Setup, motion: Motion) -> float:
 
 
 def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Motion]:
-    """Motions as a simulation looks at them: a plant beside its record is to foresee every sample from those before.
+    """Motions as a simulation looks at them: at every sample, as long as they are not `MANY`. Means of several keep less
+    of what is quick, and under a loop, which passes on the noise of sensors, noise in them is taken for effects.
 
+    A plant beside its record is to foresee every sample from those before, however many they are.
     What such a plant is off by is that of no loop behind a sensitivity S whose log|S| has the mean 0 over all
     frequencies up to half the sampling rate (Bode 1945, section 13; Sung and Hara 1988 for samples): a quicker loop
     makes the error of slow frequencies less and that of fast ones more. All samples together are as likely with the
@@ -87,7 +92,8 @@ def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Moti
     if not motions:
         return []
     along = diagnosed_plant(experiment.plant, experiment.flow, motions[0].channels)
-    return as_quick(motions) if is_sensed(along, motions[0]) else list(motions)
+    samples = sum(values.size for motion in motions for values in motion.measured.values())
+    return as_quick(motions) if samples <= MANY or is_sensed(along, motions[0]) else list(motions)
 
 
 def is_coloured(fitted: Fit) -> bool:
