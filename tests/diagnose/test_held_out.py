@@ -1,5 +1,6 @@
 """Effects that held-out records speak against are not named: a weak spring, which both records have, or neither."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,8 +9,9 @@ from driven import TRUE, driven_experiment
 from plants.effects.registry import effects
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.selection.search import LEVEL
 from workbench.diagnose.simulation.fits import Fitting
-from workbench.diagnose.simulation.held_out import along_held_out, likelier, swings_by_itself, without_refuted
+from workbench.diagnose.simulation.held_out import HeldOut, likelier, swings_by_itself, without_refuted
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.stage import SimulationStage
@@ -17,6 +19,9 @@ from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
 
 OWN, SPRING = ("coulomb", "viscous"), "spring_stiffness"
+
+OFF = 1.05
+"""Times its friction of a plant that a held-out record knows better than the record of its fit."""
 
 WEAK = 1.0
 """N/m: six standard deviations of what a record tells."""
@@ -44,11 +49,15 @@ def test_what_only_its_own_record_asked_for_is_not_named(there: bool, tmp_path: 
     )
     start = SimulationStart(OWN, declared, declared, declared, effects, {})
     kept = without_refuted(experiment, found, held_out, start)
-    along = along_held_out(experiment, found, held_out)
-    assert (likelier(along(found.after), along(before)) > 10.0) is there
+    after, without = map(HeldOut.of(experiment, found, held_out).left_by, (found.after, before))
+    assert (likelier(after, without) > 10.0) is there
     assert without_refuted(experiment, found, [], start) is found, "nothing speaks against it"
     if there:
         assert kept is found
+        off = replace(found.after, values={**found.after.values, "coulomb": OFF * found.after.values["coulomb"]})
+        astray = replace(found, after=off)
+        assert likelier(HeldOut.of(experiment, astray, held_out).left_by(off), without) < -LEVEL
+        assert without_refuted(experiment, astray, held_out, start) is astray, "it is the friction that speaks"
     else:
         assert (kept.effects, kept.gains, kept.alternatives) == ({}, {}, {})
         assert (kept.refuted, kept.dropped) == (["spring_load"], ["spring_load"])

@@ -14,7 +14,7 @@ from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.simulation.by_curve import Curved
 from workbench.diagnose.simulation.fits import Fitting, Simulated
 from workbench.diagnose.simulation.free_run import FreeRunErrors, free_run
-from workbench.diagnose.simulation.held_out import along_held_out, likelier
+from workbench.diagnose.simulation.held_out import HeldOut, likelier
 from workbench.diagnose.simulation.nearer import freely
 from workbench.diagnose.simulation.setup import as_simulated, behind_backlash
 from workbench.diagnose.simulation.shooting import Shooting
@@ -58,8 +58,8 @@ def errors_of(
     if simulation is not None and simulation.curved is not None:
         found = replace(found, with_curve=_with_curve(experiment, simulation.curved, held_out))
     if simulation is not None and simulation.effects and found.runs_worse:
-        along = along_held_out(experiment, simulation, held_out)
-        return replace(found, gained=likelier(along(simulation.after), along(simulation.before)))
+        records = HeldOut.of(experiment, simulation, held_out)
+        return replace(found, gained=likelier(records.left_by(simulation.after), records.left_by(simulation.before)))
     return found
 
 

@@ -3,34 +3,54 @@
 An effect that noise made, of g in the logarithm of the likelihood, lowers that of another record by about as much. One
 that is there raises it, and one that the other record does not move leaves it as it is. What swings by itself, such as
 a pump, meets each record in a phase of its own: another record says nothing of it.
+
+What a plant is off by on another record comes from its own parameters, too: where these are so uncertain that they make
+more than noise there, it is they that speak. An effect is refuted by what is left once they suit that record.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plants.effects.registry import effects
 from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
+from workbench.diagnose.residuals.unknowns import Bounds
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import LEVEL
 from workbench.diagnose.selection.sets import fitted_with
-from workbench.diagnose.simulation.fits import NOISE, begun
+from workbench.diagnose.simulation.fits import NOISE, Fitting, begun
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import as_simulated
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.stage import SimulationStage
 from workbench.fitting.threads import side_by_side
 from workbench.records.experiment import Experiment
 
 
-def along_held_out(
-    experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]
-) -> Callable[[Fit], Fit]:
-    """What a fit leaves of held-out records: a function that simulates its plant from end to end of them."""
-    held_out = as_simulated(experiment, held_out)
-    whole = simulation.along(experiment, held_out)
-    return lambda one: fit(begun(whole, held_out, one.values).balance(held_out, ()), one.values, ())
+@dataclass(frozen=True)
+class HeldOut:
+    """Held-out records, and how a plant is simulated from end to end of them."""
+
+    motions: Sequence[Motion]
+    whole: Shooting
+    bounds: Bounds
+
+    @classmethod
+    def of(cls, experiment: Experiment, simulation: SimulationStage, held_out: Sequence[Motion]) -> "HeldOut":
+        """As the simulated plant of an experiment goes along them."""
+        motions = as_simulated(experiment, held_out)
+        return cls(motions, simulation.along(experiment, motions), experiment.bounds)
+
+    def left_by(self, one: Fit) -> Fit:
+        """What the plant of a fit leaves of them."""
+        return fit(begun(self.whole, self.motions, one.values).balance(self.motions, ()), one.values, ())
+
+    def left_at_best(self, one: Fit, own: Sequence[str]) -> Fit:
+        """The same once its `own` parameters suit these records."""
+        fitting = Fitting(self.motions, own, self.bounds)
+        return fitting.final(fitting.found(begun(self.whole, self.motions, one.values), one.values)).fit
 
 
 def likelier(one: Fit, other: Fit) -> float:
@@ -50,14 +70,14 @@ def without_refuted(
     experiment: Experiment, found: SimulationStage, held_out: Sequence[Motion], start: SimulationStart
 ) -> SimulationStage:
     """What was found without the effects without which the plant, fitted anew, follows held-out records within noise,
-    and they are likelier, by odds that data can tell.
+    and they are likelier, by odds that data can tell, whether its own parameters suit them or not.
     """
     if not (held_out and found.effects and found.is_near):
         return found
-    along = along_held_out(experiment, found, held_out)
+    records = HeldOut.of(experiment, found, held_out)
     ask = asked_of(found.how, found.after.balance.motions, start, experiment.bounds)
     kept, current, refuted = dict(found.effects), found.after, list[str]()
-    there = along(current)
+    there = records.left_by(current)
     while asked := [effect for effect in kept if not swings_by_itself(effect)]:
         fewer = side_by_side(
             lambda effect, current=current, kept=dict(kept): ask.settled(
@@ -65,10 +85,10 @@ def without_refuted(
             ),
             asked,
         )
-        rivals = side_by_side(along, fewer)
+        rivals = side_by_side(records.left_by, fewer)
         gains = [likelier(rival, there) if rival.excess < NOISE else -np.inf for rival in rivals]
         worst = int(np.argmax(gains))
-        if gains[worst] < LEVEL:
+        if gains[worst] < LEVEL or not _speak_against(records, current, fewer[worst]):
             break
         refuted.append(asked[worst])
         current, there = fewer[worst], rivals[worst]
@@ -86,3 +106,11 @@ def without_refuted(
         dropped=[*found.dropped, *(effect for effect in found.first if effect in refuted)],
         refuted=refuted,
     )
+
+
+def _speak_against(records: HeldOut, found: Fit, without: Fit) -> bool:
+    """Whether held-out records are likelier without an effect once the plant's own parameters suit them with it, as it
+    was found, and without.
+    """
+    both = side_by_side(lambda one: records.left_at_best(one, without.names), (without, found))
+    return likelier(*both) >= LEVEL

@@ -79,10 +79,10 @@ def _farthest(setup: Setup, motion: Motion) -> float:
 
 
 def as_simulated(experiment: Experiment, motions: Sequence[Motion]) -> list[Motion]:
-    """Motions as a simulation looks at them: at every sample, as long as they are not `MANY`. Means of several keep less
-    of what is quick, and under a loop, which passes on the noise of sensors, noise in them is taken for effects.
+    """Motions as a simulation looks at them: at every sample, as long as there are not `MANY`. Means over several keep
+    less of what is quick, and under a loop, which passes on the noise of sensors, noise in them is taken for effects.
+    A plant beside its record is to foresee every sample from those before, however many there are.
 
-    A plant beside its record is to foresee every sample from those before, however many they are.
     What such a plant is off by is that of no loop behind a sensitivity S whose log|S| has the mean 0 over all
     frequencies up to half the sampling rate (Bode 1945, section 13; Sung and Hara 1988 for samples): a quicker loop
     makes the error of slow frequencies less and that of fast ones more. All samples together are as likely with the
