@@ -9,7 +9,17 @@ import numpy as np
 from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import fluctuation
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, declared_with, unknown, values_at
-from workbench.diagnose.residuals.weighing import Slices, Weighing, by_scatter, plain, weighing_of, without
+from workbench.diagnose.residuals.weighing import (
+    Directions,
+    Slices,
+    Weighing,
+    beside_known,
+    by_scatter,
+    less,
+    plain,
+    weighing_of,
+    without,
+)
 from workbench.fitting.covariance import inverse, long_run_length, sandwich
 from workbench.fitting.least_squares import Search, differences, jacobian_of, least_squares
 from workbench.fitting.threads import side_by_side
@@ -127,6 +137,11 @@ class Fit:
     def beside(self) -> tuple[np.ndarray, Sequence[np.ndarray]]:
         """What no parameter decides, at its values."""
         return self.balance.beside(self.values)
+
+    @cached_property
+    def undecided(self) -> Directions:
+        """What that spans of the residual."""
+        return beside_known(self.residual != 0.0, *self.beside)
 
     def at(self, places: np.ndarray) -> dict[str, float]:
         """The values where the unknowns are elsewhere, as a search sees them."""
@@ -283,8 +298,9 @@ def noise_like(balance: Balance) -> Callable[[Slices, np.ndarray], Weighing]:
 
 
 def weighed_without(fitted: Fit, residual: np.ndarray) -> Weighing:
-    """How the residuals of a fit weigh if this is what noise leaves of them."""
-    return weighed_by(noise_like(fitted.balance), replace(fitted, residual=residual), fitted.beside)
+    """How the residuals of a fit weigh if this is what noise leaves of them, known where they are."""
+    balance, left = fitted.balance, less(residual, fitted.undecided)
+    return noise_like(balance)(balance.series, left).without(*fitted.beside)
 
 
 def weighing_at(fitted: Fit) -> Weighing:

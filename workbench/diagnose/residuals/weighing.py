@@ -74,7 +74,7 @@ class Weighing:
     series: Slices
     filters: Sequence[Whitening]
     counts: np.ndarray
-    beside: Sequence[tuple[np.ndarray, np.ndarray]] = ()
+    beside: "Directions" = ()
 
     def __call__(self, stack: np.ndarray) -> np.ndarray:
         """A residual, or the columns of its Jacobian: shape (rows,) or (rows, columns)."""
@@ -108,26 +108,59 @@ class Weighing:
         """The same, with these directions projected off: columns (rows, directions), in each group of rows alone."""
         if not groups:
             return self
-        weighed, beside = replace(self, beside=())(columns), []
-        for rows in groups:
-            block = weighed[rows]
-            norms = np.linalg.norm(block, axis=0)
-            block = block[:, norms > NEGLIGIBLE * np.linalg.norm(columns[rows], axis=0)]
-            if block.size:
-                left, sizes, _ = np.linalg.svd(block / np.linalg.norm(block, axis=0), full_matrices=False)
-                beside.append((rows, left[:, sizes > NEGLIGIBLE]))
-        return replace(self, beside=beside)
+        weighed, kept = replace(self, beside=())(columns), NEGLIGIBLE * norms_of(columns, groups)
+        return replace(self, beside=directions_of(weighed, groups, kept))
+
+
+Directions = Sequence[tuple[slice | np.ndarray, np.ndarray]]
+"""For some rows of a stack an orthonormal basis each, shape (rows, directions)."""
+
+
+def directions_of(columns: np.ndarray, groups: Sequence[np.ndarray], least: np.ndarray) -> Directions:
+    """What columns (rows, directions) span in each group of rows, without those that are of no more than the `least`
+    size there, shape (groups, directions).
+    """
+    found = list[tuple[slice | np.ndarray, np.ndarray]]()
+    for rows, sizes, small in zip(map(_span, groups), norms_of(columns, groups), least, strict=True):
+        there = sizes > small
+        if np.any(there) and columns[rows].size:
+            left, strengths, _ = np.linalg.svd(columns[rows][:, there] / sizes[there], full_matrices=False)
+            found.append((rows, left[:, strengths > NEGLIGIBLE * strengths[0]]))
+    return found
+
+
+def norms_of(columns: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+    """Of columns (rows, directions) in each group of rows, shape (groups, directions)."""
+    blocks = (columns[_span(rows)] for rows in groups)
+    return np.sqrt(np.array([np.einsum("ij,ij->j", block, block) for block in blocks]))
+
+
+def _span(rows: np.ndarray) -> slice | np.ndarray:
+    """Rows as a slice, if they follow each other: no copy is made of what they hold."""
+    if rows.size and rows[-1] - rows[0] == rows.size - 1:
+        return slice(int(rows[0]), int(rows[-1]) + 1)
+    return rows
+
+
+def beside_known(known: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Directions:
+    """What columns (rows, directions) span in each group of rows, where a residual is `known`."""
+    if not groups:
+        return []
+    block = columns * known[:, None]
+    return directions_of(block, groups, np.zeros((len(groups), columns.shape[1])))
+
+
+def less(residual: np.ndarray, directions: Directions) -> np.ndarray:
+    """A residual without what is along some directions."""
+    out = residual.copy()
+    for rows, basis in directions:
+        out[rows] -= basis @ (basis.T @ residual[rows])
+    return out
 
 
 def without(residual: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
     """A residual less what columns (rows, directions) take of it in each group of rows, where it is known."""
-    out = residual.copy()
-    for rows in groups:
-        block = columns[rows] * (residual[rows] != 0.0)[:, None]
-        sizes = np.linalg.norm(block, axis=0)
-        block = block[:, sizes > 0.0] / sizes[sizes > 0.0]
-        out[rows] -= block @ np.linalg.lstsq(block, residual[rows], rcond=NEGLIGIBLE)[0]
-    return out
+    return less(residual, beside_known(residual != 0.0, columns, groups))
 
 
 def plain(series: Slices, size: int) -> Weighing:

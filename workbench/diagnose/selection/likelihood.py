@@ -27,7 +27,11 @@ def asked(numbers: int, candidates: int) -> float:
 
 
 TIMES = 3
-"""Times that noise is found anew as what is left with some columns."""
+"""Times at most that noise is found anew as what is left with some columns."""
+
+SETTLED = 0.1
+"""Logarithm of the likelihood by which the noise that is left is likelier as noise of its own, up to which it is known.
+"""
 
 
 Left = tuple[Weighing, np.ndarray, float]
@@ -42,9 +46,8 @@ def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -
 
     What is missing is coloured, and may pass for noise: with the columns and without them noise is what is left.
     """
-    own = fitted.changes * fitted.free
-    x, left = _settled(fitted, np.column_stack([own, block]), low, high)
-    return gained(fitted.balance, left, own_noise(fitted)), x[own.shape[1] :]
+    x, left = _settled(fitted, block, low, high)
+    return gained(fitted.balance, left, own_noise(fitted)), x
 
 
 def gained(balance: Balance, one: Left, other: Left) -> float:
@@ -58,22 +61,25 @@ def gained(balance: Balance, one: Left, other: Left) -> float:
     return weighing.log_likelihood(left, counts) - beside.log_likelihood(rest, counts) + vaguer - vague
 
 
-def _settled(fitted: Fit, stack: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, Left]:
-    """How far columns go, of which the first are a fit's own unknowns, and what is left then."""
-    count, residual, weigh = len(fitted.unknowns), fitted.residual, fitted.weighing
-    known, pull = np.zeros(stack.shape[1]), np.zeros(stack.shape[1])
+def _settled(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, Left]:
+    """How far columns go beside a fit's own unknowns, and what is left then."""
+    count, weigh, own = len(fitted.unknowns), fitted.weighing, fitted.jacobian * fitted.free
+    known, pull = np.zeros(count + block.shape[1]), np.zeros(count + block.shape[1])
     known[:count], pull[:count] = fitted.known, fitted.pull
-    wide = np.full(count, np.inf)
+    wide, weighed = np.full(count, np.inf), fitted.weighed
     low, high = np.concatenate([-wide, low]), np.concatenate([wide, high])
-    x, left = np.zeros(stack.shape[1]), residual
     for _ in range(TIMES):
-        columns = weigh(stack)
-        curvature = columns.T @ columns + np.diag(known)
-        x = bounded_minimum(curvature, columns.T @ weigh(residual) + pull, low, high)
-        left = np.where(residual != 0.0, residual + stack @ x, 0.0)
-        weigh = weighed_without(fitted, left)
+        columns = np.column_stack([own, weigh(block)])
+        x = bounded_minimum(columns.T @ columns + np.diag(known), columns.T @ weighed + pull, low, high)
+        moved = fitted.changes @ (fitted.free * x[:count]) + block @ x[count:]
+        left = np.where(fitted.residual != 0.0, fitted.residual + moved, 0.0)
+        before, weigh = weigh, weighed_without(fitted, left)
+        counts = before.counts & weigh.counts
+        if weigh.log_likelihood(left, counts) - before.log_likelihood(left, counts) < SETTLED:
+            break
+        own, weighed = weigh(fitted.changes) * fitted.free, weigh(fitted.residual)
     vague = 0.5 * float(fitted.vague @ fitted.vague) + float(pull @ x + 0.5 * known @ x**2)
-    return x, (weigh, left, vague)
+    return x[count:], (weigh, left, vague)
 
 
 def left_by(fitted: Fit) -> Left:
@@ -85,7 +91,7 @@ def left_by(fitted: Fit) -> Left:
 def own_noise(fitted: Fit) -> Left:
     """What a fit leaves by itself."""
     nothing = np.zeros(0)
-    return _settled(fitted, fitted.changes * fitted.free, nothing, nothing)[1]
+    return _settled(fitted, np.zeros((fitted.residual.size, 0)), nothing, nothing)[1]
 
 
 @dataclass(frozen=True, eq=False)
