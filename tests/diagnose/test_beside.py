@@ -17,6 +17,7 @@ from workbench.diagnose.residuals.fit import fit, weighing_at
 from workbench.diagnose.residuals.motion import THINNED, Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.likelihood import Left, gained
+from workbench.diagnose.simulation import setup
 from workbench.diagnose.simulation.beside import Followed
 from workbench.diagnose.simulation.filters import filtered, least_doubt
 from workbench.diagnose.simulation.kalman import over_sample, pushed_over_sample
@@ -95,10 +96,14 @@ def test_a_compliance_that_is_not_there_gains_no_more_than_noise_would(tmp_path:
         assert gain_of_a_compliance(experiment, looked_at) < np.log(20.0)  # in one of twenty, at most (Wald 1945)
 
 
-def test_a_plant_that_its_command_drives_is_looked_at_by_means(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("many", "thinning"), [(setup.MANY, 1), (1000, 10)])
+def test_a_plant_that_its_command_drives_is_looked_at_by_means_where_samples_are_many(
+    many: int, thinning: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     experiment = read_experiment(driven_experiment(tmp_path, 0.0, NOISE, 3.0))
+    monkeypatch.setattr(setup, "MANY", many)
     (motion,) = as_simulated(experiment, motions_of(experiment, read_records(experiment)))
-    assert (motion.finer, motion.thinning) == (1, 10)
+    assert motion.thinning == thinning
 
 
 def following(experiment: Experiment, motions: list[Motion]) -> Followed:

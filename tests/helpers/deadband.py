@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 from command import write
 from experiments import CHANNELS, TRUTH, save_record
 
 from plants.registry import CHAMBERS
+from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build
 from workbench.simulation.references import Multisine
 from workbench.simulation.simulate import Feed, Setup, simulate
@@ -28,10 +30,12 @@ use = "held_out"
 
 
 def make_record(folder: Path, name: str, effect: Mapping[str, float], amplitude: float, seed: int) -> None:
-    """10 s in both directions, with white noise."""
+    """10 s in both directions, with white noise and a voltage that a computer holds from sample to sample."""
     parameters = build(CHAMBERS.Parameters, {**TRUTH, **effect})
     state, _ = CHAMBERS.equilibrium(parameters, 0.0)
-    feed = Feed("valve_voltage", Multisine(amplitude, 0.2, (1, 2, 3, 5)))
+    time = 1e-3 * np.arange(10_001)
+    voltage = Sampled(time, Multisine(amplitude, 0.2, (1, 2, 3, 5))(time)[0])
+    feed = Feed("valve_voltage", voltage, linear=False)
     run = simulate(Setup(CHAMBERS, parameters, state, CHAMBERS.Inputs(0.0, 0.0), 10.0, feeds=(feed,)))
     save_record(folder / f"{name}.parquet", run, seed)
 
