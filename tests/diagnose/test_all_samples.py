@@ -65,7 +65,7 @@ def sought(experiment: Experiment, all_samples: bool) -> Found:
     base = fitting.final(fitting.begun(replace(how, effects=("backlash",)).with_tolerance(1e-7), values))
     start = SimulationStart(fitting.names, values, values, values, {}, {})
     ask = replace(asked_of(base.how, motions, start, {}), candidates=20)
-    return search(base.fit, {}, ask if all_samples else replace(ask, all_samples=None))
+    return search(base.fit, {}, ask if all_samples else replace(ask, shown=None, all_samples=None))
 
 
 def test_what_a_loop_makes_of_noise_is_no_effect(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def choose(
     known_as = partial(_is_known, taken=taken, seen=seen)
     nearer = current
     for proposal, tried in better[:WEIGHED]:
-        if known_as(proposal, tried):
+        if known_as(proposal, tried) or not _is_shown(tried, current, ask):
             continue
         proposal, found = _needed(proposal, ask.settled(tried), current, taken, ask)
         if known_as(proposal, found):
@@ -103,6 +103,13 @@ def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
             if gained(found.balance, one, other) < ask.price((trial,), (), {}, found.balance):
                 return False
     return True
+
+
+def _is_shown(tried: Fit, current: Fit, ask: Asked) -> bool:
+    """Whether all samples are likelier with a set than without, as both were fitted to means over some: what means
+    alone have made is found out before it is settled.
+    """
+    return ask.shown is None or _gained(*map(ask.shown, (tried, current))) > 0.0
 
 
 def _is_in_all_samples(proposal: Proposal, found: Fit, beside: Fit, taken: Effects, ask: Asked) -> bool:

@@ -30,7 +30,7 @@ class Asked:
     """What a search may move: the plant's own parameters, as `declared`, between which bounds; of so many
     candidates; values that shape an effect, where they are known (`shapes`), and the share of a residual's rms that a
     set has to take away, beside what its likelihood has to gain: that many `times` what noise would gain. Where fits
-    are to means over samples, one becomes a fit to `all_samples`.
+    are to means over samples, one is `shown` all of them as it is, and becomes a fit to `all_samples`.
     """
 
     declared: Values
@@ -40,6 +40,7 @@ class Asked:
     least_share: float = 0.0
     settle: Callable[[Fit], Fit] | None = None
     times: float = 1.0
+    shown: Callable[[Fit], Fit] | None = None
     all_samples: Callable[[Fit], Fit] | None = None
 
     def of(self, effect: str, names: Collection[str], balance: Balance) -> float:

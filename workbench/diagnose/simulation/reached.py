@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.selection import Effects
@@ -69,10 +69,15 @@ def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, b
     def settling(motions: Sequence[Motion]) -> Callable[[Fit], Fit]:
         return lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
 
-    times = BESIDE if how.is_beside else 1.0
-    every = None if all(motion.thinning == 1 for motion in motions) else settling(as_quick(motions))
-    candidates, settled = len(how.effects), settling(motions)
-    return Asked(start.declared, bounds, candidates, start.shapes, settle=settled, times=times, all_samples=every)
+    def shown(fitted: Fit) -> Fit:
+        one = fit(how.balance(every, ()), fitted.values, ())
+        return again(one, weighing_at(one))
+
+    every, times = as_quick(motions), BESIDE if how.is_beside else 1.0
+    ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settling(motions), times=times)
+    if all(motion.thinning == 1 for motion in motions):
+        return ask
+    return replace(ask, shown=shown, all_samples=settling(every))
 
 
 def simulated_baseline(
