@@ -108,31 +108,36 @@ class Weighing:
         """The same, with these directions projected off: columns (rows, directions), in each group of rows alone."""
         if not groups:
             return self
-        weighed, kept = replace(self, beside=())(columns), NEGLIGIBLE * norms_of(columns, groups)
-        return replace(self, beside=directions_of(weighed, groups, kept))
+        weighed = replace(self, beside=())(columns)
+        spans = [(rows, weighed[rows], columns[rows]) for rows in map(_span, groups)]
+        bases = [(rows, _basis(block, NEGLIGIBLE * _norms(bare))) for rows, block, bare in spans]
+        return replace(self, beside=bases)
 
 
 Directions = Sequence[tuple[slice | np.ndarray, np.ndarray]]
 """For some rows of a stack an orthonormal basis each, shape (rows, directions)."""
 
 
-def directions_of(columns: np.ndarray, groups: Sequence[np.ndarray], least: np.ndarray) -> Directions:
-    """What columns (rows, directions) span in each group of rows, without those that are of no more than the `least`
-    size there, shape (groups, directions).
+def beside_known(known: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Directions:
+    """What columns (rows, directions) span in each group of rows, where a residual is `known`."""
+    return [(rows, _basis(columns[rows] * known[rows, None])) for rows in map(_span, groups)]
+
+
+def _basis(block: np.ndarray, least: np.ndarray | float = 0.0) -> np.ndarray:
+    """An orthonormal basis of what a block (rows, directions) spans, without those directions that are no larger than
+    the `least` that counts.
     """
-    found = list[tuple[slice | np.ndarray, np.ndarray]]()
-    for rows, sizes, small in zip(map(_span, groups), norms_of(columns, groups), least, strict=True):
-        there = sizes > small
-        if np.any(there) and columns[rows].size:
-            left, strengths, _ = np.linalg.svd(columns[rows][:, there] / sizes[there], full_matrices=False)
-            found.append((rows, left[:, strengths > NEGLIGIBLE * strengths[0]]))
-    return found
+    sizes = _norms(block)
+    there = sizes > least
+    if not np.any(there):
+        return np.zeros((block.shape[0], 0))
+    left, strengths, _ = np.linalg.svd(block[:, there] / sizes[there], full_matrices=False)
+    return np.asarray(left[:, strengths > NEGLIGIBLE * strengths[0]])
 
 
-def norms_of(columns: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
-    """Of columns (rows, directions) in each group of rows, shape (groups, directions)."""
-    blocks = (columns[_span(rows)] for rows in groups)
-    return np.sqrt(np.array([np.einsum("ij,ij->j", block, block) for block in blocks]))
+def _norms(block: np.ndarray) -> np.ndarray:
+    """Of each column."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->j", block, block)))
 
 
 def _span(rows: np.ndarray) -> slice | np.ndarray:
@@ -140,14 +145,6 @@ def _span(rows: np.ndarray) -> slice | np.ndarray:
     if rows.size and rows[-1] - rows[0] == rows.size - 1:
         return slice(int(rows[0]), int(rows[-1]) + 1)
     return rows
-
-
-def beside_known(known: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Directions:
-    """What columns (rows, directions) span in each group of rows, where a residual is `known`."""
-    if not groups:
-        return []
-    block = columns * known[:, None]
-    return directions_of(block, groups, np.zeros((len(groups), columns.shape[1])))
 
 
 def less(residual: np.ndarray, directions: Directions) -> np.ndarray:
