@@ -13,7 +13,7 @@ from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit, fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import unknown
-from workbench.diagnose.selection.lines import PEAKS
+from workbench.diagnose.selection.lines import PEAKS, Band
 from workbench.diagnose.selection.trials import UNSEEN, Trial, columns_of, looks, sizing, trials_of
 
 TRAVEL = 0.04
@@ -85,6 +85,13 @@ def test_the_band_of_what_swings_stands_out_of_the_residual(seed: int, damping: 
     grid = COMPLIANT_LOAD.numbers["compliant_frequency"].grid
     assert chosen[: len(grid)] == pytest.approx(list(grid))
     assert abs(chosen[len(grid)] / frequency - 1.0) < 1.5 * damping
+
+
+@pytest.mark.parametrize("sample_time", [1e-2, 1e-3, 1e-4])
+def test_no_frequency_falls_between_those_that_are_looked_at(sample_time: float) -> None:
+    band = Band(0.05, 0.25 / sample_time, 8.4)
+    most = np.max(np.diff(band.frequencies))
+    assert most < 0.5 / band.reach, "half of what records of this length tell apart"
 
 
 def test_bands_that_are_looked_at_are_as_many_as_their_width_tells_apart() -> None:

@@ -22,7 +22,7 @@ from workbench.diagnose.residuals.motion import signals_of
 OVERSAMPLED = 4.0
 """Frequencies of a periodogram in the width of a line."""
 
-MOST_FREQUENCIES = 2000
+MOST_FREQUENCIES = 100_000
 """Of a periodogram."""
 
 PEAKS = 3
@@ -115,11 +115,17 @@ def matched(fitted: Fit, signal: str, band: Band, made: Sequence[np.ndarray]) ->
         for place in slices:
             turned = [wave[place] * np.exp(-2j * np.pi * one * values) for one, wave in zip(places, made, strict=True)]
             squares += np.real(np.conj(turned) @ np.transpose(turned))
-            for share, own in zip(shares, turned, strict=True):
-                products += share * _spectra(values, np.conj(own) * looked[place].T, frequencies)
+            for share, near, own in zip(shares, map(_around, shares), turned, strict=True):
+                products[:, near] += share[near] * _spectra(values, np.conj(own) * looked[place].T, frequencies[near])
     slope, taken = np.abs(products[0]) ** 2, np.sum(np.abs(products[1:]) ** 2, axis=0)
     size = np.einsum("kf,kl,lf->f", shares, squares, shares)
     return _peaks(frequencies, slope / np.maximum(size - taken, HIDDEN * float(np.max(size)) + 1e-300), band)
+
+
+def _around(share: np.ndarray) -> slice:
+    """Where a share is not 0, and a place more to either side."""
+    seen = np.flatnonzero(share)
+    return slice(max(int(seen[0]) - 1, 0), int(seen[-1]) + 2) if seen.size else slice(0, 2)
 
 
 def _directions(jacobian: np.ndarray) -> np.ndarray:
