@@ -110,7 +110,7 @@ class Weighing:
             return self
         weighed = replace(self, beside=())(columns)
         spans = [(rows, weighed[rows], columns[rows]) for rows in map(_span, groups)]
-        bases = [(rows, _basis(block, NEGLIGIBLE * _norms(bare))) for rows, block, bare in spans]
+        bases = [(rows, basis_of(block, NEGLIGIBLE * _norms(bare))) for rows, block, bare in spans]
         return replace(self, beside=bases)
 
 
@@ -120,19 +120,19 @@ Directions = Sequence[tuple[slice | np.ndarray, np.ndarray]]
 
 def beside_known(known: np.ndarray, columns: np.ndarray, groups: Sequence[np.ndarray]) -> Directions:
     """What columns (rows, directions) span in each group of rows, where a residual is `known`."""
-    return [(rows, _basis(columns[rows] * known[rows, None])) for rows in map(_span, groups)]
+    return [(rows, basis_of(columns[rows] * known[rows, None])) for rows in map(_span, groups)]
 
 
-def _basis(block: np.ndarray, least: np.ndarray | float = 0.0) -> np.ndarray:
+def basis_of(block: np.ndarray, least: np.ndarray | float = 0.0, share: float = NEGLIGIBLE) -> np.ndarray:
     """An orthonormal basis of what a block (rows, directions) spans, without those directions that are no larger than
-    the `least` that counts.
+    the `least` that counts, and those that are no more than a `share` of the largest.
     """
     sizes = _norms(block)
     there = sizes > least
     if not np.any(there):
         return np.zeros((block.shape[0], 0))
     left, strengths, _ = np.linalg.svd(block[:, there] / sizes[there], full_matrices=False)
-    return np.asarray(left[:, strengths > NEGLIGIBLE * strengths[0]])
+    return np.asarray(left[:, strengths > share * strengths[0]])
 
 
 def _norms(block: np.ndarray) -> np.ndarray:

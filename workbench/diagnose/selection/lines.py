@@ -18,6 +18,7 @@ from plants.effects.interface import Number
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import Fit
 from workbench.diagnose.residuals.motion import signals_of
+from workbench.diagnose.residuals.weighing import basis_of
 
 OVERSAMPLED = 4.0
 """Frequencies of a periodogram in the width of a line."""
@@ -108,7 +109,7 @@ def matched(fitted: Fit, signal: str, band: Band, made: Sequence[np.ndarray]) ->
     """
     frequencies, along, places = band.frequencies, _along(fitted.balance, signal), references(band)
     shares = np.array([np.interp(frequencies, places, own) for own in np.eye(len(places))])
-    looked = np.column_stack([fitted.weighed, _directions(fitted.jacobian * fitted.free)])
+    looked = np.column_stack([fitted.weighed, basis_of(fitted.jacobian * fitted.free, share=HIDDEN)])
     products = np.zeros((looked.shape[1], frequencies.size), dtype=complex)
     squares = np.zeros((len(places), len(places)))
     for values, slices in zip(along, fitted.balance.series, strict=True):
@@ -126,13 +127,6 @@ def _around(share: np.ndarray) -> slice:
     """Where a share is not 0, and a place more to either side."""
     seen = np.flatnonzero(share)
     return slice(max(int(seen[0]) - 1, 0), int(seen[-1]) + 2) if seen.size else slice(0, 2)
-
-
-def _directions(jacobian: np.ndarray) -> np.ndarray:
-    """An orthonormal basis of what parameters change."""
-    sizes = np.linalg.norm(jacobian, axis=0)
-    left, shares, _ = np.linalg.svd(jacobian[:, sizes > 0.0] / sizes[sizes > 0.0], full_matrices=False)
-    return left[:, shares > HIDDEN * shares.max(initial=0.0)]
 
 
 def _apart(frequencies: Iterable[float], band: Band, damping: float = 0.0) -> list[float]:

@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit, weighing_at
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, weighed_fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.selection.selection import Effects
@@ -69,15 +69,13 @@ def asked_of(how: Shooting, motions: Sequence[Motion], start: SimulationStart, b
     def settling(motions: Sequence[Motion]) -> Callable[[Fit], Fit]:
         return lru_cache(SETTLED)(lambda fit: settle(how, motions, fit, bounds))
 
-    def shown(fitted: Fit) -> Fit:
-        one = fit(how.balance(every, ()), fitted.values, ())
-        return again(one, weighing_at(one))
-
-    every, times = as_quick(motions), BESIDE if how.is_beside else 1.0
+    times = BESIDE if how.is_beside else 1.0
     ask = Asked(start.declared, bounds, len(how.effects), start.shapes, settle=settling(motions), times=times)
     if all(motion.thinning == 1 for motion in motions):
         return ask
-    return replace(ask, shown=shown, all_samples=settling(every))
+    every = as_quick(motions)
+    whole = how.balance(every, ())
+    return replace(ask, shown=lambda fit: weighed_fit(whole, fit.values, ()), all_samples=settling(every))
 
 
 def simulated_baseline(
