@@ -16,13 +16,13 @@ from workbench.diagnose.residuals.fit import (
     QUICK,
     Fit,
     fit,
+    noise_like,
     weighed_by,
-    weighing_at,
 )
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
 from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
-from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.shooting import Shooting, Starting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
 from workbench.fitting.threads import side_by_side
 
@@ -77,7 +77,7 @@ class Simulated:
 
     how: Shooting
     fit: Fit
-    starting: tuple[np.ndarray, Sequence[np.ndarray]] | None = None
+    starting: Starting | None = None
 
     @cached_property
     def left(self) -> float:
@@ -114,9 +114,11 @@ class Fitting:
         """The parameters and the states at the starts that leave least of the records, from these values on."""
         return self.bettered(self.begun(how, values))
 
-    def bettered(self, best: Simulated) -> Simulated:
-        """The same from a plant as it is begun, as long as a round leaves clearly less."""
+    def bettered(self, best: Simulated, enough: float = 0.0) -> Simulated:
+        """The same from a plant as it is begun, as long as a round leaves clearly less, and more than is `enough`."""
         for _ in range(ROUNDS):
+            if best.is_near and best.fit.excess < enough:
+                break
             before, again = best, self._once(best)
             best = min(before, again, key=lambda one: one.left)
             if not _fell(before.fit, again.fit, again.how, (before.left, again.left)):
@@ -181,35 +183,44 @@ class Fitting:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         how = of.how.bounded(self.motions, of.fit.values) if of.is_near else of.how
         balance = how.balance(self.motions, self.names)
-        weighing, search = weighing_at(of.fit), FINAL
+        beside = None if of.starting is None else of.how.undecided(self.motions, of.fit.values, of.starting)
+        weigh, search = noise_like(balance), FINAL
         if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
-            weighing, search = weighed_by(by_scatter, of.fit), AS_IT_IS
+            weigh, search = by_scatter, AS_IT_IS
+        weighing = weighed_by(weigh, of.fit, beside)
         return Simulated(how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 
 
 def fit_simulation(whole: Shooting, fitting: Fitting, starts: Sequence[Values]) -> Simulated:
-    """The plant fitted to its records from end to end, from the best of some starts."""
+    """The plant fitted to its records from end to end, from the best of some starts. Near noise the solver is made
+    fine enough before the search goes on: it would end where the error of a coarse one is least.
+    """
     best = min(side_by_side(lambda start: fitting.begun(whole, start), starts), key=lambda one: one.fit.rms)
-    return fitting.final(fitting.bettered(best))
+    best = fitting.bettered(best, enough=NEAR_NOISE)
+    return fitting.final(fitting.bettered(finer(best, fitting)) if best.fit.excess < NEAR_NOISE else best)
 
 
 def exactly(of: Simulated, fitting: Fitting) -> Simulated:
     """A fit once more with a solver whose error does not matter beside the noise: a fine sensor shows it, and effects
     would explain it. Far from noise it does not count.
     """
+    exact = finer(of, fitting)
+    return of if exact is of else fitting.final(fitting.bettered(exact))
+
+
+def finer(of: Simulated, fitting: Fitting) -> Simulated:
+    """The same plant by such a solver, from the starts that suit its values; itself if it is, or is far from noise."""
     if not of.is_near:
         return of
     how, values = of.how, of.fit.values
     before = of.fit.weighing(how.balance(fitting.motions, ()).stacked(values))
     while how.tolerance > FINEST:
-        finer = how.with_tolerance(how.tolerance * FINER)
-        after = of.fit.weighing(finer.balance(fitting.motions, ()).stacked(values))
+        other = how.with_tolerance(how.tolerance * FINER)
+        after = of.fit.weighing(other.balance(fitting.motions, ()).stacked(values))
         if float(np.sum((after - before) ** 2)) < HIDDEN:
             break
-        how, before = finer, after
-    if how is of.how:
-        return of
-    return fitting.final(fitting.bettered(fitting.stepped(how, values)))
+        how, before = other, after
+    return of if how is of.how else fitting.stepped(how, values)
 
 
 def afresh(of: Simulated, fitting: Fitting) -> Simulated:

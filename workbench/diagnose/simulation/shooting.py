@@ -71,6 +71,10 @@ VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
 
 
+Starting = tuple[np.ndarray, Sequence[np.ndarray]]
+"""Changes of a stack (rows, changes), and the rows behind each start."""
+
+
 @dataclass(frozen=True, eq=False)
 class Shooting:
     """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
@@ -132,9 +136,11 @@ class Shooting:
             priors=self.priors,
         )
 
-    def undecided(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
-        """What no parameter decides: where a simulation starts, and what a coarse converter leaves of what rests."""
-        starting, groups = self.starting(motions, values)
+    def undecided(self, motions: Sequence[Motion], values: Values, known: Starting | None = None) -> Starting:
+        """What no parameter decides: where a simulation starts (`starting`, if that is not `known`), and what a coarse
+        converter leaves of what rests.
+        """
+        starting, groups = self.starting(motions, values) if known is None else known
         counted = [self._counted(motion, values) for motion in motions]
         return np.column_stack([starting, np.concatenate(counted)]), groups
 
@@ -168,7 +174,7 @@ class Shooting:
         noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
         return np.asarray(sums / np.sqrt(sizes).reshape(-1, *(1,) * (sums.ndim - 1)) / noise)
 
-    def starting(self, motions: Sequence[Motion], values: Values) -> tuple[np.ndarray, list[np.ndarray]]:
+    def starting(self, motions: Sequence[Motion], values: Values) -> Starting:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
         start.
         """
