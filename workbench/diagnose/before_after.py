@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals import pump
-from workbench.diagnose.residuals.fit import Fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import BeforeAfter, Errors, ErrorsByUse
@@ -58,9 +58,16 @@ def errors_of(
     if simulation is not None and simulation.curved is not None:
         found = replace(found, with_curve=_with_curve(experiment, simulation.curved, held_out))
     if simulation is not None and simulation.effects and found.runs_worse:
-        records = HeldOut.of(experiment, simulation, held_out)
-        return replace(found, gained=likelier(records.left_by(simulation.after), records.left_by(simulation.before)))
+        return replace(found, gained=_gained(HeldOut.of(experiment, simulation, held_out), simulation))
     return found
+
+
+def _gained(records: HeldOut, simulation: SimulationStage) -> float | None:
+    """By how much the logarithm of the likelihood of held-out records rises with what was found; None where that leaves
+    far more of them than noise, whose likelihood it would be.
+    """
+    after = records.left_by(simulation.after)
+    return likelier(after, records.left_by(simulation.before)) if after.excess < NEAR_NOISE else None
 
 
 def _errors(
