@@ -177,7 +177,9 @@ def test_a_free_run_that_gets_worse_rejects_what_was_found_however_far_from_nois
     assert replace(simulation, after=after).is_trusted is not far
     worse = BeforeAfter(replace(tested.after, position=0.9 * tested.after.position), tested.after)
     errors = replace(diagnosis.errors, held_out=worse, gained=None)
-    assert replace(diagnosis, simulation=replace(simulation, after=after), errors=errors).is_rejected
+    rejected = replace(diagnosis, simulation=replace(simulation, after=after), errors=errors)
+    assert rejected.is_rejected
+    assert "worse is position, simulated against measured (from" in verdict_sentence(rejected)
 
 
 def test_what_gets_worse_and_rejects_nothing_is_told(diagnosis: Diagnosis) -> None:

@@ -6,13 +6,13 @@ the records.
 from collections.abc import Mapping, Sequence
 
 from plants.effects.registry import effects
-from workbench.diagnose.report.names import ERRORS, listed_names, percent
+from workbench.diagnose.report.names import listed_names, percent
 from workbench.diagnose.report.parameters import Row, not_held, parameter_rows, plant_of
 from workbench.diagnose.report.series import words_of
-from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors
+from workbench.diagnose.report.verdict import NOISE, dependence_words, held_out_floors, worse
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit
-from workbench.diagnose.result import FAR, WORSE, BeforeAfter, Diagnosis, Errors, FittedParameter, FoundEffect
+from workbench.diagnose.result import FAR, BeforeAfter, Diagnosis, Errors, FittedParameter, FoundEffect
 from workbench.diagnose.selection.selection import BalanceResult, Candidate
 from workbench.diagnose.selection.sets import AT_FLOOR
 from workbench.diagnose.selection.unexplained import LEAST, OfferedTerm, curve_over
@@ -246,17 +246,7 @@ def _of_dropped(dropped: Sequence[str], simulation: SimulationStage) -> str:
 
 def _of_worse(diagnosis: Diagnosis) -> list[str]:
     """Figures of held-out records that get worse with what was found, and yet do not reject it."""
-    errors = diagnosis.errors.held_out
-    before, after = errors.before.by_key, errors.after.by_key
-    if diagnosis.is_rejected or not diagnosis.effects or not before:
-        return []
-    worse = [
-        f"{words} (from {shown_number(factor(unit, shown) * before[key], 3)} to "
-        f"{shown_number(factor(unit, shown) * after[key], 3)} {shown})"
-        for key, (words, unit, shown) in ERRORS.items()
-        if key in before and key in after and after[key] > WORSE * before[key]
-    ]
-    if not worse:
+    if diagnosis.is_rejected or not diagnosis.effects or not (figures := worse(diagnosis)):
         return []
     trusted = diagnosis.simulation is not None and diagnosis.simulation.is_trusted
     judge = "balances that have effects"
@@ -264,8 +254,8 @@ def _of_worse(diagnosis: Diagnosis) -> list[str]:
         likelier = diagnosis.errors.gained is not None and diagnosis.errors.gained > 0.0
         judge = "likelihood of the free run, which rises" if likelier else "free run"
     return [
-        f"Not all gets better on held-out records: worse is {listed(worse)}. It does not reject what was found, which "
-        f"is judged by the {judge}; but a study that simulates the corrected plant should not rest on it."
+        f"Not all gets better on held-out records: worse is {listed(figures)}. It does not reject what was found, "
+        f"which is judged by the {judge}; but a study that simulates the corrected plant should not rest on it."
     ]
 
 

@@ -2,21 +2,34 @@
 
 from collections.abc import Mapping, Sequence
 
-from workbench.diagnose.report.names import listed_names, percent, quantity
+from workbench.diagnose.report.names import ERRORS, listed_names, percent, quantity
 from workbench.diagnose.report.offered import offered_entries
 from workbench.diagnose.report.parameters import plant_of
-from workbench.diagnose.result import Diagnosis, Estimate
+from workbench.diagnose.result import WORSE, Diagnosis, Estimate
 from workbench.diagnose.selection.selection import BalanceResult
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.publish.along import SHOWN
 from workbench.publish.tables import shown_number
 from workbench.publish.words import listed, plain_name
+from workbench.toml.units import factor
 
 NOISE = 1.2
 """Floors up to which a residual is the sensors' noise."""
 
 FEW = 3
 """Signals that a sentence names."""
+
+
+def worse(diagnosis: Diagnosis) -> list[str]:
+    """The errors of held-out records that get worse with what was found, each in words with both numbers."""
+    errors = diagnosis.errors.held_out
+    before, after = errors.before.by_key, errors.after.by_key
+    return [
+        f"{words} (from {shown_number(factor(unit, shown) * before[key], 3)} to "
+        f"{shown_number(factor(unit, shown) * after[key], 3)} {shown})"
+        for key, (words, unit, shown) in ERRORS.items()
+        if key in before and key in after and after[key] > WORSE * before[key]
+    ]
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -28,7 +41,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         case "rejected_on_held_out":
             return (
                 f"Rejected on held-out records: {listed(effects)} would lower the error of the records that were "
-                "fitted, but raises it on records that were not; the plant stays as declared."
+                f"fitted, but on those that were not worse is {listed(worse(diagnosis)) or 'an error'}; the plant "
+                "stays as declared."
             )
         case "ambiguous":
             pairs = [
