@@ -57,9 +57,9 @@ def test_going_on_does_not_change_the_gains(tmp_path: Path) -> None:
 
 def test_a_killed_command_goes_on_to_the_same_gains(tmp_path: Path) -> None:
     study, part, whole = write(tmp_path, STUDY), tmp_path / "killed", tmp_path / "whole"
-    options = ("--controller", "lugre", "--trials", "12")
-    killed(lambda: stored(part) >= 4, "tune", study, *options, "--out", part, "--jobs", "1")
-    assert 4 <= stored(part) < 12
+    options = ("--controller", "lugre", "--trials", "24")
+    killed(lambda: stored(part) >= 6, "tune", study, *options, "--out", part, "--jobs", "1")
+    assert 6 <= stored(part) < 24
     assert not (part / "tuned").exists()
     refused = workbench("tune", study, *options, "--out", part)
     assert "holds trials already; go on with --resume" in refused.err

@@ -163,14 +163,14 @@ def least_squares(
             shown, step = new - base, trial - x
             x, base, cost = trial, new, cost - gained
             ends = flat and fresh
-            if ends:  # so near that the Jacobian is the same
-                break
             learnt = search.learns and not bends and gained > FORESEEN * expected
-            fresh = not learnt or flat
+            fresh = not learnt or (flat and not ends)
             if fresh:
                 jacobian = jacobian_of(residuals, x, base, steps_of(x, jacobian, cost))
             else:
                 jacobian = jacobian + np.outer(shown - jacobian @ step, step / (step @ step))
+            if ends:
+                break
         elif not fresh:
             fresh, jacobian = True, jacobian_of(residuals, x, base, steps_of(x, jacobian, cost))
         elif expected < least or damping >= MOST:

@@ -10,6 +10,7 @@ from plants.axis import LINEAR
 from plants.effects.interface import Scales
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Priors, Values
+from workbench.diagnose.residuals.weighing import Changes
 from workbench.fitting.threads import side_by_side
 
 BLOCKS = 10
@@ -33,12 +34,12 @@ Together = Callable[[Sequence[tuple[Motion, Values]]], Sequence[Sequence[np.ndar
 Near = Callable[[Values, Sequence[tuple[Motion, Values]]], Sequence[Sequence[np.ndarray]]]
 """The same near some values, to first order where that is enough."""
 
-Beside = Callable[[Values], tuple[np.ndarray, Sequence[np.ndarray]]]
+Beside = Callable[[Values], Changes]
 """What no parameter decides: directions (rows of the stack, directions) in which residuals may move, and the groups of
 rows that do so on their own."""
 
 
-def nothing(values: Values) -> tuple[np.ndarray, Sequence[np.ndarray]]:
+def nothing(values: Values) -> Changes:
     """Every residual is decided by parameters."""
     return np.zeros((0, 0)), ()
 

@@ -10,6 +10,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import fluctuation
 from workbench.diagnose.residuals.unknowns import Bounds, Unknown, Values, declared_with, unknown, values_at
 from workbench.diagnose.residuals.weighing import (
+    Changes,
     Directions,
     Slices,
     Weighing,
@@ -134,7 +135,7 @@ class Fit:
         return jacobian_of(lambda places: stacks(self.balance, list(map(self.at, places))), x, self.residual, steps)
 
     @cached_property
-    def beside(self) -> tuple[np.ndarray, Sequence[np.ndarray]]:
+    def beside(self) -> Changes:
         """What no parameter decides, at its values."""
         return self.balance.beside(self.values)
 
@@ -311,7 +312,7 @@ def weighing_at(fitted: Fit) -> Weighing:
 def weighed_by(
     weigh: Callable[[Slices, np.ndarray], Weighing],
     fitted: Fit,
-    beside: tuple[np.ndarray, Sequence[np.ndarray]] | None = None,
+    beside: Changes | None = None,
 ) -> Weighing:
     """What a fit leaves as noise, without what no parameter decides, if that is not known already."""
     columns, groups = fitted.beside if beside is None else beside

@@ -114,6 +114,9 @@ class Weighing:
         return replace(self, beside=bases)
 
 
+Changes = tuple[np.ndarray, Sequence[np.ndarray]]
+"""Changes of a stack (rows, changes), and groups of its rows, of each of which they are told for itself."""
+
 Directions = Sequence[tuple[slice | np.ndarray, np.ndarray]]
 """For some rows of a stack an orthonormal basis each, shape (rows, directions)."""
 

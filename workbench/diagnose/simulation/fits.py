@@ -21,8 +21,8 @@ from workbench.diagnose.residuals.fit import (
 )
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds, Values
-from workbench.diagnose.residuals.weighing import Weighing, by_scatter, weighing_of
-from workbench.diagnose.simulation.shooting import Shooting, Starting
+from workbench.diagnose.residuals.weighing import Changes, Weighing, by_scatter, weighing_of
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.diagnose.simulation.starts import FIRST, restarted, squares_of
 from workbench.fitting.threads import side_by_side
 
@@ -77,7 +77,7 @@ class Simulated:
 
     how: Shooting
     fit: Fit
-    starting: Starting | None = None
+    starting: Changes | None = None
 
     @cached_property
     def left(self) -> float:
@@ -183,10 +183,10 @@ class Fitting:
         """The fit whose parameters count, by the likelihood of noise like that which is left."""
         how = of.how.bounded(self.motions, of.fit.values) if of.is_near else of.how
         balance = how.balance(self.motions, self.names)
-        beside = None if of.starting is None else of.how.undecided(self.motions, of.fit.values, of.starting)
         weigh, search = noise_like(balance), FINAL
         if of.fit.excess > ASTRAY:  # nobody's noise: the values stay, and are as uncertain as it is
             weigh, search = by_scatter, AS_IT_IS
+        beside = None if of.starting is None else of.how.undecided(self.motions, of.fit.values, of.starting)
         weighing = weighed_by(weigh, of.fit, beside)
         return Simulated(how, fit(balance, of.fit.values, self.names, self.bounds, search, weighing))
 

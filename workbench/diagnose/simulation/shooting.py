@@ -22,6 +22,7 @@ from workbench.diagnose.residuals.balance import SIMULATION, Balance
 from workbench.diagnose.residuals.motion import Motion, with_slack
 from workbench.diagnose.residuals.shown import deviation, shown, state_along
 from workbench.diagnose.residuals.unknowns import Priors, Values
+from workbench.diagnose.residuals.weighing import Changes
 from workbench.diagnose.simulation.beside import Followed, arriving
 from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_steps
 from workbench.diagnose.simulation.first_samples import sensed_at_first
@@ -69,10 +70,6 @@ FOLLOWS = "spool_position"
 
 VALVES = ("valve_voltage", "arriving_voltage")
 """The command of an actuator with a valve."""
-
-
-Starting = tuple[np.ndarray, Sequence[np.ndarray]]
-"""Changes of a stack (rows, changes), and the rows behind each start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +133,7 @@ class Shooting:
             priors=self.priors,
         )
 
-    def undecided(self, motions: Sequence[Motion], values: Values, known: Starting | None = None) -> Starting:
+    def undecided(self, motions: Sequence[Motion], values: Values, known: Changes | None = None) -> Changes:
         """What no parameter decides: where a simulation starts (`starting`, if that is not `known`), and what a coarse
         converter leaves of what rests.
         """
@@ -174,7 +171,7 @@ class Shooting:
         noise = max(motion.sensed[name], SOLVER * float(np.max(np.abs(motion.measured[name]))), 1e-30)
         return np.asarray(sums / np.sqrt(sizes).reshape(-1, *(1,) * (sums.ndim - 1)) / noise)
 
-    def starting(self, motions: Sequence[Motion], values: Values) -> Starting:
+    def starting(self, motions: Sequence[Motion], values: Values) -> Changes:
         """What a change of each state at a start would change of the stack (rows, states), and the rows behind each
         start.
         """

@@ -8,8 +8,8 @@ import numpy as np
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, stacked
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.residuals.weighing import weighing_of
-from workbench.diagnose.simulation.shooting import Shooting, Starting
+from workbench.diagnose.residuals.weighing import Changes, weighing_of
+from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.threads import side_by_side
 
 FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
@@ -17,7 +17,7 @@ FIRST, LEAST, EASIER, HARDER, TRIES = 1e-3, 1e-9, 0.1, 10.0, 4
 that leaves less, and after one that does not; and how many are tried."""
 
 
-def restarted(how: Shooting, fitted: Fit, starting: Starting, damping: np.ndarray) -> tuple[Shooting, np.ndarray]:
+def restarted(how: Shooting, fitted: Fit, starting: Changes, damping: np.ndarray) -> tuple[Shooting, np.ndarray]:
     """The same with the states at each start where they leave less of its piece, by what a change of them does
     (`Shooting.starting`): by a damped Gauss-Newton step, of those that a command sets only if that is better; and the
     damping of each start from which to go on.
