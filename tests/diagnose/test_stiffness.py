@@ -12,7 +12,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
-from workbench.diagnose.simulation.stiffness import STABLE, STIFF, method_for
+from workbench.diagnose.simulation.stiffness import COARSE, STABLE, STIFF, method_for
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 from workbench.simulation.simulate import Integrator, simulate
@@ -37,7 +37,7 @@ def with_steps(motion: Motion, values: Values, steps: float) -> dict[str, float]
 def test_a_contact_whose_bristle_is_hardly_seen_is_stiff(tmp_path: Path) -> None:
     how, motion, values = driven(tmp_path)
     for share, method in ((0.9, "dormand_prince"), (1.1, "ros34pw2")):
-        assert method_for(how.along, motion, with_steps(motion, values, share * STIFF)) == method
+        assert method_for(how.along, motion, with_steps(motion, values, share * STIFF), COARSE) == method
 
 
 @pytest.mark.parametrize("changed", ["spring_stiffness", "mass"])
@@ -48,7 +48,25 @@ def test_what_swings_fast_is_not(tmp_path: Path, changed: str) -> None:
     how, motion, values = driven(tmp_path)
     stiff, step = with_steps(motion, values, 1.1 * STIFF), motion.record.sample_time
     swinging = {"spring_stiffness": stiff["mass"] / step**2, "mass": stiff["bristle_stiffness"] * step**2}
-    assert method_for(how.along, motion, {**stiff, changed: swinging[changed]}) == "dormand_prince"
+    assert method_for(how.along, motion, {**stiff, changed: swinging[changed]}, COARSE) == "dormand_prince"
+
+
+def test_what_settles_more_slowly_is_followed(tmp_path: Path) -> None:
+    """Where the motion itself settles by a radian in a sample, far slower than the bristles, steps are as short as that
+    asks for.
+    """
+    how, motion, values = driven(tmp_path)
+    stiff, step = with_steps(motion, values, 1.5 * STIFF), motion.record.sample_time
+    assert method_for(how.along, motion, stiff, COARSE) == "ros34pw2"
+    damped = {**stiff, "viscous": stiff["mass"] / step}
+    assert method_for(how.along, motion, damped, COARSE) == "dormand_prince"
+
+
+def test_a_finer_tolerance_asks_more_of_the_method_of_lower_order(tmp_path: Path) -> None:
+    how, motion, values = driven(tmp_path)
+    stiff = with_steps(motion, values, 4.0 * STIFF)
+    assert method_for(how.along, motion, stiff, COARSE) == "ros34pw2"
+    assert method_for(how.along, motion, stiff, 1e-3 * COARSE) == "dormand_prince"
 
 
 def test_a_stiff_plant_is_simulated_in_few_steps(tmp_path: Path) -> None:

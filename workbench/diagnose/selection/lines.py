@@ -7,7 +7,7 @@ becomes of them at every instant, and a filter that is matched to that (Turin 19
 phase with a wave between them.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -129,15 +129,6 @@ def _around(share: np.ndarray) -> slice:
     return slice(max(int(seen[0]) - 1, 0), int(seen[-1]) + 2) if seen.size else slice(0, 2)
 
 
-def _apart(frequencies: Iterable[float], band: Band, damping: float = 0.0) -> list[float]:
-    """Those of some frequencies, the first first, that records tell apart from those before."""
-    chosen = list[float]()
-    for one in frequencies:
-        if all(abs(one - other) > max(1.0 / band.reach, 2.0 * damping * other) for other in chosen):
-            chosen.append(one)
-    return chosen
-
-
 def _along(balance: Balance, signal: str) -> list[np.ndarray]:
     return [signals_of(motion.thinned)[signal] for motion in balance.motions]
 
@@ -156,8 +147,12 @@ def _spectra(signal: np.ndarray, residuals: np.ndarray, frequencies: np.ndarray)
 
 
 def _peaks(frequencies: np.ndarray, power: np.ndarray, band: Band, damping: float = 0.0) -> list[float]:
-    """Where a power is largest, as many places as are tried."""
-    return _apart(frequencies[np.argsort(-power)].tolist(), band, damping)[:PEAKS]
+    """Where a power is largest, at as many places as are tried that records tell apart."""
+    chosen, left = list[float](), frequencies[np.argsort(-power)]
+    while left.size and len(chosen) < PEAKS:
+        chosen.append(float(left[0]))
+        left = left[np.abs(left - chosen[-1]) > max(1.0 / band.reach, 2.0 * damping * chosen[-1])]
+    return chosen
 
 
 def _of_bands(frequencies: np.ndarray, power: np.ndarray, damping: float) -> np.ndarray:

@@ -58,9 +58,11 @@ SETTLES = 2.0
 ASTRAY = 30.0
 """Standard deviations of noise from which a long run is no place to begin a fit."""
 
-FINER, FINEST, HIDDEN = 0.1, 1e-10, 1.0
-"""Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`, and the
-least tolerance."""
+FINER, FINEST, HIDDEN, EDGE = 0.1, 1e-10, 1.0, 2.0
+"""Factor of the solver's tolerance until it changes squares of what is left over noise by less than `HIDDEN`; the least
+tolerance that is changed; and times the least change from which on a finer one makes up for it. What no tolerance makes
+smaller is not the solver's: a motion is at an edge, where it sticks or not, and any error turns it.
+"""
 
 FARTHEST = 5.0
 """Times the rms of the median piece from which a piece went astray."""
@@ -212,15 +214,15 @@ def finer(of: Simulated, fitting: Fitting) -> Simulated:
     """The same plant by such a solver, from the starts that suit its values; itself if it is, or is far from noise."""
     if not of.is_near:
         return of
-    how, values = of.how, of.fit.values
-    before = of.fit.weighing(how.balance(fitting.motions, ()).stacked(values))
-    while how.tolerance > FINEST:
-        other = how.with_tolerance(how.tolerance * FINER)
-        after = of.fit.weighing(other.balance(fitting.motions, ()).stacked(values))
-        if float(np.sum((after - before) ** 2)) < HIDDEN:
-            break
-        how, before = other, after
-    return of if how is of.how else fitting.stepped(how, values)
+    values, hows, changes = of.fit.values, [of.how], list[float]()
+    left = of.fit.weighing(of.how.balance(fitting.motions, ()).stacked(values))
+    while hows[-1].tolerance > FINEST and min(changes, default=np.inf) > HIDDEN:
+        hows.append(hows[-1].with_tolerance(hows[-1].tolerance * FINER))
+        before, left = left, of.fit.weighing(hows[-1].balance(fitting.motions, ()).stacked(values))
+        changes.append(float(np.nan_to_num(np.sum((left - before) ** 2), nan=np.inf)))
+    least = max(HIDDEN, EDGE * min(changes, default=np.inf))
+    fine = next((how for how, changed in zip(hows, changes, strict=False) if changed <= least), of.how)
+    return of if fine is of.how else fitting.stepped(fine, values)
 
 
 def afresh(of: Simulated, fitting: Fitting) -> Simulated:

@@ -374,7 +374,8 @@ class Shooting:
         record, along = motion.record, self.along
         cosine, sine = (name_along(name, along.plant.axis) for name in BY_ANGLE)
         setup = self.setups[record]
-        integrator = replace(setup.integrator, method=method_for(along, motion, values))
+        method = method_for(along, motion, values, setup.integrator.tolerance)
+        integrator = replace(setup.integrator, method=method)
         followed = self._followed(motion)
         without = {name: value for name, value in values.items() if name not in (cosine, sine)}
         feeds = arriving(setup.feeds, along, values)

@@ -19,25 +19,29 @@ from workbench.simulation.integrators.ros34pw2 import ROS34PW2
 STABLE = 3.3
 """Where the stability region of the explicit method ends on the negative real axis."""
 
-STIFF, FOLLOWED = 8.0, 2.0
+STIFF, FOLLOWED, COARSE = 8.0, 2.0, 1e-6
 """Times the steps by which a motion is followed that stability asks for where a plant is stiff; and steps of the
-implicit method for each radian of what swings."""
+implicit method, of order 3, for each radian of what swings or settles otherwise, with that tolerance.
+"""
 
 
-def method_for(along: Along, motion: Motion, values: Values) -> str:
+def method_for(along: Along, motion: Motion, values: Values, tolerance: float) -> str:
     """The name of the method that simulates a plant with `values` along a record in less time.
 
     The plant relaxes as it does that slides at the mean speed of the motion, and swings as fast as it does sliding or
-    at rest, by the eigenvalues of its Jacobian there. What does nothing of its effects does not count.
+    at rest, by the eigenvalues of its Jacobian there. What relaxes far slower is followed, since a command that holds
+    from sample to sample excites it in each. What does nothing of its effects does not count.
     """
     linear, step = _Linearised(along, motion, values), motion.record.sample_time
     sliding = linear.eigenvalues(linear.sliding())
-    relaxes = np.max(np.abs(sliding[~_swings(sliding)]), initial=0.0) * step / STABLE
-    if relaxes <= STIFF:
+    relaxing = np.abs(sliding[~_swings(sliding)]) * step
+    relaxes = np.max(relaxing, initial=0.0)
+    if relaxes <= STABLE * STIFF:
         return DORMAND_PRINCE.name
     both = np.concatenate([sliding, linear.eigenvalues(linear.rest)])
-    swings = np.max(np.abs(both[_swings(both)]), initial=0.0) * step
-    return ROS34PW2.name if relaxes > STIFF * max(1.0, FOLLOWED * swings) else DORMAND_PRINCE.name
+    followed = np.concatenate([np.abs(both[_swings(both)]) * step, relaxing[relaxing < relaxes / STIFF]])
+    steps = max(1.0, FOLLOWED * np.max(followed, initial=0.0)) * (COARSE / tolerance) ** (1.0 / 3.0)
+    return ROS34PW2.name if relaxes > STABLE * STIFF * steps else DORMAND_PRINCE.name
 
 
 class _Linearised:
