@@ -169,6 +169,7 @@ class Along:
             self._groups(simulated),
             self.columns(self.by_input(motion, hidden)),
             self.columns(contact),
+            self.columns(self._alone(hidden)),
             np.array([self.names.index(name) for name in wanted], dtype=np.int64),
             self.names.index("velocity"),
             np.ascontiguousarray(still),
@@ -184,6 +185,11 @@ class Along:
     def magnitudes(self, motion: Motion, values: Values) -> np.ndarray:
         """What is typical of each state, shape (states,): of a contact how far the fastest motion bends it."""
         return _magnitudes(self, motion, tuple(values.items()))
+
+    def _alone(self, hidden: Collection[str]) -> frozenset[str]:
+        """Those of the hidden states in whose rates no other one counts."""
+        depends, own = dependences(self.plant).states, set(hidden)
+        return frozenset(name for name in own if depends[name] & own <= {name})
 
     def _groups(self, simulated: np.ndarray) -> np.ndarray:
         """For each of these states the number of a group in which no state counts in another's rate."""

@@ -49,6 +49,7 @@ def walk(
     groups: Any,
     settled: Any,
     contact: Any,
+    alone: Any,
     wanted: Any,
     velocity: int,
     still: Any,
@@ -60,7 +61,8 @@ def walk(
 ) -> Any:
     """The `hidden` states (instants, hidden) along a motion, and the rates (instants, wanted) that go with them.
 
-    They begin as at rest, those that are `settled`, by the inputs alone, where the first input holds them.
+    They begin as at rest, those that are `settled`, by the inputs alone, where the first input holds them. Those that
+    move `alone` are moved by no other hidden one.
 
     Where noise hides the velocity (`still`) the contact is only as loaded as the measured acceleration (m/s^2) asks
     for, and never beyond sliding; it does not slide then, or the noise's velocity would wear it. Either it rests
@@ -74,7 +76,7 @@ def walk(
     z, x, rates, other = rest.copy(), rest.copy(), np.empty(size), np.empty(size)
     free, bends, slopes = np.empty(size), np.empty(size), np.empty(size)
     ahead, slopes_ahead, slopes_known = np.empty(size), np.empty(size), False
-    before, expected, limits = np.empty(size), np.empty(size), nudges / sample_time
+    before, expected = np.empty(size), np.empty(size)
     p, steps = address(parameters), inputs.shape[1]
     between, moved, coupled = np.empty((settled.size, settled.size)), np.empty(settled.size), False
     by_motion = hidden.size > settled.size
@@ -85,14 +87,13 @@ def walk(
         for i in hidden:
             x[i] = z[i]
         u, speed = shift(address(inputs), k * steps), x[velocity]
+        of = derivatives, u, p, hidden, groups, alone, nudges
         if still[k]:
             x[velocity] = 0.0
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
-        if slopes_known and by_motion and _bends(rates, expected, contact, limits):
+        if slopes_known and by_motion and _bends(rates, expected, contact, z, nudges, sample_time):
             way = (known[k - 1], known[k])
-            _in_parts(
-                derivatives, time[k], x, u, p, hidden, groups, shown, contact, way, before, z, nudges, sample_time
-            )
+            _in_parts(of, time[k], x, shown, contact, way, before, z, sample_time)
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
             slopes_known = False
         stands = still[k] and resting[k]
@@ -103,7 +104,7 @@ def walk(
                 z[i] = x[i]
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         if not slopes_known and k % most == 0:
-            _slopes(derivatives, time[k], x, u, p, hidden, groups, nudges, rates, other, slopes)
+            _slopes(of, time[k], x, rates, other, slopes)
         for j in range(hidden.size):
             tracked[k, j] = z[hidden[j]]
         for j in range(wanted.size):
@@ -129,7 +130,9 @@ def walk(
             for j in range(shown.size):
                 x[shown[j]] = known[k + 1, j]
             call_derivatives(derivatives, time[k] + sample_time, address(x), u, p, address(ahead))
-            _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, groups, nudges, ahead, other, slopes_ahead)
+            _slopes(of, time[k] + sample_time, x, ahead, other, slopes_ahead)
+            begin, end = (rates, slopes), (ahead, slopes_ahead)
+            _look_again(of, time[k] + sample_time, x, sample_time, z, begin, end, other, free, bends)
         before[:] = z
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
@@ -156,37 +159,32 @@ def walk(
 
 
 @njit(cache=True, nogil=True)
-def _bends(rates: Any, expected: Any, contact: Any, limits: Any) -> bool:
-    """Whether a contact's rates at the end of a step are off by more than `limits` from where straight lines lead."""
+def _bends(rates: Any, expected: Any, contact: Any, z: Any, nudges: Any, sample_time: float) -> bool:
+    """Whether a contact's rates at the end of a step, over a sample, are off from where straight lines lead."""
     off = 0.0
     for i in contact:
-        off = max(off, abs(rates[i] - expected[i]) / limits[i])
-    return off > 1.0
+        off = max(off, abs(rates[i] - expected[i]) / _counts(z[i], nudges[i]))
+    return off * sample_time > 1.0
+
+
+@njit(cache=True, nogil=True)
+def _counts(bent: float, nudge: float) -> float:
+    """From which change on it counts where a contact is: a part of what is typical of it, or of how far it is bent."""
+    return max(nudge, NUDGE * abs(bent))
 
 
 @njit(cache=True, nogil=True)
 def _in_parts(
-    derivatives: int,
-    time: float,
-    state: Any,
-    inputs: Any,
-    parameters: Any,
-    hidden: Any,
-    groups: Any,
-    shown: Any,
-    contact: Any,
-    way: Any,
-    before: Any,
-    z: Any,
-    nudges: Any,
-    sample_time: float,
+    of: Any, time: float, state: Any, shown: Any, contact: Any, way: Any, before: Any, z: Any, sample_time: float
 ) -> None:
     """A step again from `before`, what is shown going straight along its `way`, in ever more parts until these no
     longer count: `z` and `state` at its end.
     """
+    derivatives, inputs, parameters, hidden, _, _, nudges = of
     size, parts, change = state.size, 1, np.inf
     rates, ahead, other = np.empty(size), np.empty(size), np.empty(size)
-    slopes, slopes_ahead = np.empty(size), np.empty(size)
+    slopes, slopes_ahead, own, own_slopes = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    begin, last = (rates, slopes), (ahead, slopes_ahead)
     while change > 1.0 and parts < MOST_PARTS:
         parts *= 2
         step, now = sample_time / parts, before.copy()
@@ -196,17 +194,56 @@ def _in_parts(
                     state[shown[j]] = way[0][j] + (way[1][j] - way[0][j]) * (part + end) / parts
                 for i in hidden:
                     state[i] = now[i]
-                found, sloping = (rates, slopes) if end == 0 else (ahead, slopes_ahead)
+                found, sloping = begin if end == 0 else last
                 call_derivatives(derivatives, time, address(state), inputs, parameters, address(found))
-                _slopes(derivatives, time, state, inputs, parameters, hidden, groups, nudges, found, other, sloping)
+                _slopes(of, time, state, found, other, sloping)
+            _look_again(of, time, state, step, now, begin, last, other, own, own_slopes)
             for i in hidden:
                 now[i] += step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
         change = 0.0
         for i in contact:
-            change = max(change, abs(now[i] - z[i]) / nudges[i])
+            change = max(change, abs(now[i] - z[i]) / _counts(now[i], nudges[i]))
         z[:] = now
     for i in hidden:
         state[i] = z[i]
+
+
+@njit(cache=True, nogil=True)
+def _look_again(
+    of: Any,
+    time: float,
+    state: Any,
+    step: float,
+    z: Any,
+    begin: Any,
+    end: Any,
+    other: Any,
+    own: Any,
+    own_slopes: Any,
+) -> None:
+    """The rates at the `end` of a step, and their slopes, once more with those states that are moved by none of the
+    others where they are by then, if they count in rates of others: what settles fast has settled there.
+    """
+    derivatives, inputs, parameters, hidden, _, alone, _ = of
+    (rates, slopes), (ahead, slopes_ahead) = begin, end
+    moves = False
+    for i in alone:
+        own[i], own_slopes[i] = ahead[i], slopes_ahead[i]
+        state[i] = z[i] + step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
+        moves = moves or state[i] != z[i]
+    if not moves or alone.size == hidden.size:
+        return
+    call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
+    for i in alone:
+        ahead[i] = other[i]
+    counts = False
+    for i in hidden:
+        counts = counts or other[i] != ahead[i]
+    if counts:
+        ahead[:] = other
+        _slopes(of, time, state, ahead, other, slopes_ahead)
+    for i in alone:
+        state[i], ahead[i], slopes_ahead[i] = z[i], own[i], own_slopes[i]
 
 
 @njit(cache=True, nogil=True)
@@ -223,20 +260,9 @@ def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _slopes(
-    derivatives: int,
-    time: float,
-    state: Any,
-    inputs: Any,
-    parameters: Any,
-    hidden: Any,
-    groups: Any,
-    nudges: Any,
-    rates: Any,
-    other: Any,
-    slopes: Any,
-) -> None:
+def _slopes(of: Any, time: float, state: Any, rates: Any, other: Any, slopes: Any) -> None:
     """dr/dz of the hidden states, those of a group nudged at once: none of them counts in another's rate."""
+    derivatives, inputs, parameters, hidden, groups, _, nudges = of
     for group in range(np.max(groups) + 1 if groups.size else 0):
         for j in range(hidden.size):
             if groups[j] == group:
