@@ -87,12 +87,12 @@ def walk(
         for i in hidden:
             x[i] = z[i]
         u, speed = shift(address(inputs), k * steps), x[velocity]
-        of = derivatives, u, p, hidden, groups, alone, nudges
         if still[k]:
             x[velocity] = 0.0
         call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         if slopes_known and by_motion and _bends(rates, expected, contact, z, nudges, sample_time):
             way = (known[k - 1], known[k])
+            of = derivatives, u, p, hidden, groups, alone, nudges
             _in_parts(of, time[k], x, shown, contact, way, before, z, sample_time)
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
             slopes_known = False
@@ -104,7 +104,7 @@ def walk(
                 z[i] = x[i]
             call_derivatives(derivatives, time[k], address(x), u, p, address(rates))
         if not slopes_known and k % most == 0:
-            _slopes(of, time[k], x, rates, other, slopes)
+            _slopes(derivatives, time[k], x, u, p, hidden, groups, nudges, rates, other, slopes)
         for j in range(hidden.size):
             tracked[k, j] = z[hidden[j]]
         for j in range(wanted.size):
@@ -130,9 +130,14 @@ def walk(
             for j in range(shown.size):
                 x[shown[j]] = known[k + 1, j]
             call_derivatives(derivatives, time[k] + sample_time, address(x), u, p, address(ahead))
-            _slopes(of, time[k] + sample_time, x, ahead, other, slopes_ahead)
-            begin, end = (rates, slopes), (ahead, slopes_ahead)
-            _look_again(of, time[k] + sample_time, x, sample_time, z, begin, end, other, free, bends)
+            _slopes(derivatives, time[k] + sample_time, x, u, p, hidden, groups, nudges, ahead, other, slopes_ahead)
+            if 0 < alone.size < hidden.size:
+                of, begin, end = (
+                    (derivatives, u, p, hidden, groups, alone, nudges),
+                    (rates, slopes),
+                    (ahead, slopes_ahead),
+                )
+                _look_again(of, time[k] + sample_time, x, sample_time, z, begin, end, other, free, bends)
         before[:] = z
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
@@ -180,7 +185,7 @@ def _in_parts(
     """A step again from `before`, what is shown going straight along its `way`, in ever more parts until these no
     longer count: `z` and `state` at its end.
     """
-    derivatives, inputs, parameters, hidden, _, _, nudges = of
+    derivatives, inputs, parameters, hidden, groups, _, nudges = of
     size, parts, change = state.size, 1, np.inf
     rates, ahead, other = np.empty(size), np.empty(size), np.empty(size)
     slopes, slopes_ahead, own, own_slopes = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
@@ -196,7 +201,7 @@ def _in_parts(
                     state[i] = now[i]
                 found, sloping = begin if end == 0 else last
                 call_derivatives(derivatives, time, address(state), inputs, parameters, address(found))
-                _slopes(of, time, state, found, other, sloping)
+                _slopes(derivatives, time, state, inputs, parameters, hidden, groups, nudges, found, other, sloping)
             _look_again(of, time, state, step, now, begin, last, other, own, own_slopes)
             for i in hidden:
                 now[i] += step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
@@ -224,14 +229,14 @@ def _look_again(
     """The rates at the `end` of a step, and their slopes, once more with those states that are moved by none of the
     others where they are by then, if they count in rates of others: what settles fast has settled there.
     """
-    derivatives, inputs, parameters, hidden, _, alone, _ = of
+    derivatives, inputs, parameters, hidden, groups, alone, nudges = of
     (rates, slopes), (ahead, slopes_ahead) = begin, end
     moves = False
     for i in alone:
         own[i], own_slopes[i] = ahead[i], slopes_ahead[i]
         state[i] = z[i] + step * _step(-step * slopes[i], -step * slopes_ahead[i], rates[i], ahead[i])
         moves = moves or state[i] != z[i]
-    if not moves or alone.size == hidden.size:
+    if not moves:
         return
     call_derivatives(derivatives, time, address(state), inputs, parameters, address(other))
     for i in alone:
@@ -241,7 +246,7 @@ def _look_again(
         counts = counts or other[i] != ahead[i]
     if counts:
         ahead[:] = other
-        _slopes(of, time, state, ahead, other, slopes_ahead)
+        _slopes(derivatives, time, state, inputs, parameters, hidden, groups, nudges, ahead, other, slopes_ahead)
     for i in alone:
         state[i], ahead[i], slopes_ahead[i] = z[i], own[i], own_slopes[i]
 
@@ -260,9 +265,20 @@ def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _slopes(of: Any, time: float, state: Any, rates: Any, other: Any, slopes: Any) -> None:
+def _slopes(
+    derivatives: int,
+    time: float,
+    state: Any,
+    inputs: Any,
+    parameters: Any,
+    hidden: Any,
+    groups: Any,
+    nudges: Any,
+    rates: Any,
+    other: Any,
+    slopes: Any,
+) -> None:
     """dr/dz of the hidden states, those of a group nudged at once: none of them counts in another's rate."""
-    derivatives, inputs, parameters, hidden, groups, _, nudges = of
     for group in range(np.max(groups) + 1 if groups.size else 0):
         for j in range(hidden.size):
             if groups[j] == group:
