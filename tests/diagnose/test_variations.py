@@ -20,11 +20,12 @@ from plants.effects.registry import effects
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.simulation import variations
+from workbench.diagnose.simulation import to_first_order, variations
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.to_first_order import errors_near
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
-from workbench.diagnose.simulation.variations import Varied, errors_near
+from workbench.diagnose.simulation.variations import Varied
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 
@@ -165,8 +166,8 @@ def test_many_that_push_are_told_near_one_and_what_remembers_is_simulated(
         simulated.extend(asked)
         return errors_of(asked)
 
-    monkeypatch.setattr(variations, "errors_of", counting)
-    many = [Asked(how, motion, {**values, "spring_stiffness": float(k)}) for k in range(1, variations.WORTH + 1)]
+    monkeypatch.setattr(to_first_order, "errors_of", counting)
+    many = [Asked(how, motion, {**values, "spring_stiffness": float(k)}) for k in range(1, to_first_order.WORTH + 1)]
     play = Asked(how, motion, {**values, "backlash_width": 1e-5})
     late = Asked(how, motion, {**values, "command_delay": 1e-5})
     told = errors_near(how, values, [*many, late, play])

@@ -25,8 +25,8 @@ from workbench.diagnose.simulation.own_curves import (
     simulated_motion,
 )
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.to_first_order import errors_pushed
 from workbench.diagnose.simulation.together import Push
-from workbench.diagnose.simulation.variations import errors_pushed
 from workbench.fitting.threads import side_by_side
 from workbench.records.reading import Record
 

@@ -18,8 +18,8 @@ from workbench.diagnose.residuals.fit import Fit, without_lost
 from workbench.diagnose.residuals.motion import Motion, motion_of
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.simulation.shooting import Shooting
+from workbench.diagnose.simulation.to_first_order import errors_near
 from workbench.diagnose.simulation.together import Asked
-from workbench.diagnose.simulation.variations import errors_near
 
 FELT = 5.0
 """Standard deviations of noise that a push is to make, or a node of a curve: to first order, and above the solver's

@@ -28,8 +28,8 @@ from workbench.diagnose.simulation.counting import HARMONICS, is_coarse, over_st
 from workbench.diagnose.simulation.first_samples import sensed_at_first
 from workbench.diagnose.simulation.leading import led, quickest
 from workbench.diagnose.simulation.stiffness import method_for
+from workbench.diagnose.simulation.to_first_order import errors_near
 from workbench.diagnose.simulation.together import Asked, Push, errors_of
-from workbench.diagnose.simulation.variations import errors_near
 from workbench.fitting.replay import BRISTLES, Sampled, breakaway_bend
 from workbench.records.reading import Record
 from workbench.simulation.simulate import Feed, Run, Setup, simulate_together
