@@ -118,3 +118,13 @@ def _set_pointer_item(pointer: Any, index: Any, value: Any) -> Any:
 
 njit = numba.njit
 """For loops over arrays. Had from here, it finds the folder of the cache set."""
+
+inner = functools.partial(numba.njit, cache=True, nogil=True, **INNER)
+"""Of a function that such loops alone call."""
+
+
+@inner()
+def copy(of: Any, to: Any) -> None:
+    """The numbers of an array, into another one: an assignment to a slice takes seconds to compile, for its errors."""
+    for i in range(to.size):
+        to[i] = of[i]

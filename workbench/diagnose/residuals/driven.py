@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.compiled import address, njit
+from plants.compiled import address, inner
 from workbench.simulation.compilation import call_derivatives
 
 TERMS = 8
@@ -22,7 +22,7 @@ SETTLING = 20_000
 """Steps in which states come to rest under the first input, at most."""
 
 
-@njit(cache=True)
+@inner()
 def slopes_between(
     derivatives: int,
     time: float,
@@ -47,7 +47,7 @@ def slopes_between(
     return coupled
 
 
-@njit(cache=True)
+@inner()
 def changes(slopes: Any, driven: Any, rates: Any, step: float, moved: Any) -> None:
     """h phi(h J) r of each: by how much they change in a step."""
     size = driven.size
@@ -56,7 +56,8 @@ def changes(slopes: Any, driven: Any, rates: Any, step: float, moved: Any) -> No
     for i in range(size):
         largest = max(largest, abs(step * rates[driven[i]]))
     if largest == 0.0:
-        moved[:] = 0.0
+        for i in range(size):
+            moved[i] = 0.0
         return
     for i in range(size):
         for j in range(size):
@@ -76,7 +77,7 @@ def changes(slopes: Any, driven: Any, rates: Any, step: float, moved: Any) -> No
         moved[i] = largest * whole[i, size]
 
 
-@njit(cache=True)
+@inner()
 def settle(
     derivatives: int, time: float, state: Any, inputs: Any, parameters: Any, driven: Any, nudges: Any, step: float
 ) -> None:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.compiled import address, njit, shift
+from plants.compiled import address, inner, njit, shift
 from workbench.simulation.compilation import call_derivatives
 
 WIDEST_BEND = 1e6
@@ -75,7 +75,7 @@ def bent_by(
     return sizes
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def hold(
     derivatives: int,
     time: float,
@@ -104,7 +104,7 @@ def hold(
             state[i] += (acceleration - rates[velocity]) / stiffness
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def limit(
     derivatives: int,
     time: float,

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from plants.compiled import address, njit, shift
+from plants.compiled import address, copy, inner, njit, shift
 from workbench.diagnose.residuals.driven import changes, settle, slopes_between
 from workbench.diagnose.residuals.holding import hold, limit
 from workbench.simulation.compilation import call_derivatives
@@ -125,7 +125,8 @@ def walk(
             slopes_between(derivatives, time[k], x, u, p, settled, nudges, rates, other, between)
             changes(between, settled, rates, sample_time, moved)
         slopes_known = by_motion and not still[k] and k + 1 < count and not still[k + 1]
-        ahead[:], slopes_ahead[:] = rates, slopes
+        copy(rates, ahead)
+        copy(slopes, slopes_ahead)
         if slopes_known:
             for j in range(shown.size):
                 x[shown[j]] = known[k + 1, j]
@@ -138,14 +139,14 @@ def walk(
                     (ahead, slopes_ahead),
                 )
                 _look_again(of, time[k] + sample_time, x, sample_time, z, begin, end, other, free, bends)
-        before[:] = z
+        copy(z, before)
         for i in hidden:
             z[i] += sample_time * _step(-sample_time * slopes[i], -sample_time * slopes_ahead[i], rates[i], ahead[i])
             expected[i] = ahead[i] + slopes_ahead[i] * (z[i] - before[i])
         if coupled:
             for j in range(settled.size):
                 z[settled[j]] = before[settled[j]] + moved[j]
-        slopes[:] = slopes_ahead
+        copy(slopes_ahead, slopes)
         if still[k] and not stands:
             x[velocity] = speed
             for i in contact:
@@ -163,7 +164,7 @@ def walk(
     return tracked, asked
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _bends(rates: Any, expected: Any, contact: Any, z: Any, nudges: Any, sample_time: float) -> bool:
     """Whether a contact's rates at the end of a step, over a sample, are off from where straight lines lead."""
     off = 0.0
@@ -172,13 +173,13 @@ def _bends(rates: Any, expected: Any, contact: Any, z: Any, nudges: Any, sample_
     return off * sample_time > 1.0
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _counts(bent: float, nudge: float) -> float:
     """From which change on it counts where a contact is: a part of what is typical of it, or of how far it is bent."""
     return max(nudge, NUDGE * abs(bent))
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _in_parts(
     of: Any, time: float, state: Any, shown: Any, contact: Any, way: Any, before: Any, z: Any, sample_time: float
 ) -> None:
@@ -208,12 +209,12 @@ def _in_parts(
         change = 0.0
         for i in contact:
             change = max(change, abs(now[i] - z[i]) / _counts(now[i], nudges[i]))
-        z[:] = now
+        copy(now, z)
     for i in hidden:
         state[i] = z[i]
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _look_again(
     of: Any,
     time: float,
@@ -245,7 +246,7 @@ def _look_again(
     for i in hidden:
         counts = counts or other[i] != ahead[i]
     if counts:
-        ahead[:] = other
+        copy(other, ahead)
         _slopes(derivatives, time, state, inputs, parameters, hidden, groups, nudges, ahead, other, slopes_ahead)
     for i in alone:
         state[i], ahead[i], slopes_ahead[i] = z[i], own[i], own_slopes[i]
@@ -264,7 +265,7 @@ def _step(decay: float, decay_ahead: float, rate: float, ahead: float) -> float:
     return first * rate + second * ahead
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _slopes(
     derivatives: int,
     time: float,
@@ -279,7 +280,10 @@ def _slopes(
     slopes: Any,
 ) -> None:
     """dr/dz of the hidden states, those of a group nudged at once: none of them counts in another's rate."""
-    for group in range(np.max(groups) + 1 if groups.size else 0):
+    count = 0
+    for group in groups:
+        count = max(count, group + 1)
+    for group in range(count):
         for j in range(hidden.size):
             if groups[j] == group:
                 state[hidden[j]] += nudges[hidden[j]]

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from plants.compiled import address, njit
+from plants.compiled import address, copy, inner, njit
 from workbench.simulation.compilation import call_derivatives
 
 Sampling: TypeAlias = tuple[int, np.ndarray, np.ndarray, np.ndarray, int, float, float, int]
@@ -22,7 +22,7 @@ are asked for, and by how much each is moved; the place of the command, and by h
 sample, and steps of RK4 within one."""
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _go(
     derivatives: int,
     time: float,
@@ -70,12 +70,12 @@ def over_sample(
     for i in range(count):
         for side in range(sides):
             size = nudges[i] if side == 0 else -nudges[i]
-            other[:] = state
+            copy(state, other)
             other[places[i]] += size
             _go(derivatives, time, other, u, parameters, added, work, span, steps)
             for j in range(count):
                 moved[j, i] += (other[places[j]] - base[places[j]]) / (sides * size)
-            other[:] = state
+            copy(state, other)
             added[places[i]] = size / span
             _go(derivatives, time, other, u, parameters, added, work, span, steps)
             for j in range(count):
@@ -84,7 +84,7 @@ def over_sample(
     return moved, held
 
 
-@njit(cache=True, nogil=True)
+@inner()
 def _fastest_at(plant: Sampling, time: float, state: np.ndarray, u: np.ndarray) -> float:
     """1/s: the spectral radius of derivatives of a plant's rates, J, as |J^32|^(1/32) in units of the nudges."""
     derivatives, parameters, places, nudges, _, _, _, _ = plant
@@ -149,11 +149,11 @@ def keep_beside(
     y, at, added, work = start.copy(), start.copy(), np.zeros(every), np.zeros((3, every))
     uncertain, u = np.diag(first**2), np.zeros(inputs.shape[1])
     for k in range(time.size):
-        u[:] = inputs[k]
+        copy(inputs[k], u)
         variance = uncertain[0, 0] + noise[1] ** 2
         gain = uncertain[:, 0].copy() / variance
         off[k], spread[k] = position[k] - y[places[0]], np.sqrt(variance)
-        at[:] = y
+        copy(y, at)
         at[places] += gain * off[k]
         moved, held = over_sample(plant, time[k], at, u, False)
         pushed = pushed_over_sample(plant, time[k], at, u)

@@ -89,20 +89,28 @@ def _in_blocks(
     both = np.zeros((count + channels, count))
     for block in range(blocks):
         begin, end = block * size, min((block + 1) * size, time.size)
-        both[:] = 0.0
-        for i in range(count):
-            both[i, i] = 1.0
+        for i in range(count + channels):
+            for j in range(count):
+                both[i, j] = 1.0 if i == j else 0.0
         for k in range(end - 1, begin - 1, -1):
             if k < time.size - 1:
                 sampling = (derivatives, parameters, places, nudges, command, push, span, steps[k])
                 moved, held = over_sample(sampling, time[k], states[k], inputs[k], still[k])
                 for i in range(count):
                     if carried[k + 1, i]:
-                        moved[i], held[i] = 0.0, 0.0
-                rated[k] = (both @ held).T
+                        for j in range(count):
+                            moved[i, j], held[i, j] = 0.0, 0.0
+                added = both @ held
+                for i in range(count + channels):
+                    for j in range(count):
+                        rated[k, j, i] = added[i, j]
                 both = both @ moved
-            both[count:] += shown[k]
-        first[block] = both
+            for i in range(channels):
+                for j in range(count):
+                    both[count + i, j] += shown[k, i, j]
+        for i in range(count + channels):
+            for j in range(count):
+                first[block, i, j] = both[i, j]
     return first, rated
 
 
@@ -114,7 +122,11 @@ def _over_blocks(first: np.ndarray, added: np.ndarray, start: np.ndarray, count:
     sums, state = np.zeros((first.shape[0], first.shape[1] - count, start.shape[1])), start.copy()
     for block in range(first.shape[0]):
         both = first[block] @ state + added[block]
-        state, sums[block] = both[:count].copy(), both[count:]
+        for change in range(start.shape[1]):
+            for i in range(count):
+                state[i, change] = both[i, change]
+            for i in range(sums.shape[1]):
+                sums[block, i, change] = both[count + i, change]
     return sums
 
 
