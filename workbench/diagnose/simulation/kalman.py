@@ -118,7 +118,10 @@ def pushed_over_sample(plant: Sampling, time: float, state: np.ndarray, u: np.nd
     _go(derivatives, time, base, inputs, parameters, added, work, span, steps)
     inputs[command] += push
     _go(derivatives, time, other, inputs, parameters, added, work, span, steps)
-    return (other[places] - base[places]) / push
+    pushed = np.zeros(places.size)
+    for i in range(places.size):
+        pushed[i] = (other[places[i]] - base[places[i]]) / push
+    return pushed
 
 
 @njit(cache=True, nogil=True)
@@ -147,28 +150,45 @@ def keep_beside(
     count, every = places.size, start.size
     corrections, spread, off = np.zeros((time.size, count)), np.zeros(time.size), np.zeros(time.size)
     y, at, added, work = start.copy(), start.copy(), np.zeros(every), np.zeros((3, every))
-    uncertain, u = np.diag(first**2), np.zeros(inputs.shape[1])
+    uncertain, gain, u = np.zeros((count, count)), np.zeros(count), np.zeros(inputs.shape[1])
+    for i in range(count):
+        uncertain[i, i] = first[i] ** 2
     for k in range(time.size):
         copy(inputs[k], u)
         variance = uncertain[0, 0] + noise[1] ** 2
-        gain = uncertain[:, 0].copy() / variance
         off[k], spread[k] = position[k] - y[places[0]], np.sqrt(variance)
         copy(y, at)
-        at[places] += gain * off[k]
+        for i in range(count):
+            gain[i] = uncertain[i, 0] / variance
+            at[places[i]] += gain[i] * off[k]
         moved, held = over_sample(plant, time[k], at, u, False)
         pushed = pushed_over_sample(plant, time[k], at, u)
         if not (np.all(np.isfinite(moved)) and np.all(np.isfinite(held))):
-            spread[k:] = np.nan
+            for later in range(k, time.size):
+                spread[later] = np.nan
             break
-        corrections[k] = np.linalg.solve(held, moved @ gain)
-        added[places] = corrections[k] * off[k]
+        correcting = np.linalg.solve(held, moved @ gain)
+        for i in range(count):
+            corrections[k, i] = correcting[i]
+            added[places[i]] = correcting[i] * off[k]
         _go(derivatives, time[k], y, u, parameters, added, work, span, steps)
         left = np.eye(count)
-        left[:, 0] -= gain
-        kept = left @ uncertain @ left.T + noise[1] ** 2 * np.outer(gain, gain)
-        kept = moved @ kept @ moved.T + noise[0] ** 2 * np.outer(pushed, pushed)
+        for i in range(count):
+            left[i, 0] -= gain[i]
+        kept = left @ uncertain @ left.T
+        _add_square(kept, gain, noise[1])
+        kept = moved @ kept @ moved.T
+        _add_square(kept, pushed, noise[0])
         uncertain = 0.5 * (kept + kept.T)
     return corrections, spread, off
+
+
+@inner()
+def _add_square(matrix: np.ndarray, along: np.ndarray, size: float) -> None:
+    """Add size^2 v v' to a matrix, `along` v."""
+    for i in range(along.size):
+        for j in range(along.size):
+            matrix[i, j] += size**2 * (along[i] * along[j])
 
 
 @njit(cache=True, nogil=True)
