@@ -9,8 +9,10 @@ with d0, d1 = -h dr/dz at both ends and d their mean, and no weight above 1/2. T
 in time, as of a valve's lag and a sliding bristle (an exponential integrator of second order; Cox and Matthews 2002).
 Bristles that relax within a sample then have no lag that comes of the samples, which their damping would show; and z
 stays between itself and where it would settle at either end, so that no reversal makes it overshoot. Where a contact's
-r is not linear in z, one that sticks and begins to slip, the step is made again in as many parts as it takes. States
-that inputs alone drive go together where one drives another (`driven`).
+r is not linear in z, one that sticks and begins to slip, the step is made again in as many parts as it takes. A state
+that no other hidden one moves goes first, and r1 of the others is taken with it where it is by then: a velocity that a
+lag shows to the contact settles within a sample. States that inputs alone drive go together where one drives another
+(`driven`).
 """
 
 from typing import Any
