@@ -10,7 +10,7 @@ from made_up_balances import made_balance, made_motion
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
-from workbench.diagnose.selection.hum import humming_at, without_hum
+from workbench.diagnose.selection.hum import humming_at, hums_for, without_hum
 from workbench.diagnose.selection.judging import choose
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.sets import Asked, fitted_with
@@ -63,6 +63,34 @@ def test_what_a_hum_explains_is_no_ripple(frequency: float, valve: bool, named: 
     assert (left > 0.9) if named else (left < 1e-6)
 
 
+@pytest.mark.parametrize("hums", [True, False])
+def test_a_hum_beside_a_ripple_of_another_frequency_is_no_ripple(hums: bool) -> None:
+    """An opening that swings at 0.31 Hz makes of a ripple lines beside its own, one of them at the mains."""
+    frequency = 60.05 - 0.31
+
+    def line(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        opening = motion.position / np.max(np.abs(motion.position))
+        angle = 2.0 * np.pi * values["ripple_frequency"] * motion.time
+        waves = values["ripple_cosine"] * np.cos(angle) + values["ripple_sine"] * np.sin(angle)
+        hum = values["hum"] * np.cos(2.0 * np.pi * 60.05 * motion.time)
+        return np.asarray(opening * waves + hum + values["load_force"])
+
+    ripple = 0.0 if hums else AMPLITUDE
+    start = {"ripple_cosine": 0.0, "ripple_sine": 0.0, "ripple_frequency": frequency, "load_force": 0.0, "hum": 0.0}
+    truth = {**start, "ripple_cosine": ripple, "ripple_sine": -ripple, "hum": AMPLITUDE if hums else 0.0}
+    balance = made_balance([made_motion()], line, truth, effects=("supply_ripple",))
+    first = fit(balance, start, ["load_force"], None, EXACT)
+    current = fit(balance, start, ["load_force"], None, EXACT, weighing_at(first))
+    ask = Asked(start, {}, 10, {}, settle=lambda found: found)
+    proposal = Proposal((trial(frequency),), (), 0.0, 0.0, {"ripple_cosine": 0.1, "ripple_sine": -0.1})
+    tried = fitted_with(current, {}, proposal, ask)
+    assert 0.5 * (current.squares - tried.squares) > 2.0 * ask.price_of(proposal, {}, balance)
+    (found,) = hums_for(balance, "supply_ripple", tried.values, current.residual)
+    assert abs(found - 60.05) < (0.02 if hums else 0.2)
+    best, _ = choose([(proposal, tried)], current, {}, {}, ask)
+    assert (best is None) is hums
+
+
 def test_a_hum_is_known_behind_a_slow_sampling_and_by_its_frequency_alone() -> None:
     balance, _ = rippling(7.3, valve=False)
     record = balance.motions[0].record
@@ -87,5 +115,5 @@ def test_a_hum_is_taken_from_each_channel_of_each_record() -> None:
         for amplitude in own
     ]
     trend = [0.1 * np.sin(one.thinned.time) for one in motions for _ in range(2)]
-    left = without_hum(two, np.concatenate(hum) + np.concatenate(trend), 60.0)
+    left = without_hum(two, np.concatenate(hum) + np.concatenate(trend), [60.0])
     np.testing.assert_allclose(left, np.concatenate(trend), atol=2e-3)

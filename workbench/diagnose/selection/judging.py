@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit, weighing_at
-from workbench.diagnose.selection.hum import humming_at, without_hum
+from workbench.diagnose.selection.hum import hums_for, without_hum
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.sets import FAR, QUICK, Asked, after, fitted_with, is_estimated, numbers_of
@@ -92,12 +92,12 @@ def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: E
 
 
 def _is_no_hum(proposal: Proposal, found: Fit, beside: Fit, ask: Asked) -> bool:
-    """Whether what is added and repeats over time gains what is asked of it beside a hum of the sensors."""
+    """Whether what is added and repeats over time gains what is asked of it beside hums of the sensors."""
     for trial in proposal.added:
-        frequency = humming_at(found.balance, trial.effect, found.moved)
-        if frequency is not None:
+        hums = hums_for(found.balance, trial.effect, found.moved, beside.residual)
+        if hums:
             one, other = (
-                (weighing, without_hum(found.balance, residual, frequency), vague)
+                (weighing, without_hum(found.balance, residual, hums), vague)
                 for weighing, residual, vague in map(left_by, (found, beside))
             )
             if gained(found.balance, one, other) < ask.price((trial,), (), {}, found.balance):

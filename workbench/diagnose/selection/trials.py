@@ -107,7 +107,7 @@ class Columns:
         """
         columns, balance = np.column_stack([column.change for column in self.own]), self.fitted.balance
         frequency = humming_at(balance, self.trial.effect, dict(self.trial.shapes))
-        return columns if frequency is None else without_hum(balance, columns, frequency)
+        return columns if frequency is None else without_hum(balance, columns, [frequency])
 
     @property
     def block(self) -> np.ndarray:
