@@ -8,7 +8,7 @@ import pytest
 from made_up_balances import made_balance, made_motion
 
 from workbench.diagnose.residuals.balance import Balance
-from workbench.diagnose.residuals.fit import fit, weighing_at
+from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.hum import humming_at, hums_for, without_hum
 from workbench.diagnose.selection.judging import choose
@@ -40,6 +40,18 @@ def trial(frequency: float) -> Trial:
     return Trial("supply_ripple", ("ripple_cosine", "ripple_sine"), (("ripple_frequency", frequency),))
 
 
+def judged(balance: Balance, start: dict[str, float], frequency: float) -> tuple[Fit, Fit, bool]:
+    """The fit without a ripple of that frequency and with it, which gains far more than is asked; whether it counts."""
+    first = fit(balance, start, ["load_force"], None, EXACT)
+    current = fit(balance, start, ["load_force"], None, EXACT, weighing_at(first))
+    ask = Asked(start, {}, 10, {}, settle=lambda found: found)
+    proposal = Proposal((trial(frequency),), (), 0.0, 0.0, {"ripple_cosine": 0.1, "ripple_sine": -0.1})
+    tried = fitted_with(current, {}, proposal, ask)
+    assert 0.5 * (current.squares - tried.squares) > 2.0 * ask.price_of(proposal, {}, balance)
+    best, _ = choose([(proposal, tried)], current, {}, {}, ask)
+    return current, tried, best is not None
+
+
 @pytest.mark.parametrize(
     ("frequency", "valve", "named"),
     [
@@ -50,14 +62,8 @@ def trial(frequency: float) -> Trial:
 )
 def test_what_a_hum_explains_is_no_ripple(frequency: float, valve: bool, named: bool) -> None:
     balance, start = rippling(frequency, valve=valve)
-    first = fit(balance, start, ["load_force"], None, EXACT)
-    current = fit(balance, start, ["load_force"], None, EXACT, weighing_at(first))
-    ask = Asked(start, {}, 10, {}, settle=lambda found: found)
-    proposal = Proposal((trial(frequency),), (), 0.0, 0.0, {"ripple_cosine": 0.1, "ripple_sine": -0.1})
-    tried = fitted_with(current, {}, proposal, ask)
-    assert 0.5 * (current.squares - tried.squares) > 2.0 * ask.price_of(proposal, {}, balance)
-    best, _ = choose([(proposal, tried)], current, {}, {}, ask)
-    assert (best is not None) is named
+    current, _, counts = judged(balance, start, frequency)
+    assert counts is named
     columns = columns_of(current, [trial(frequency)], {})[trial(frequency)]
     left = float(np.linalg.norm(columns.change)) / np.linalg.norm([one.change for one in columns.own])
     assert (left > 0.9) if named else (left < 1e-6)
@@ -79,16 +85,10 @@ def test_a_hum_beside_a_ripple_of_another_frequency_is_no_ripple(hums: bool) -> 
     start = {"ripple_cosine": 0.0, "ripple_sine": 0.0, "ripple_frequency": frequency, "load_force": 0.0, "hum": 0.0}
     truth = {**start, "ripple_cosine": ripple, "ripple_sine": -ripple, "hum": AMPLITUDE if hums else 0.0}
     balance = made_balance([made_motion()], line, truth, effects=("supply_ripple",))
-    first = fit(balance, start, ["load_force"], None, EXACT)
-    current = fit(balance, start, ["load_force"], None, EXACT, weighing_at(first))
-    ask = Asked(start, {}, 10, {}, settle=lambda found: found)
-    proposal = Proposal((trial(frequency),), (), 0.0, 0.0, {"ripple_cosine": 0.1, "ripple_sine": -0.1})
-    tried = fitted_with(current, {}, proposal, ask)
-    assert 0.5 * (current.squares - tried.squares) > 2.0 * ask.price_of(proposal, {}, balance)
+    current, tried, counts = judged(balance, start, frequency)
     (found,) = hums_for(balance, "supply_ripple", tried.values, current.residual)
     assert abs(found - 60.05) < (0.02 if hums else 0.2)
-    best, _ = choose([(proposal, tried)], current, {}, {}, ask)
-    assert (best is None) is hums
+    assert counts is not hums
 
 
 def test_a_hum_is_known_behind_a_slow_sampling_and_by_its_frequency_alone() -> None:

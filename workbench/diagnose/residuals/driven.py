@@ -56,8 +56,7 @@ def changes(slopes: Any, driven: Any, rates: Any, step: float, moved: Any) -> No
     for i in range(size):
         largest = max(largest, abs(step * rates[driven[i]]))
     if largest == 0.0:
-        for i in range(size):
-            moved[i] = 0.0
+        moved.fill(0.0)
         return
     for i in range(size):
         for j in range(size):

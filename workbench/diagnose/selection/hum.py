@@ -36,12 +36,11 @@ def hums_for(balance: Balance, effect: str, values: Values, residual: np.ndarray
     """Hz of hums in the place of which an effect may stand that repeats over time: at its own frequency, if that may be
     the mains, else the strongest lines of a residual (rows) at the mains, as far from it as the motion is quick.
     """
-    own = humming_at(balance, effect, values)
-    if own is not None:
-        return [own]
     frequency = _repeats_at(balance, effect, values)
     if frequency is None:
         return []
+    if _may_be_mains(balance, frequency):
+        return [frequency]
     reach, lines = _quickness(balance), dict(_lines_of_mains(balance))  # records of one sampling show the same
     near = {line: width for line, width in lines.items() if abs(line - frequency) < reach + width}
     return [_strongest(balance, residual, line, width) for line, width in near.items()]

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.compiled import address, njit, shift
+from plants.compiled import address, copy, njit, shift
 from plants.equation import fields, from_array, to_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.unknowns import Values
@@ -89,17 +89,17 @@ def _in_blocks(
     both = np.zeros((count + channels, count))
     for block in range(blocks):
         begin, end = block * size, min((block + 1) * size, time.size)
-        for i in range(count + channels):
-            for j in range(count):
-                both[i, j] = 1.0 if i == j else 0.0
+        both.fill(0.0)
+        for i in range(count):
+            both[i, i] = 1.0
         for k in range(end - 1, begin - 1, -1):
             if k < time.size - 1:
                 sampling = (derivatives, parameters, places, nudges, command, push, span, steps[k])
                 moved, held = over_sample(sampling, time[k], states[k], inputs[k], still[k])
                 for i in range(count):
                     if carried[k + 1, i]:
-                        for j in range(count):
-                            moved[i, j], held[i, j] = 0.0, 0.0
+                        moved[i].fill(0.0)
+                        held[i].fill(0.0)
                 added = both @ held
                 for i in range(count + channels):
                     for j in range(count):
@@ -108,9 +108,7 @@ def _in_blocks(
             for i in range(channels):
                 for j in range(count):
                     both[count + i, j] += shown[k, i, j]
-        for i in range(count + channels):
-            for j in range(count):
-                first[block, i, j] = both[i, j]
+        copy(both.ravel(), first[block].ravel())
     return first, rated
 
 
