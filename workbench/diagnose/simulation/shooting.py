@@ -138,21 +138,23 @@ class Shooting:
         converter leaves of what rests.
         """
         starting, groups = self.starting(motions, values) if known is None else known
-        counted = [self._counted(motion, values) for motion in motions]
+        ways = [motion for motion in motions if np.isinf(self.length)]  # pieces are too short to tell
+        coarse = [name for name in self.channels if any(is_coarse(motion, name) for motion in ways)]
+        if not coarse:
+            return starting, groups
+        counted = [self._counted(motion, values, coarse) for motion in motions]
         return np.column_stack([starting, np.concatenate(counted)]), groups
 
-    def _counted(self, motion: Motion, values: Values) -> np.ndarray:
-        """What a converter's steps change of a record's rows: of each channel in its own columns, 0 of a fine one, and
-        of pieces, which are too short to tell it.
+    def _counted(self, motion: Motion, values: Values, coarse: Sequence[str]) -> np.ndarray:
+        """What a converter's steps change of a record's rows, of each of the `coarse` channels in columns of its own: 0
+        where it is none in this record.
         """
-        coarse = [bool(np.isinf(self.length)) and is_coarse(motion, name) for name in self.channels]
-        seen = self.simulated(motion, values) if any(coarse) else {}
-        rows = motion.thinned.time.size
-        out = np.zeros((len(self.channels), rows, len(self.channels), 2 * HARMONICS))
-        for place, name in enumerate(self.channels):
-            if coarse[place]:
+        seen, rows = self.simulated(motion, values), motion.thinned.time.size
+        out = np.zeros((len(self.channels), rows, len(coarse), 2 * HARMONICS))
+        for column, name in enumerate(coarse):
+            if is_coarse(motion, name):
                 waves = np.nan_to_num(over_steps(motion, name, seen[name]))
-                out[place, :, place] = self._in_noise(motion, name, waves, self.tells(motion))
+                out[self.channels.index(name), :, column] = self._in_noise(motion, name, waves, self.tells(motion))
         return out.reshape(len(self.channels) * rows, -1)
 
     def _in_noise(self, motion: Motion, name: str, errors: np.ndarray, tells: np.ndarray) -> np.ndarray:
