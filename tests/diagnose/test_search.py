@@ -12,7 +12,7 @@ from workbench.diagnose.residuals.fit import AS_IT_IS, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.search import _gained_by, search
+from workbench.diagnose.selection.search import MOST, _gained_by, search
 from workbench.diagnose.selection.selection import Candidate, Step
 from workbench.diagnose.selection.sets import FAR, Asked, fitted_with
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
@@ -114,3 +114,40 @@ def test_far_from_noise_a_fit_begins_at_a_part_of_the_way_to_first_order(times: 
     proposal = Proposal((trial,), (), 0.0, 0.0, {"spring_stiffness": times * TURN})
     found = fitted_with(current, {}, proposal, Asked(start, {}, 10, {}))
     assert found.values["spring_stiffness"] == pytest.approx(TURN, abs=4.0 * found.deviations["spring_stiffness"])
+
+
+SIZES = {
+    "load_force": 3.0,
+    "spring_stiffness": 200.0,
+    "drag_coefficient": 2e3,
+    "viscous_drift": 0.05,
+    "friction_gradient": 0.2,
+    "backlash_width": 1e-5,
+}
+"""Each makes about 3 N."""
+
+
+def many(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """As many forces, none of which is made of the others."""
+    waves = [np.sin((1.7 + 0.61 * k) * motion.time) for k in range(len(SIZES))]
+    return np.asarray(
+        sum(3.0 * values.get(name, 0.0) / SIZES[name] * wave for name, wave in zip(SIZES, waves, strict=True))
+    )
+
+
+@pytest.mark.parametrize("present", [MOST, len(SIZES)])
+def test_no_more_are_sought_than_a_plant_may_lack_at_once(present: int) -> None:
+    truth = dict(list(SIZES.items())[:present])
+    effects = (
+        "constant_load",
+        "spring_load",
+        "quadratic_drag",
+        "viscous_drift",
+        "position_dependent_friction",
+        "backlash",
+    )
+    balance = replace(made_balance([made_motion()], many, truth, effects=effects), name=SIMULATION)
+    start = dict.fromkeys(SIZES, 0.0)
+    found = search(fit(balance, start, [], None, EXACT), {}, Asked(start, {}, 10, {}, settle=lambda found: found))
+    assert len(found.effects) == MOST
+    assert (found.fit.excess < 1.1) is (present == MOST), "what four do not explain is left"

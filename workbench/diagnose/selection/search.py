@@ -42,6 +42,11 @@ NEARLY = 0.3
 TOGETHER = 3
 """Effects that are added at once, at most."""
 
+MOST = 4
+"""Effects that a plant lacks at once, at most: far from its records more and more effects gain something, and each is
+fitted beside all others. What four do not explain nobody would believe of five.
+"""
+
 LEADING = 8
 """Effects of those that promise most, of which sets are made."""
 
@@ -195,6 +200,8 @@ def _explored(outlook: Outlook, taken: Effects, ask: Asked) -> list[tuple[Propos
     largest: dict[str, Trial] = {}
     shown = {trial: outlook.proposal([trial], {}, 0.0).gain for trial in outlook.columns}
     for trial in trials_of(current, list(taken), ask.shapes):
+        if not _is_few(Proposal((trial,), (), 0.0, 0.0, {}), taken):
+            continue
         before = largest.get(trial.effect)
         if before is None or _fuller(trial, shown) > _fuller(before, shown):
             largest[trial.effect] = trial
@@ -244,7 +251,13 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
             found.append(outlook.proposal(added, away, ask.price(added, dropped, taken, outlook.fitted.balance)))
     most = max((proposal.score for proposal in alone), default=0.0)
     found = [proposal for proposal in found if proposal.score > most or proposal.dropped]  # else one goes first
-    return sorted([*alone, *found], key=lambda proposal: -proposal.score)
+    few = [proposal for proposal in (*alone, *found) if _is_few(proposal, taken)]
+    return sorted(few, key=lambda proposal: -proposal.score)
+
+
+def _is_few(proposal: Proposal, taken: Effects) -> bool:
+    """Whether a set has no more effects than a plant may lack at once, or no more than there are."""
+    return len(after(taken, proposal)) <= max(MOST, len(taken))
 
 
 def _promising(
