@@ -199,9 +199,7 @@ def _explored(outlook: Outlook, taken: Effects, ask: Asked) -> list[tuple[Propos
     own = {name: ask.declared[name] for name in current.names if name in ask.declared}
     largest: dict[str, Trial] = {}
     shown = {trial: outlook.proposal([trial], {}, 0.0).gain for trial in outlook.columns}
-    for trial in trials_of(current, list(taken), ask.shapes):
-        if not _is_few(Proposal((trial,), (), 0.0, 0.0, {}), taken):
-            continue
+    for trial in (one for one in trials_of(current, list(taken), ask.shapes) if _is_few([one], (), taken)):
         before = largest.get(trial.effect)
         if before is None or _fuller(trial, shown) > _fuller(before, shown):
             largest[trial.effect] = trial
@@ -238,7 +236,8 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     """
     ordered = list(_best_alone(outlook, ask).values())
     own_noise(outlook.fitted)  # once for all threads
-    alone = side_by_side(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), ordered)
+    further = [trial for trial in ordered if _is_few([trial], (), taken)]
+    alone = side_by_side(lambda trial: outlook.alone(trial, ask.of_trial(trial, outlook.fitted.balance)), further)
     leading = ordered[:LEADING]
     sets: list[tuple[Trial, ...]] = []
     for count in range(2, TOGETHER + 1):
@@ -246,18 +245,18 @@ def _proposals(outlook: Outlook, taken: Effects, ask: Asked) -> list[Proposal]:
     drops: list[tuple[str, ...]] = [(), *((effect,) for effect in taken)]
     found = []
     for dropped in drops:
-        for added in [(), *((trial,) for trial in leading)] if dropped else sets:
+        wanted = [(), *((trial,) for trial in leading)] if dropped else sets
+        for added in (one for one in wanted if _is_few(one, dropped, taken)):
             away = {effect: away_of(outlook.fitted, taken[effect], ask) for effect in dropped}
             found.append(outlook.proposal(added, away, ask.price(added, dropped, taken, outlook.fitted.balance)))
     most = max((proposal.score for proposal in alone), default=0.0)
     found = [proposal for proposal in found if proposal.score > most or proposal.dropped]  # else one goes first
-    few = [proposal for proposal in (*alone, *found) if _is_few(proposal, taken)]
-    return sorted(few, key=lambda proposal: -proposal.score)
+    return sorted([*alone, *found], key=lambda proposal: -proposal.score)
 
 
-def _is_few(proposal: Proposal, taken: Effects) -> bool:
-    """Whether a set has no more effects than a plant may lack at once, or no more than there are."""
-    return len(after(taken, proposal)) <= max(MOST, len(taken))
+def _is_few(added: Sequence[Trial], dropped: Sequence[str], taken: Effects) -> bool:
+    """Whether with these a plant lacks no more effects than it may at once, or no more than those that are taken."""
+    return len({*taken} - {*dropped} | {*effects_of(added)}) <= max(MOST, len(taken))
 
 
 def _promising(

@@ -138,23 +138,27 @@ class Shooting:
         converter leaves of what rests.
         """
         starting, groups = self.starting(motions, values) if known is None else known
-        ways = [motion for motion in motions if np.isinf(self.length)]  # pieces are too short to tell
-        coarse = [name for name in self.channels if any(is_coarse(motion, name) for motion in ways)]
-        if not coarse:
+        coarse = [self._coarse(motion) for motion in motions]
+        names = [name for name in self.channels if any(name in own for own in coarse)]
+        if not names:
             return starting, groups
-        counted = [self._counted(motion, values, coarse) for motion in motions]
+        counted = [self._counted(motion, values, names, own) for motion, own in zip(motions, coarse, strict=True)]
         return np.column_stack([starting, np.concatenate(counted)]), groups
 
-    def _counted(self, motion: Motion, values: Values, coarse: Sequence[str]) -> np.ndarray:
-        """What a converter's steps change of a record's rows, of each of the `coarse` channels in columns of its own: 0
-        where it is none in this record.
+    def _coarse(self, motion: Motion) -> list[str]:
+        """The channels of a record whose converters are coarse: none of pieces, which are too short to tell it."""
+        return [name for name in self.channels if np.isinf(self.length) and is_coarse(motion, name)]
+
+    def _counted(self, motion: Motion, values: Values, names: Sequence[str], coarse: Sequence[str]) -> np.ndarray:
+        """What a converter's steps change of a record's rows, of each channel of these `names` in columns of its own: 0
+        where it is none of those that are `coarse` here.
         """
-        seen, rows = self.simulated(motion, values), motion.thinned.time.size
-        out = np.zeros((len(self.channels), rows, len(coarse), 2 * HARMONICS))
-        for column, name in enumerate(coarse):
-            if is_coarse(motion, name):
-                waves = np.nan_to_num(over_steps(motion, name, seen[name]))
-                out[self.channels.index(name), :, column] = self._in_noise(motion, name, waves, self.tells(motion))
+        seen, rows = self.simulated(motion, values) if coarse else {}, motion.thinned.time.size
+        out = np.zeros((len(self.channels), rows, len(names), 2 * HARMONICS))
+        for name in coarse:
+            waves = np.nan_to_num(over_steps(motion, name, seen[name]))
+            place = self.channels.index(name), slice(None), names.index(name)
+            out[place] = self._in_noise(motion, name, waves, self.tells(motion))
         return out.reshape(len(self.channels) * rows, -1)
 
     def _in_noise(self, motion: Motion, name: str, errors: np.ndarray, tells: np.ndarray) -> np.ndarray:
