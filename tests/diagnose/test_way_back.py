@@ -14,7 +14,7 @@ from workbench.diagnose.simulation import stage
 from workbench.diagnose.simulation.fits import Fitting
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import shooting_of
-from workbench.diagnose.simulation.stage import SimulationStage
+from workbench.diagnose.simulation.stage import Searches, SimulationStage
 from workbench.progress import silent
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
@@ -40,12 +40,13 @@ def test_effects_that_leave_more_than_none_are_sought_anew(stiffness: float, sta
 
     found = left({**before.values, "spring_stiffness": stiffness})
     start = SimulationStart(NAMES, declared, declared, declared, {}, {})
-    again = stage._sought_anew(experiment, motions, start, base, found, silent)
+    searches = Searches(experiment, motions, start, silent)
+    again = searches.anew(base, found)
     if stays:
         assert again is found
     else:
         pieces = replace(base, how=replace(base.how, length=0.5))
-        assert stage._sought_anew(experiment, motions, start, pieces, found, silent) is found, "of pieces less is left"
+        assert searches.anew(pieces, found) is found, "of pieces less is left"
         assert found.after.rms > 10.0
         assert again.effects == {}
         assert again.dropped == ["cogging", "spring_load"], "by balances, and now"

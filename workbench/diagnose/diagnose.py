@@ -26,6 +26,7 @@ from workbench.diagnose.simulation.by_curve import Curved, curved
 from workbench.diagnose.simulation.fits import Simulated
 from workbench.diagnose.simulation.held_out import without_refuted
 from workbench.diagnose.simulation.reached import (
+    SimulationStart,
     farther_baseline,
     given_by,
     nearer_baseline,
@@ -54,39 +55,54 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     motions, held_out = both[: len(records)], both[len(records) :]
     declared = declared_values(experiment)
     offset = sensor_offset(motions, declared)
-    plain = stage = baselines(experiment, motions, declared, offset, progress)
     sensor = [offset] if offset is not None else []
-    simulated = as_simulated(experiment, motions)
-    base = simulated_baseline(experiment, simulated, stage.simulation_start(sensor), progress)
+    plain = stage = baselines(experiment, motions, declared, offset, progress)
+    base = simulated_baseline(experiment, as_simulated(experiment, motions), plain.simulation_start(sensor), progress)
     if base is None or base.fit.excess > NEAR_NOISE:
-        stage = with_effects(with_floors(stage, experiment, progress), experiment, progress)
-    effects = _effects_of(stage, sensor)
+        stage = with_effects(with_floors(plain, experiment, progress), experiment, progress)
     simulation = None
     if base is not None:
-        start = stage.simulation_start(effects)
-        them = simulated_with(experiment, base, start, progress)
-        curve: Curved | None = None
-        if base.fit.excess > NEAR_NOISE and _is_far(them):
-            if not base.is_near:
-                given = given_by(base, start)
-                base, them, curve = curved(experiment, base, them, stage.curves, given, start, progress)
-            if curve is None and base.fit.excess > NEAR_NOISE and _is_far(them):
-                base = farther_baseline(experiment, base, start, progress)
-            if curve is None and not base.is_near and _is_far(them):
-                base = nearer_baseline(experiment, base, start, progress)
-            if base.fit.excess < NEAR_NOISE:  # balances stood far from noise, and what they show is no guide
-                stage, effects, start = plain, sensor, plain.simulation_start(sensor)
-                them = simulated_with(experiment, base, start, progress)
-        if curve is None and them is not None and them.fit.excess > NEAR_NOISE:
-            them = nearer_with(experiment, base, them, start, progress)
-            most = with_most(stage) if _is_far(them) else stage
-            if most is not stage:
-                stage, effects = most, _effects_of(most, sensor)
-                start = stage.simulation_start(effects)
-                them = simulated_with(experiment, base, start, progress)
-        found = simulation_stage(experiment, start, base, them, curve, progress)
+        stage, start, found = _simulated(experiment, base, plain, stage, sensor, progress)
         simulation = without_refuted(experiment, found, held_out, start)
-    return _diagnosis(experiment, held_out, declared, effects, stage, simulation, progress)
+    return _diagnosis(experiment, held_out, declared, _effects_of(stage, sensor), stage, simulation, progress)
+
+
+def _simulated(
+    experiment: Experiment,
+    base: Simulated,
+    plain: ResidualStage,
+    stage: ResidualStage,
+    sensor: Sequence[FoundEffect],
+    progress: Progress,
+) -> tuple[ResidualStage, SimulationStart, SimulationStage]:
+    """What the simulated plant lacks, and the balances that were its guide at last: `stage` with its effects, or with
+    some of them, or where they stand far from noise and the plant alone does not, `plain`.
+    """
+
+    def begun(base: Simulated, stage: ResidualStage) -> tuple[SimulationStart, Simulated | None]:
+        start = stage.simulation_start(_effects_of(stage, sensor))
+        return start, simulated_with(experiment, base, start, progress)
+
+    start, them = begun(base, stage)
+    curve: Curved | None = None
+    if base.fit.excess > NEAR_NOISE and _is_far(them):
+        if not base.is_near:
+            given = given_by(base, start)
+            base, them, curve = curved(experiment, base, them, stage.curves, given, start, progress)
+        if curve is None and base.fit.excess > NEAR_NOISE and _is_far(them):
+            base = farther_baseline(experiment, base, start, progress)
+        if curve is None and not base.is_near and _is_far(them):
+            base = nearer_baseline(experiment, base, start, progress)
+        if base.fit.excess < NEAR_NOISE:  # what balances far from noise show is no guide
+            stage = plain
+            start, them = begun(base, stage)
+    if curve is None and them is not None and them.fit.excess > NEAR_NOISE:
+        them = nearer_with(experiment, base, them, start, progress)
+        most = with_most(stage) if _is_far(them) else stage
+        if most is not stage:
+            stage = most
+            start, them = begun(base, stage)
+    return stage, start, simulation_stage(experiment, start, base, them, curve, progress)
 
 
 def _effects_of(stage: ResidualStage, sensor: Sequence[FoundEffect]) -> list[FoundEffect]:

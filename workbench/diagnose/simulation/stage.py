@@ -6,7 +6,7 @@ showed. Where it lacks nothing the sensors' noise is left; how much more is left
 nearly all of that.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,13 +22,7 @@ from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.believed import believed
 from workbench.diagnose.simulation.by_curve import Curved, in_its_place
 from workbench.diagnose.simulation.filters import filtered
-from workbench.diagnose.simulation.fits import (
-    NOISE,
-    TRUSTED,
-    Fitting,
-    Simulated,
-    exactly,
-)
+from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Fitting, Simulated, exactly
 from workbench.diagnose.simulation.led_search import found_led
 from workbench.diagnose.simulation.nearer import fit_farther
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, given_by, may_leave_less
@@ -136,10 +130,116 @@ def _as_late(fitted: Fit, sample_time: float, held: bool) -> Values:
     return {**fitted.values, ARRIVES: max(fitted.values[ARRIVES] - 0.5 * sample_time, 0.0)}
 
 
-def _farther(experiment: Experiment, motions: Sequence[Motion], first: Simulated, start: Values) -> Simulated:
-    """The same by way of pieces of the records."""
-    fitting = Fitting(motions, first.fit.names, experiment.bounds)
-    return along_valley(fitting, exactly(fit_farther(first, fitting, start), fitting))
+@dataclass(frozen=True, eq=False)
+class Searches:
+    """Searches among effects for what an experiment's simulated plant leaves of its records, by what the residual stage
+    hands on to `start` with.
+    """
+
+    experiment: Experiment
+    motions: Sequence[Motion]
+    start: SimulationStart
+    progress: Progress
+
+    def among_effects(self, base: Simulated, with_them: Simulated | None, given: Effects) -> SimulationStage:
+        """One from the fit of the plant without effects or with those that were `given`, and what it lacks then."""
+        before, current, how, dropped = base.fit, base.fit, base.how, list[str]()
+        effects: Effects = {}
+        if with_them is not None:
+            if with_them.fit.rms < _left_over(base, with_them.how.length, self.motions):
+                current, effects, how = with_them.fit, given, with_them.how
+            else:  # the record itself speaks against them
+                dropped = list(given)
+        lacks, stood_in = None, tuple[str, ...]()
+        ask = asked_of(how, self.motions, self.start, self.experiment.bounds)
+        if Simulated(how, current).is_near:
+            self.progress("what the simulated plant lacks", 0.6)
+            found = search(current, effects, ask)
+            self.progress("what no effect explains", 0.8)
+            named = tuple(found.effects)
+            without = without_effects(found.fit, found.effects, ask)
+            found, lacks = believed(how, found, without, ask)
+            stood_in = () if found.effects else named
+        else:  # so far from noise stand-ins gain most
+            found = Found(current, effects, [Step(current, [])], {}, {}, {})
+            without = without_effects(current, effects, ask)
+        dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
+        if not found.effects and how is base.how and before.rms < found.fit.rms:
+            found = replace(found, fit=before)
+        if found.fit.rms < before.rms:  # what is left without what was found is no effect's
+            plain = ask.settled(without) if found.effects else found.fit
+            before = min(before, plain, key=lambda one: one.rms)
+        return SimulationStage(
+            how=how,
+            before=before,
+            named=current,
+            first=effects,
+            after=found.fit,
+            effects=found.effects,
+            steps=found.steps,
+            gains=found.gains,
+            alternatives=found.alternatives,
+            dropped=dropped,
+            lacks=lacks,
+            stood_in=stood_in,
+        )
+
+    def in_place_of(self, curved: Curved, base: Simulated, given: Effects) -> SimulationStage:
+        """What a plant lacks that comes near noise with a curve: an effect that does in its place, with all that is
+        found beside that, or what nobody knows.
+        """
+        self.progress("effects in the place of a curve", 0.7)
+        instead = in_its_place(self.experiment, curved, self.start)
+        with_it, effects = (None, {}) if instead is None else instead
+        found = _without(given, self.among_effects(base, with_it, effects))
+        if found.after.excess < NEAR_NOISE:
+            return found
+        found = found if not found.effects else self.among_effects(base, None, {})
+        dropped = [effect for effect in given if effect not in curved.effects]
+        return replace(found, dropped=dropped, lacks=curved.dependence, curved=curved)
+
+    def by_pieces(self, first: Simulated, values: Values) -> Simulated:
+        """The plant fitted by way of pieces of the records."""
+        fitting = self._fitting(first.fit.names)
+        return along_valley(fitting, exactly(fit_farther(first, fitting, values), fitting))
+
+    def anew(self, base: Simulated, found: SimulationStage) -> SimulationStage:
+        """The search once more from the plant without effects, where that has come nearer to noise by what was found
+        than the plant with it: it had lost its way, and what was found says no more than that. Pieces say nothing of
+        it.
+        """
+        if not found.effects or base.how.length != found.how.length or found.before.rms >= found.after.rms:
+            return found
+        fitting = self._fitting(base.fit.names)
+        nearer = fitting.final(fitting.found(replace(found.how, begins={}), found.before.values))
+        again = self.among_effects(exactly(nearer, fitting), None, {})
+        return _without((*found.dropped, *found.effects), again)
+
+    def held_otherwise(self, base: Simulated, found: SimulationStage, given: Effects) -> SimulationStage:
+        """The search once more with the voltage between samples as it was not taken to be, where that leaves less with
+        what was found: effects stand in for a voltage that holds where it does not, and a delay of half a sample for
+        one that does.
+        """
+        other = shooting_of(self.experiment, self.motions, held=not found.how.held)
+        if other is None or not (found.effects and found.is_near):
+            return found
+        other = filtered(other, self.motions, found.after.values)
+        values = _as_late(found.after, self.motions[0].record.sample_time, other.held)
+        if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
+            return found
+        fitting = self._fitting(found.after.names)
+        otherwise = fitting.final(fitting.found(other, values))
+        if otherwise.fit.rms >= found.after.rms:
+            return found
+        own = self._fitting(base.fit.names)
+        effective = {name for numbers in found.effects.values() for name in numbers}
+        without = declared_again(otherwise.fit.values, effective, self.start.declared)
+        plain = own.final(own.found(other, without))
+        with_them = exactly(otherwise, fitting) if plain.fit.excess > NEAR_NOISE else None
+        return _without(given, self.among_effects(plain, with_them, found.effects if with_them else {}))
+
+    def _fitting(self, names: Sequence[str]) -> Fitting:
+        return Fitting(self.motions, names, self.experiment.bounds)
 
 
 def simulation_stage(
@@ -157,55 +257,33 @@ def simulation_stage(
     and is fitted once more by way of pieces.
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
-    found = _stage(experiment, motions, start, base, with_them, given, progress)
+    searches = Searches(experiment, motions, start, progress)
+    found = searches.among_effects(base, with_them, given)
     if curved is not None and found.after.excess > NEAR_NOISE:
-        found = _by_curve(experiment, motions, start, base, curved, given, progress)
-        return _held_otherwise(experiment, motions, start, base, found, given, progress)
+        return searches.held_otherwise(base, searches.in_place_of(curved, base, given), given)
     led = None
     if found.after.excess > NEAR_NOISE:
         progress("effects while a loop leads the plant along its records")
         led = found_led(experiment, motions, base, start)
     if led is not None:
-        again = _stage(experiment, motions, start, base, led.simulated, led.effects, progress)
-        again = _sought_anew(experiment, motions, start, base, again, progress)
+        again = searches.anew(base, searches.among_effects(base, led.simulated, led.effects))
         if _tells_more(again, found):
-            gone = [effect for effect in given if effect not in again.effects]
-            found = replace(again, dropped=gone, steps=[*led.steps, *again.steps])
-            return _held_otherwise(experiment, motions, start, base, found, given, progress)
+            found = replace(_without(given, again), steps=[*led.steps, *again.steps])
+            return searches.held_otherwise(base, found, given)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
         before = base, with_them
         begun = [(base, start.baseline), *([] if with_them is None else [(with_them, start.corrected)])]
-        base, *others = side_by_side(lambda one: _farther(experiment, motions, *one), begun)
+        base, *others = side_by_side(lambda one: searches.by_pieces(*one), begun)
         with_them = others[0] if others else None
         if base is not before[0] or with_them is not before[1]:
-            found = _stage(experiment, motions, start, base, with_them, given, progress)
-    found = _sought_anew(experiment, motions, start, base, found, progress)
-    return _held_otherwise(experiment, motions, start, base, found, given, progress)
+            found = searches.among_effects(base, with_them, given)
+    return searches.held_otherwise(base, searches.anew(base, found), given)
 
 
-def _by_curve(
-    experiment: Experiment,
-    motions: Sequence[Motion],
-    start: SimulationStart,
-    base: Simulated,
-    curved: Curved,
-    given: Effects,
-    progress: Progress,
-) -> SimulationStage:
-    """What a plant lacks that comes near noise with a curve: an effect that does in its place, with all that is found
-    beside that, or what nobody knows.
-    """
-    progress("effects in the place of a curve", 0.7)
-    instead = in_its_place(experiment, curved, start)
-    with_it, effects = (None, {}) if instead is None else instead
-    found = _stage(experiment, motions, start, base, with_it, effects, progress)
-    found = replace(found, dropped=[effect for effect in given if effect not in found.effects])
-    if found.after.excess < NEAR_NOISE:
-        return found
-    found = found if not found.effects else _stage(experiment, motions, start, base, None, {}, progress)
-    dropped = [effect for effect in given if effect not in curved.effects]
-    return replace(found, dropped=dropped, lacks=curved.dependence, curved=curved)
+def _without(given: Iterable[str], found: SimulationStage) -> SimulationStage:
+    """What was found, and of the effects that were `given` those that the plant does without."""
+    return replace(found, dropped=[effect for effect in given if effect not in found.effects])
 
 
 def _tells_more(again: SimulationStage, found: SimulationStage) -> bool:
@@ -214,111 +292,6 @@ def _tells_more(again: SimulationStage, found: SimulationStage) -> bool:
     """
     once_more = bool(found.stood_in) and found.lacks is not None and again.lacks is not None
     return bool(again.effects) and again.after.rms < found.after.rms and not once_more
-
-
-def _sought_anew(
-    experiment: Experiment,
-    motions: Sequence[Motion],
-    start: SimulationStart,
-    base: Simulated,
-    found: SimulationStage,
-    progress: Progress,
-) -> SimulationStage:
-    """The search once more from the plant without effects, where that has come nearer to noise by what was found than
-    the plant with it: it had lost its way, and what was found says no more than that. Pieces say nothing of it.
-    """
-    if not found.effects or base.how.length != found.how.length or found.before.rms >= found.after.rms:
-        return found
-    fitting = Fitting(motions, base.fit.names, experiment.bounds)
-    nearer = fitting.final(fitting.found(replace(found.how, begins={}), found.before.values))
-    again = _stage(experiment, motions, start, exactly(nearer, fitting), None, {}, progress)
-    gone = [effect for effect in (*found.dropped, *found.effects) if effect not in again.effects]
-    return replace(again, dropped=gone)
-
-
-def _held_otherwise(
-    experiment: Experiment,
-    motions: Sequence[Motion],
-    start: SimulationStart,
-    base: Simulated,
-    found: SimulationStage,
-    given: Effects,
-    progress: Progress,
-) -> SimulationStage:
-    """The search once more with the voltage between samples as it was not taken to be, where that leaves less with what
-    was found: effects stand in for a voltage that holds where it does not, and a delay of half a sample for one that
-    does.
-    """
-    other = shooting_of(experiment, motions, held=not found.how.held)
-    if other is None or not (found.effects and found.is_near):
-        return found
-    other = filtered(other, motions, found.after.values)
-    values = _as_late(found.after, motions[0].record.sample_time, other.held)
-    if not may_leave_less(replace(found.how, setups=other.setups, held=other.held), found.after, values):
-        return found
-    fitting = Fitting(motions, found.after.names, experiment.bounds)
-    otherwise = fitting.final(fitting.found(other, values))
-    if otherwise.fit.rms >= found.after.rms:
-        return found
-    own = Fitting(motions, base.fit.names, experiment.bounds)
-    effective = {name for numbers in found.effects.values() for name in numbers}
-    without = declared_again(otherwise.fit.values, effective, start.declared)
-    plain = own.final(own.found(other, without))
-    with_them = exactly(otherwise, fitting) if plain.fit.excess > NEAR_NOISE else None
-    again = _stage(experiment, motions, start, plain, with_them, found.effects if with_them else {}, progress)
-    return replace(again, dropped=[effect for effect in given if effect not in again.effects])
-
-
-def _stage(
-    experiment: Experiment,
-    motions: Sequence[Motion],
-    start: SimulationStart,
-    base: Simulated,
-    with_them: Simulated | None,
-    given: Effects,
-    progress: Progress,
-) -> SimulationStage:
-    """One search from the fit of the plant without effects or with those that were `given`, and what it lacks then."""
-    before, current, how, dropped = base.fit, base.fit, base.how, list[str]()
-    effects: Effects = {}
-    if with_them is not None:
-        if with_them.fit.rms < _left_over(base, with_them.how.length, motions):
-            current, effects, how = with_them.fit, given, with_them.how
-        else:  # the record itself speaks against them
-            dropped = list(given)
-    lacks, stood_in = None, tuple[str, ...]()
-    ask = asked_of(how, motions, start, experiment.bounds)
-    if Simulated(how, current).is_near:
-        progress("what the simulated plant lacks", 0.6)
-        found = search(current, effects, ask)
-        progress("what no effect explains", 0.8)
-        named = tuple(found.effects)
-        without = without_effects(found.fit, found.effects, ask)
-        found, lacks = believed(how, found, without, ask)
-        stood_in = () if found.effects else named
-    else:  # so far from noise stand-ins gain most
-        found = Found(current, effects, [Step(current, [])], {}, {}, {})
-        without = without_effects(current, effects, ask)
-    dropped += [effect for effect in given if effect not in found.effects and effect not in dropped]
-    if not found.effects and how is base.how and before.rms < found.fit.rms:
-        found = replace(found, fit=before)
-    if found.fit.rms < before.rms:  # what is left without what was found is no effect's
-        plain = ask.settled(without) if found.effects else found.fit
-        before = min(before, plain, key=lambda one: one.rms)
-    return SimulationStage(
-        how=how,
-        before=before,
-        named=current,
-        first=effects,
-        after=found.fit,
-        effects=found.effects,
-        steps=found.steps,
-        gains=found.gains,
-        alternatives=found.alternatives,
-        dropped=dropped,
-        lacks=lacks,
-        stood_in=stood_in,
-    )
 
 
 def _left_over(of: Simulated, length: float, motions: Sequence[Motion]) -> float:
