@@ -158,7 +158,7 @@ def test_a_clock_that_goes_back_all_the_time_is_none(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("dots_alone")
-def test_check_identify_and_diagnose_take_the_pieces_and_tell_of_them(tmp_path: Path, dots_alone: None) -> None:
+def test_check_and_identify_take_the_pieces_and_tell_of_them(tmp_path: Path) -> None:
     """A free run over 25 s finds the true 60 N and 800 N s/m from 40 N and 500 N s/m."""
     path = experiment(tmp_path, log(66.0, every=25.0))
     answer = workbench("check", path)
@@ -172,6 +172,11 @@ def test_check_identify_and_diagnose_take_the_pieces_and_tell_of_them(tmp_path: 
     found = json.loads((tmp_path / "identified" / "identified.json").read_text())["parameters"]
     assert found["coulomb"]["simulation"]["value"] == pytest.approx(60.0, rel=0.02)
     assert found["viscous"]["simulation"]["value"] == pytest.approx(800.0, rel=0.02)
+
+
+@pytest.mark.usefixtures("dots_alone")
+def test_a_diagnosis_takes_the_pieces_and_tells_of_them(tmp_path: Path) -> None:
+    path = experiment(tmp_path, log(30.0, every=10.0))
     with mock.patch.object(diagnose, "simulated_baseline", return_value=None):  # it takes long
         answer = workbench("diagnose", path, "--out", tmp_path / "diagnosed")
     assert (answer.code, answer.err) == (0, "")
