@@ -179,7 +179,10 @@ def test_a_length_in_another_unit_is_off_by_thousands(tmp_path: Path, span: str,
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (table().rename(columns={"pA": "p_A"}), 'no column "pA" for pressure_1; did you mean "p_A"?'),
+        (
+            table().rename(columns={"pA": "p_A"}),
+            'no column "pA" for pressure_1; did you mean "p_A"? It has t, u, x, p_A',
+        ),
         (
             spoiled(t=table()["t"] // 20.0),
             "95 % of the time stamps are out of order, repeated most of them: is the time ",
