@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from command import STUDY, Answer, fails, workbench, write
+from driven import driven_experiment
 from experiments import AXIAL, CURVE, LINE, axial_record, experiment_text, identify, make_record
 
 from workbench.identify.identification import identify as run_identification
@@ -99,6 +100,15 @@ def test_pressures_in_the_wrong_unit(tmp_path: Path) -> None:
     frame[["pressure_1", "pressure_2"]] *= 1e-2
     frame.to_parquet(tmp_path / "run_a.parquet")
     fails(identify(tmp_path, AXIAL, "thesis"), "is the unit of channel pressure_1 right? (it seems 0.01 times off)")
+
+
+@pytest.mark.parametrize("unit", ["kN", "N", "mN"])
+def test_a_force_in_the_wrong_unit(unit: str, tmp_path: Path) -> None:
+    path = driven_experiment(tmp_path, 0.0, 5e-6, 6.0, sensor=1.0)
+    path.write_text(path.read_text(encoding="utf-8").replace('unit = "N"', f'unit = "{unit}"'), encoding="utf-8")
+    answer = workbench("check", path)
+    told = "is the unit of channel force right, or are coulomb and viscous?" in answer.out + answer.err
+    assert told == (unit != "N"), answer
 
 
 def test_an_offset_that_nobody_believes_is_told(tmp_path: Path) -> None:

@@ -22,6 +22,10 @@ SHORT_WAY = 0.02
 """Share of the stroke below which a travel is mostly a wrong unit of position."""
 
 
+OFF = 300.0
+"""Times that friction is larger or smaller than as it is declared, from which the unit of a force is mostly wrong."""
+
+
 def check_slides(records: Sequence[Record], experiment: Experiment) -> None:
     """Whether any of the records slides.
 
@@ -65,13 +69,13 @@ def _unit_mistake(record: Record, experiment: Experiment) -> str:
 
 def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     """Whether the force that pressures or a load cell show opposes the motion, on the average over the way of a record
-    in its pieces; or a drive's command gives work to it.
+    in its pieces, and a load cell's is of the size of friction; or a drive's command gives work to the motion.
 
     What the pressure sensors may be off by, as [sensors] has it, is allowed for, and a declared load; a plant under a
     load that nobody knows, or on a spring, is not judged, nor a drive that carries a load.
 
     Raises:
-        UserError: it drives the rod instead.
+        UserError: it drives the rod instead, or is hundreds of times off.
     """
     record = pieces[0]
     channels, values = record.channels, experiment.known_values()
@@ -96,12 +100,18 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
     areas = [values.get(f"piston_area_{side}", 0.0) for side in (1, 2)]
     offsets = [experiment.accuracies.get(f"pressure_{side}_offset", 0.0) for side in (1, 2)]
     allowed = float(np.linalg.norm(np.multiply(areas, offsets))) + abs(values.get(load, 0.0))
+    unit = SHOWN[experiment.plant.axis].force_unit
     if opposing < -allowed:
-        unit = SHOWN[experiment.plant.axis].force_unit
         cause = "are the columns of pressure_1 and pressure_2 swapped, or is" if pressures else "is"
         raise UserError(
             f"{record.path}: friction does not oppose the motion ({opposing:.3g} {unit} on the average): {cause} "
             f"the sign of {'position' if pressures else 'position or force'} wrong?"
+        )
+    level = values.get("coulomb", 0.0) + values.get("viscous", 0.0) * float(np.mean(np.abs(velocity)))
+    if not pressures and opposing > 0.0 < level and not 1.0 / OFF < opposing / level < OFF:
+        raise UserError(
+            f"{record.path}: the force overcomes {opposing:.3g} {unit} of friction on the average, and as declared "
+            f"that is {level:.3g} {unit}: is the unit of channel force right, or are coulomb and viscous?"
         )
 
 
